@@ -1,0 +1,196 @@
+use super::*;
+
+const CONNECTION: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","state":"ONLINE"}"#;
+const FACTSHEET: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-2","on_supervisor_loss":"HOLD","arrays":[{"array":"left","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[1]},{"whisker":1,"x_mm":25.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":65.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[0]}]}]}"#;
+const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"left","whisker":0,"t_us":1795248000123456,"ratio":0.85,"deflection_mm":2.4,"strain":0.009671,"pressure_mpa":0.1002,"temperature_c":24.1}]}"#;
+const STATUS: &str = r#"{"boot_id":"b7","seq":77,"t_us":1795248000123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.1002,"setpoint_mpa":0.1,"regulator":"OK","gauge":"OK"}]}"#;
+const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
+const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":12,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
+const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","state":"APPLIED","t_us":1795248002123456,"pressure_mpa":0.0481}"#;
+const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
+const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":12}"#;
+
+fn topic(last: &str) -> Topic {
+    Topic::parse(&format!("whisker/v1/f/r/{last}")).unwrap()
+}
+
+fn refused(last: &str, payload: &str) -> Refusal {
+    decode(&topic(last), payload.as_bytes()).unwrap_err()
+}
+
+/// The golden message with one thing replaced.
+fn refused_after(last: &str, golden: &str, from: &str, to: &str) -> Refusal {
+    assert!(golden.contains(from), "{from} is not in the golden message");
+    refused(last, &golden.replacen(from, to, 1))
+}
+
+fn assert_out_of_range(refusal: &Refusal, place: &str) {
+    assert!(matches!(refusal, Refusal::OutOfRange { path, .. } if path == place), "{refusal}");
+}
+
+#[test]
+fn golden_messages_of_the_contract_round_trip_byte_for_byte() {
+    for (last, text) in [
+        ("connection", CONNECTION),
+        ("factsheet", FACTSHEET),
+        ("contacts", CONTACTS),
+        ("status", STATUS),
+        ("receipt", RECEIPT),
+        ("setpoint", SETPOINT),
+        ("setpoint_state", SETPOINT_STATE),
+        ("request", REQUEST),
+    ] {
+        let message = decode(&topic(last), text.as_bytes()).unwrap();
+        assert_eq!(String::from_utf8(encode(&message)).unwrap(), text, "{last}");
+    }
+    let topic = Topic::parse("whisker/v1/f/supervisor/state").unwrap();
+    let message = decode(&topic, SUPERVISOR_STATE.as_bytes()).unwrap();
+    assert_eq!(String::from_utf8(encode(&message)).unwrap(), SUPERVISOR_STATE);
+}
+
+#[test]
+fn unknown_fields_are_ignored() {
+    let text = CONTACTS.replace(r#""seq""#, r#""colour":{"a":[1]},"seq""#);
+    assert!(decode(&topic("contacts"), text.as_bytes()).is_ok());
+}
+
+#[test]
+fn dropped_contacts_are_optional_in_a_status() {
+    let text = STATUS.replace(r#""whiskers""#, r#""contacts_dropped":3,"whiskers""#);
+    let Message::Status(status) = decode(&topic("status"), text.as_bytes()).unwrap() else { panic!("no status") };
+    assert_eq!(status.contacts_dropped, Some(3));
+}
+
+#[test]
+fn what_is_not_json_is_refused() {
+    for payload in ["", "{", "nonsense", &format!("{CONTACTS} more"), "{\"boot_id\":\"\u{1}\"}"] {
+        assert_eq!(refused("contacts", payload).label(), "not_json", "{payload}");
+    }
+    assert_eq!(decode(&topic("contacts"), b"{\"boot_id\":\"\xff\"}").unwrap_err().label(), "not_json");
+}
+
+#[test]
+fn a_malformed_message_is_refused_with_the_place() {
+    for (from, to, place) in [
+        (r#""ratio":0.85,"#, "", "contacts[0]"),
+        (r#""ratio":0.85"#, r#""ratio":"0.85""#, "contacts[0].ratio"),
+        (r#""whisker":0"#, r#""whisker":65536"#, "contacts[0].whisker"),
+        (r#""whisker":0"#, r#""whisker":-1"#, "contacts[0].whisker"),
+        (r#""array":"left""#, r#""array":"le/ft""#, "contacts[0].array"),
+        (r#""boot_id":"b7""#, r#""boot_id":"""#, "boot_id"),
+        (r#""seq":1812"#, r#""seq":-1"#, "seq"),
+    ] {
+        let refusal = refused_after("contacts", CONTACTS, from, to);
+        assert!(matches!(&refusal, Refusal::Malformed { path, .. } if path == place), "{refusal}");
+        assert_eq!(refusal.label(), "malformed");
+    }
+    assert_eq!(refused_after("connection", CONNECTION, "ONLINE", "AWAY").label(), "malformed");
+    assert_eq!(refused_after("connection", CONNECTION, "T08", " 08").label(), "malformed");
+    assert_eq!(refused_after("factsheet", FACTSHEET, "crawler-2", "").label(), "malformed");
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_with_the_place() {
+    for (from, to, place) in [
+        (r#""seq":1812"#, r#""seq":9007199254740992"#, "seq"),
+        (r#""t_us":1795248000123456"#, r#""t_us":9007199254740992"#, "contacts[0].t_us"),
+        ("0.85", "0", "contacts[0].ratio"),
+        ("0.85", "1.001", "contacts[0].ratio"),
+        ("2.4", "0", "contacts[0].deflection_mm"),
+        ("2.4", "1000.5", "contacts[0].deflection_mm"),
+        ("0.009671", "-1.5", "contacts[0].strain"),
+        ("0.1002", "-0.001", "contacts[0].pressure_mpa"),
+        ("0.1002", "1.1", "contacts[0].pressure_mpa"),
+        ("24.1", "1e6", "contacts[0].temperature_c"),
+    ] {
+        assert_out_of_range(&refused_after("contacts", CONTACTS, from, to), place);
+    }
+    assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "0"), "arrays[0].whiskers[1].length_mm");
+    let place = "arrays[0].whiskers[0].pressure_mpa";
+    assert_out_of_range(&refused_after("factsheet", FACTSHEET, ":0.1,", ":0.3,"), place);
+    assert_out_of_range(&refused_after("status", STATUS, "0.1002", "7"), "whiskers[0].pressure_mpa");
+    assert_out_of_range(&refused_after("receipt", RECEIPT, "[1811,1813]", "[5,4]"), "held[0]");
+    assert_out_of_range(&refused_after("setpoint", SETPOINT, "0.02", "0"), "slew_mpa_per_s");
+    assert_out_of_range(&refused_after("setpoint", SETPOINT, "0.45", "0"), "gain[0].ratio");
+}
+
+#[test]
+fn a_refusal_tells_what_where_and_what_is_allowed() {
+    let refusal = refused_after("contacts", CONTACTS, "0.85", "1.2");
+    assert_eq!(refusal.to_string(), "contacts[0].ratio is 1.2, but must be above 0 and at most 1");
+    let refusal = refused_after("contacts", CONTACTS, r#""ratio":0.85,"#, "");
+    assert!(refusal.to_string().starts_with("contacts[0]: missing field `ratio`"), "{refusal}");
+}
+
+#[test]
+fn a_payload_over_the_limit_is_refused_unread() {
+    let payload = " ".repeat(PAYLOAD_MAX_BYTES + 1);
+    assert_eq!(refused("contacts", &payload).label(), "too_large");
+}
+
+#[test]
+fn too_long_a_batch_is_refused() {
+    let start = CONTACTS.find("[{").unwrap();
+    let one = &CONTACTS[start + 1..CONTACTS.len() - 2];
+    let batch = |count| format!("{}[{}]}}", &CONTACTS[..start], vec![one; count].join(","));
+    assert!(decode(&topic("contacts"), batch(1000).as_bytes()).is_ok());
+    assert_eq!(refused("contacts", &batch(1001)).label(), "too_many");
+}
+
+#[test]
+fn a_factsheet_with_the_same_whisker_or_array_twice_is_refused() {
+    let refusal = refused_after("factsheet", FACTSHEET, r#""whisker":1"#, r#""whisker":0"#);
+    assert!(
+        matches!(&refusal, Refusal::Duplicate { path, .. } if path == "arrays[0].whiskers[1].whisker"),
+        "{refusal}"
+    );
+    let array = FACTSHEET[FACTSHEET.find("[{").unwrap() + 1..].strip_suffix("]}").unwrap();
+    let refusal = refused("factsheet", &FACTSHEET.replacen(array, &format!("{array},{array}"), 1));
+    assert!(matches!(&refusal, Refusal::Duplicate { path, .. } if path == "arrays[1].array"), "{refusal}");
+}
+
+#[test]
+fn a_neighbour_must_be_another_whisker_of_the_array() {
+    for neighbour in ["[7]", "[0]"] {
+        let refusal = refused_after("factsheet", FACTSHEET, "[1]", neighbour);
+        assert!(
+            matches!(&refusal, Refusal::WrongNeighbour { path, .. } if path == "arrays[0].whiskers[0].neighbours[0]"),
+            "{refusal}"
+        );
+    }
+}
+
+#[test]
+fn a_setpoints_pressure_is_left_to_the_robot_to_reject() {
+    let text = SETPOINT.replace("0.048", "7.5");
+    assert!(decode(&topic("setpoint"), text.as_bytes()).is_ok());
+}
+
+#[test]
+fn the_ratios_of_a_gain_must_rise() {
+    assert_eq!(refused_after("setpoint", SETPOINT, "0.7", "0.4").label(), "malformed");
+}
+
+#[test]
+fn a_rejection_must_say_why() {
+    assert_eq!(refused_after("setpoint_state", SETPOINT_STATE, "APPLIED", "REJECTED").label(), "malformed");
+    let text = SETPOINT_STATE.replace("APPLIED\"", "REJECTED\",\"error\":\"STALE\"");
+    assert!(decode(&topic("setpoint_state"), text.as_bytes()).is_ok());
+}
+
+#[test]
+fn every_label_is_listed() {
+    let samples =
+        [refused("contacts", "{"), refused_after("contacts", CONTACTS, "0.85", "2"), Topic::parse("x").unwrap_err()];
+    assert!(samples.iter().all(|refusal| Refusal::LABELS.contains(&refusal.label())));
+}
+
+#[test]
+fn the_envelope_of_a_refused_message_can_still_be_read() {
+    let expected = Some(Envelope { boot_id: BootId::new("b7").unwrap(), seq: 1812 });
+    assert_eq!(envelope(CONTACTS.replace("0.85", "2").as_bytes()), expected);
+    assert_eq!(envelope(br#"{"x":[{}],"seq":1812,"boot_id":"b7","contacts": broken"#), expected);
+    for none in ["", "[]", r#"{"boot_id":"b7"}"#, r#"{"seq":1}"#, r#"{"seq":1.5,"boot_id":"b"}"#] {
+        assert_eq!(envelope(none.as_bytes()), None, "{none}");
+    }
+}

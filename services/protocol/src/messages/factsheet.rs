@@ -1,0 +1,124 @@
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::Checked;
+use crate::name::short_text;
+use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check};
+
+/// `factsheet`: what is on a robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Factsheet {
+    /// The robot's boot.
+    pub boot_id: BootId,
+    /// From 0 in each boot.
+    pub seq: u64,
+    /// When it was written.
+    pub timestamp: Timestamp,
+    /// The robot's model, 1 to 64 characters.
+    #[serde(deserialize_with = "short_text")]
+    pub model: String,
+    /// What the robot does when the supervisor is gone.
+    pub on_supervisor_loss: OnSupervisorLoss,
+    /// At most [`ARRAYS_MAX`], each of another name.
+    pub arrays: Vec<ArrayFacts>,
+}
+
+/// One array.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ArrayFacts {
+    /// Its name.
+    pub array: Name,
+    /// What it can do about a shortened whisker.
+    #[serde(rename = "type")]
+    pub array_type: ArrayType,
+    /// At most [`WHISKERS_MAX`], each of another number.
+    pub whiskers: Vec<WhiskerFacts>,
+}
+
+/// One whisker as it was built in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WhiskerFacts {
+    /// Its number in the array.
+    pub whisker: u16,
+    /// Where it stands, in mm.
+    pub x_mm: f64,
+    /// Where it stands, in mm.
+    pub y_mm: f64,
+    /// The calibration to use, such as `nguyen-2021`; 1 to 64 characters.
+    #[serde(deserialize_with = "short_text")]
+    pub model: String,
+    /// Its length without the chamber's elongation, in mm.
+    pub length_mm: f64,
+    /// The chamber's nominal gauge pressure in MPa.
+    pub pressure_mpa: f64,
+    /// The highest pressure that the robot lets into the chamber, in MPa.
+    pub pressure_max_mpa: f64,
+    /// Whiskers of the same array that can take its place.
+    pub neighbours: Vec<u16>,
+}
+
+impl Checked for Factsheet {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::count("arrays", self.arrays.len(), ARRAYS_MAX)?;
+        check::each("arrays", &self.arrays, ArrayFacts::check)?;
+        let mut names = BTreeSet::new();
+        for (index, array) in self.arrays.iter().enumerate() {
+            if !names.insert(&array.array) {
+                return Err(duplicate("array", format!("array {}", array.array)).within("arrays", index));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ArrayFacts {
+    fn check(&self) -> Result<(), Refusal> {
+        check::count("whiskers", self.whiskers.len(), WHISKERS_MAX)?;
+        check::each("whiskers", &self.whiskers, WhiskerFacts::check)?;
+        let mut numbers = BTreeSet::new();
+        for (index, whisker) in self.whiskers.iter().enumerate() {
+            if !numbers.insert(whisker.whisker) {
+                let again = duplicate("whisker", format!("whisker {}", whisker.whisker));
+                return Err(again.within("whiskers", index));
+            }
+        }
+        check::each("whiskers", &self.whiskers, |whisker| whisker.check_neighbours(&numbers))
+    }
+}
+
+impl WhiskerFacts {
+    fn check(&self) -> Result<(), Refusal> {
+        check::place_mm("x_mm", self.x_mm)?;
+        check::place_mm("y_mm", self.y_mm)?;
+        check::positive_mm("length_mm", self.length_mm)?;
+        check::pressure_mpa("pressure_mpa", self.pressure_mpa)?;
+        check::pressure_mpa("pressure_max_mpa", self.pressure_max_mpa)?;
+        if self.pressure_mpa > self.pressure_max_mpa {
+            return Err(Refusal::OutOfRange {
+                path: "pressure_mpa".to_owned(),
+                value: self.pressure_mpa,
+                allowed: "at most pressure_max_mpa",
+            });
+        }
+        check::count("neighbours", self.neighbours.len(), WHISKERS_MAX)
+    }
+
+    fn check_neighbours(&self, numbers: &BTreeSet<u16>) -> Result<(), Refusal> {
+        check::each("neighbours", &self.neighbours, |&neighbour| {
+            let why = if neighbour == self.whisker {
+                "it is the whisker itself"
+            } else if !numbers.contains(&neighbour) {
+                "the array has no such whisker"
+            } else {
+                return Ok(());
+            };
+            Err(Refusal::WrongNeighbour { path: String::new(), neighbour, why })
+        })
+    }
+}
+
+fn duplicate(path: &str, what: String) -> Refusal {
+    Refusal::Duplicate { path: path.to_owned(), what }
+}

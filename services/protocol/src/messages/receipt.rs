@@ -1,0 +1,61 @@
+use serde::{Deserialize, Serialize};
+
+use super::Checked;
+use crate::{BootId, HELD_MAX, Refusal, check};
+
+/// `receipt`: how far the contacts of one boot of a robot are committed in the supervisor's database.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Receipt {
+    /// The supervisor's boot.
+    pub boot_id: BootId,
+    /// From 0 in each boot.
+    pub seq: u64,
+    /// The robot's boot whose `contacts` it speaks of.
+    pub robot_boot_id: BootId,
+    /// Every contacts message of that boot with a `seq` below it is committed.
+    pub next: u64,
+    /// Committed ones beyond a gap: first and last `seq` of each range, both included.
+    pub held: Vec<(u64, u64)>,
+}
+
+impl Receipt {
+    /// Whether the contacts message of that `seq` is committed.
+    #[must_use]
+    pub fn covers(&self, seq: u64) -> bool {
+        seq < self.next || self.held.iter().any(|&(first, last)| (first..=last).contains(&seq))
+    }
+}
+
+impl Checked for Receipt {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::integer("next", self.next)?;
+        check::count("held", self.held.len(), HELD_MAX)?;
+        check::each("held", &self.held, |&(first, last)| {
+            check::integer("", first)?;
+            check::integer("", last)?;
+            // A range that is upside down would cover nothing in silence.
+            if first <= last {
+                return Ok(());
+            }
+            Err(Refusal::OutOfRange {
+                path: String::new(),
+                value: last as f64,
+                allowed: "[first, last] with last not below first",
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn covers_what_lies_below_next_and_what_is_held() {
+        let boot = BootId::new("b").unwrap();
+        let receipt = Receipt { boot_id: boot.clone(), seq: 0, robot_boot_id: boot, next: 5, held: vec![(6, 8)] };
+        let covered: Vec<u64> = (0..11).filter(|&seq| receipt.covers(seq)).collect();
+        assert_eq!(covered, [0, 1, 2, 3, 4, 6, 7, 8]);
+    }
+}

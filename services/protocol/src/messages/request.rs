@@ -1,0 +1,21 @@
+use serde::{Deserialize, Serialize};
+
+use super::Checked;
+use crate::{BootId, Refusal, RequestKind, check};
+
+/// `request`: the supervisor asks a robot to send something again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Request {
+    /// The supervisor's boot.
+    pub boot_id: BootId,
+    /// From 0 in each boot.
+    pub seq: u64,
+    /// What to send.
+    pub request: RequestKind,
+}
+
+impl Checked for Request {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)
+    }
+}

@@ -1,0 +1,107 @@
+use serde::{Deserialize, Serialize};
+
+use super::Checked;
+use crate::{BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
+
+/// `setpoint`: a pressure for a robot to hold in one chamber.
+///
+/// The pressure is not checked here: a robot answers one outside its factsheet's range with
+/// [`SetpointError::OutOfRange`] instead of leaving the supervisor without an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Setpoint {
+    /// The supervisor's boot.
+    pub boot_id: BootId,
+    /// From 0 in each boot.
+    pub seq: u64,
+    /// Names the command: the same one again is answered again and not applied again. 1 to 64 characters.
+    pub command_id: String,
+    /// The supervisor's epoch; with `version` the order of setpoints for a whisker.
+    pub epoch: u64,
+    /// Grows within an epoch.
+    pub version: u64,
+    /// The robot's boot that it is meant for.
+    pub robot_boot_id: BootId,
+    /// The whisker's array.
+    pub array: Name,
+    /// The whisker's number in its array.
+    pub whisker: u16,
+    /// The gauge pressure to hold, in MPa.
+    pub pressure_mpa: f64,
+    /// How fast the pressure may change, in MPa/s; above 0.
+    pub slew_mpa_per_s: f64,
+    /// When it was issued, by the supervisor's clock.
+    pub issued: Timestamp,
+    /// When it ceases to be valid, in microseconds since 1970 UTC by the robot's own clock.
+    pub expires_us: u64,
+    /// Why.
+    pub reason: SetpointReason,
+    /// What is left to correct after the pressure: pairs of contact ratio and factor on the compensator's
+    /// strain, by rising ratio, to interpolate between.
+    pub gain: Vec<(f64, f64)>,
+}
+
+/// `setpoint_state`: what became of a setpoint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SetpointState {
+    /// The robot's boot.
+    pub boot_id: BootId,
+    /// From 0 in each boot.
+    pub seq: u64,
+    /// The command that it answers.
+    pub command_id: String,
+    /// What became of it.
+    pub state: SetpointOutcome,
+    /// When, in microseconds since 1970 UTC by the robot's clock.
+    pub t_us: u64,
+    /// The chamber's measured gauge pressure in MPa; absent where there is no such chamber.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_mpa: Option<f64>,
+    /// Why, with `REJECTED` and `FAILED`; absent otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<SetpointError>,
+}
+
+impl Checked for Setpoint {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::identifier("command_id", &self.command_id)?;
+        check::integer("epoch", self.epoch)?;
+        check::integer("version", self.version)?;
+        check::slew_mpa_per_s("slew_mpa_per_s", self.slew_mpa_per_s)?;
+        check::integer("expires_us", self.expires_us)?;
+        check::count("gain", self.gain.len(), GAIN_POINTS_MAX)?;
+        check::each("gain", &self.gain, |&(ratio, factor)| {
+            check::ratio("ratio", ratio)?;
+            check::gain("factor", factor)
+        })?;
+        if self.gain.is_sorted_by(|(before, _), (after, _)| before < after) {
+            return Ok(());
+        }
+        Err(Refusal::Malformed { path: "gain".to_owned(), problem: "contact ratios must rise".to_owned() })
+    }
+}
+
+impl Checked for SetpointState {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::identifier("command_id", &self.command_id)?;
+        check::integer("t_us", self.t_us)?;
+        if let Some(pressure_mpa) = self.pressure_mpa {
+            check::pressure_mpa("pressure_mpa", pressure_mpa)?;
+        }
+        match (self.state, self.error) {
+            (SetpointOutcome::Rejected | SetpointOutcome::Failed, None) => Err(Refusal::Malformed {
+                path: "error".to_owned(),
+                problem: format!("missing, but {} must say why", self.state),
+            }),
+            (SetpointOutcome::Rejected | SetpointOutcome::Failed, Some(_))
+            | (
+                SetpointOutcome::Received
+                | SetpointOutcome::Applying
+                | SetpointOutcome::Applied
+                | SetpointOutcome::Superseded,
+                _,
+            ) => Ok(()),
+        }
+    }
+}

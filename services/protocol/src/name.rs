@@ -1,0 +1,168 @@
+//! Names of fleets, robots and arrays, and the mark of a boot.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::de::{Error as _, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A text that is no name; the message says what a name is.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BadName {
+    /// Wrong length or a character that is not allowed.
+    #[error("{0:?} is no name: a name has 1 to 64 letters A-Z a-z, digits, '_' or '-'")]
+    NotAName(String),
+    /// `supervisor` where a robot's name is expected.
+    #[error("a robot cannot be named \"supervisor\": that level belongs to the supervisor")]
+    Reserved,
+    /// A boot id of the wrong length or with control characters.
+    #[error("{0:?} is no boot id: a boot id has 1 to 64 characters, none of them a control character")]
+    NotABootId(String),
+}
+
+/// Shortens a foreign text for an error message.
+fn excerpt(text: &str) -> String {
+    text.chars().take(80).collect()
+}
+
+/// Defines a checked, shared string with serde, ordering and display; clones share the text.
+macro_rules! text {
+    ($(#[$doc:meta])* $name:ident, $expecting:literal, $check:expr, $error:expr) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(Arc<str>);
+
+        impl $name {
+            /// Checks the text once.
+            ///
+            /// # Errors
+            /// The text is not what the type's description says.
+            pub fn new(text: &str) -> Result<Self, BadName> {
+                let check: fn(&str) -> bool = $check;
+                if check(text) { Ok(Self(text.into())) } else { Err($error(excerpt(text))) }
+            }
+
+            /// The text itself.
+            #[must_use]
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(&self.0)
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = BadName;
+            fn from_str(text: &str) -> Result<Self, BadName> {
+                Self::new(text)
+            }
+        }
+
+        impl AsRef<str> for $name {
+            fn as_ref(&self) -> &str {
+                &self.0
+            }
+        }
+
+        // Maps keyed by the type can be asked with a `&str`: order and hash are the text's own.
+        impl std::borrow::Borrow<str> for $name {
+            fn borrow(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(&self.0)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Text;
+                impl Visitor<'_> for Text {
+                    type Value = $name;
+                    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                        f.write_str($expecting)
+                    }
+                    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<$name, E> {
+                        $name::new(text).map_err(E::custom)
+                    }
+                }
+                deserializer.deserialize_str(Text)
+            }
+        }
+    };
+}
+
+text!(
+    /// The name of a fleet, a robot or an array: `[A-Za-z0-9_-]{1,64}`.
+    Name,
+    "a name as text",
+    |text| (1..=64).contains(&text.len())
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-'),
+    BadName::NotAName
+);
+text!(
+    /// New at each start of its sender: 1 to 64 characters without control characters.
+    BootId,
+    "a boot id as text",
+    |text| (1..=64).contains(&text.chars().count()) && !text.chars().any(char::is_control),
+    BadName::NotABootId
+);
+
+impl Name {
+    /// The level of the supervisor, and therefore no robot's name.
+    pub const RESERVED: &str = "supervisor";
+
+    /// A robot's name: any name but `supervisor`.
+    ///
+    /// # Errors
+    /// The text is no name, or it is the reserved one.
+    pub fn robot(text: &str) -> Result<Self, BadName> {
+        if text == Self::RESERVED { Err(BadName::Reserved) } else { Self::new(text) }
+    }
+}
+
+/// For serde's `deserialize_with`: a short free text such as a model's name, at most 64 characters.
+pub(crate) fn short_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    if (1..=64).contains(&text.chars().count()) {
+        Ok(text)
+    } else {
+        Err(D::Error::custom("must have 1 to 64 characters"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_has_1_to_64_of_the_allowed_characters() {
+        assert!(Name::new("Crawler_2-b").is_ok());
+        assert!(Name::new(&"x".repeat(64)).is_ok());
+        for bad in ["", "a/b", "a b", "+", "#", "ä", &"x".repeat(65)] {
+            assert!(Name::new(bad).is_err(), "{bad:?} should be refused");
+        }
+    }
+
+    #[test]
+    fn supervisor_is_no_robots_name() {
+        assert_eq!(Name::robot("supervisor"), Err(BadName::Reserved));
+        assert!(Name::new("supervisor").is_ok(), "a fleet or an array may be called so");
+    }
+
+    #[test]
+    fn a_boot_id_is_not_empty_and_has_no_control_characters() {
+        assert!(BootId::new("b7").is_ok());
+        assert!(BootId::new("").is_err());
+        assert!(BootId::new("b\n").is_err());
+        assert!(BootId::new(&"é".repeat(65)).is_err());
+    }
+}
