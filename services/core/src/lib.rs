@@ -5,5 +5,14 @@
 //! longer chance), [`policy`] (who compensates for whom), and [`robot`], where
 //! `step(state, params, now, event)` puts them together.
 
-pub mod mechanics;
 pub mod units;
+
+pub mod mechanics;
+
+pub mod estimation;
+
+pub mod detection;
+
+pub mod policy;
+
+pub mod robot;

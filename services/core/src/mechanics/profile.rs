@@ -1,0 +1,132 @@
+//! How good a compensation is, by contact ratio: eq. 35 and what is left to correct.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::model::Model;
+use super::morphology::Morphology;
+use crate::units::{ContactRatio, Millimetre};
+
+/// The paper's contact ratios, a = 0.45 to 1 in steps of 0.05.
+pub const CONTACT_RATIOS: [f64; 12] = [0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0];
+
+/// One number per contact ratio of [`CONTACT_RATIOS`]; none where the contact would lie on the chamber.
+pub(super) type ByRatio = [Option<f64>; CONTACT_RATIOS.len()];
+
+/// How a real whisker differs from its model, as a straight line over the contact ratio a:
+/// `ln s_real = ln s_model + level + slope * (a - 0.725)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub struct Offset {
+    /// Log sensitivity offset at a = [`Offset::CENTRE`].
+    pub level: f64,
+    /// Its change per unit of contact ratio.
+    pub slope: f64,
+}
+
+impl Offset {
+    /// The whisker is its model.
+    pub const NONE: Self = Self { level: 0.0, slope: 0.0 };
+    /// The middle of the contact ratios, 0.45 to 1.
+    pub const CENTRE: f64 = 0.725;
+
+    /// The offset of the log sensitivity at a contact ratio.
+    #[must_use]
+    pub fn at(self, ratio: ContactRatio) -> f64 {
+        self.level + self.slope * (ratio.a() - Self::CENTRE)
+    }
+}
+
+/// Eq. 35 as a ratio (0.2 is 20 %): what a compensation leaves of the difference to the target.
+///
+/// The three are sensitivities or strains at equal deflection, in one unit. 0 is perfect, 1 is no
+/// better than before. None where `before` equals `target`: there is nothing to compensate, and no ratio.
+#[must_use]
+pub fn compensation_error(after: f64, before: f64, target: f64) -> Option<f64> {
+    let error = ((after - target) / (before - target)).abs();
+    (before != target && error.is_finite()).then_some(error)
+}
+
+/// Eq. 35 by contact ratio.
+///
+/// A contact ratio is left out of the mean and marked in `used` where the model or eq. 35 says nothing:
+/// where the contact would lie on the chamber of one of the whiskers (short whiskers at a = 0.45), and
+/// where the sensitivity before is within 0.5 % of the target's, so that the ratio of two small
+/// differences would drown the others. There `by_ratio` repeats the nearest one used, so that every
+/// number is finite. Where nothing is used there is nothing to compensate: all are 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorProfile {
+    /// At [`CONTACT_RATIOS`], as a ratio: 0.2 is 20 %.
+    pub by_ratio: [f64; CONTACT_RATIOS.len()],
+    /// Which of them count.
+    pub used: [bool; CONTACT_RATIOS.len()],
+    /// Their mean.
+    pub mean: f64,
+}
+
+impl ErrorProfile {
+    /// Below this share of the target, a difference is too small to divide by.
+    pub const LEAST_DIFFERENCE: f64 = 0.005;
+
+    /// How many contact ratios count in the mean.
+    #[must_use]
+    pub fn ratios_used(&self) -> usize {
+        self.used.iter().filter(|used| **used).count()
+    }
+
+    pub(super) fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
+        let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
+            (Some(after), Some(before), Some(target)) if distinct(before, target) => {
+                compensation_error(after, before, target)
+            }
+            _ => None,
+        });
+        let used = errors.map(|error| error.is_some());
+        let count = used.iter().filter(|used| **used).count();
+        let mean = errors.iter().flatten().sum::<f64>() / count.max(1) as f64;
+        Self { by_ratio: fill(&errors, 0.0), used, mean }
+    }
+}
+
+/// Whether eq. 35 has something to divide by.
+pub(super) fn distinct(before: f64, target: f64) -> bool {
+    (before - target).abs() > ErrorProfile::LEAST_DIFFERENCE * target
+}
+
+/// What is left to correct in software: target sensitivity / compensated sensitivity by contact ratio.
+///
+/// A strain of the compensator, multiplied by this, is the strain that the target would have shown.
+/// Where a contact would lie on the chamber, the gain of the nearest ratio beyond it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GainProfile {
+    /// At [`CONTACT_RATIOS`]; above 0.
+    pub by_ratio: [f64; CONTACT_RATIOS.len()],
+}
+
+impl GainProfile {
+    pub(super) fn new(after: &ByRatio, target: &ByRatio) -> Self {
+        let gains: ByRatio = std::array::from_fn(|k| Some(target[k]? / after[k]?));
+        Self { by_ratio: fill(&gains, 1.0) }
+    }
+}
+
+/// Sensitivities of a whisker at every contact ratio, offset included.
+pub(super) fn sensitivities_per_mm(
+    model: &Model,
+    length: Millimetre,
+    morphology: &Morphology,
+    offset_factors: &[f64; CONTACT_RATIOS.len()],
+) -> ByRatio {
+    std::array::from_fn(|k| {
+        let ratio = ContactRatio::known(CONTACT_RATIOS[k]);
+        let modelled = model.sensitivity_per_mm(ratio, length, morphology).ok()?;
+        Some(offset_factors[k] * modelled)
+    })
+}
+
+/// Fills gaps from the nearest known number; ties go to the larger contact ratio.
+fn fill(values: &ByRatio, if_none: f64) -> [f64; CONTACT_RATIOS.len()] {
+    std::array::from_fn(|k| {
+        let distance = |other: usize| (other.abs_diff(k), other < k);
+        let nearest = (0..values.len()).filter(|&other| values[other].is_some()).min_by_key(|&other| distance(other));
+        nearest.and_then(|other| values[other]).unwrap_or(if_none)
+    })
+}

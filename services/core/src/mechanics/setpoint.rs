@@ -1,0 +1,259 @@
+//! The pressure that makes one whisker feel like another: eq. 34, and how far that goes.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::length::CutIntoChamber;
+use super::model::Model;
+use super::profile::{self, ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset};
+use super::root;
+use crate::units::{ContactRatio, Megapascal, Millimetre};
+
+/// To what a pressure is solved, in MPa.
+const PRESSURE_TOLERANCE_MPA: f64 = 1e-12;
+/// Log sensitivities this near are equal: at the ends of the range, rounding decides nothing.
+const EQUAL_LOG: f64 = 1e-12;
+/// Grid of the search for the least mean error: 5 kPa over the examined range.
+const CELLS: u32 = 40;
+
+/// What a setpoint is solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+pub enum Objective {
+    /// Equal sensitivity at the tip, a = 1: the paper's eq. 34.
+    #[default]
+    Tip,
+    /// Least mean of eq. 35 over [`CONTACT_RATIOS`]. Better in the model that chose it, but it trusts
+    /// the model more.
+    Mean,
+}
+
+/// What the compensator shall feel like.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct Target {
+    /// La at zero pressure.
+    pub length: Millimetre,
+    /// Its pressure.
+    pub pressure: Megapascal,
+}
+
+/// The compensator as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensator {
+    /// La at zero pressure.
+    pub length: Millimetre,
+    /// Its pressure before the compensation: the `before` of eq. 35.
+    pub pressure: Megapascal,
+    /// The lowest pressure that it may get.
+    pub pressure_min: Megapascal,
+    /// The highest pressure that it may get; below `pressure_min` it counts as that.
+    pub pressure_max: Megapascal,
+}
+
+/// A pressure with what it promises.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setpoint {
+    /// The pressure to apply.
+    pub pressure: Megapascal,
+    /// k2 at that pressure: the paper reports it beside the pressure.
+    pub k2: f64,
+    /// Predicted eq. 35.
+    pub error: ErrorProfile,
+    /// Predicted residual gain.
+    pub gain: GainProfile,
+}
+
+/// Whether the objective can be met within the pressure range. Out of range is an answer, not a failure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Solution {
+    /// It can.
+    InRange(Setpoint),
+    /// Only below `pressure_min`, where the setpoint is clamped: the compensator stays too sensitive.
+    NeedsBelow(Setpoint),
+    /// Only above `pressure_max`, where the setpoint is clamped: the compensator stays too insensitive.
+    NeedsAbove(Setpoint),
+}
+
+impl Solution {
+    /// The setpoint, clamped or not.
+    #[must_use]
+    pub fn setpoint(&self) -> &Setpoint {
+        match self {
+            Self::InRange(setpoint) | Self::NeedsBelow(setpoint) | Self::NeedsAbove(setpoint) => setpoint,
+        }
+    }
+}
+
+/// Solves for the compensator's pressure.
+///
+/// [`Objective::Tip`] finds Q with `ln s_c(1, La_c, Q) + o_c(1) = ln s_t(1, La_t, Q_t) + o_t(1)`;
+/// without offsets, that is eq. 34 at a = 1 and a deflection of 1 mm. The sensitivity rises with the
+/// pressure, so there is at most one root; it is solved to 1e-12 MPa.
+///
+/// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of a fortieth of the range, then by golden
+/// section to 1e-9 MPa: every term falls to its own zero and rises again, and so, but for small ripples
+/// between those zeros, does the mean. Contact ratios that the highest pressure would put on the chamber
+/// are left out. A least value at an end of the range is out of range. Where no contact ratio has
+/// anything to compensate, the tip decides.
+///
+/// # Errors
+/// One of the two whiskers is cut into its chamber.
+pub fn solve_setpoint(
+    target_model: &Model,
+    target: Target,
+    target_offset: Offset,
+    compensator_model: &Model,
+    compensator: Compensator,
+    compensator_offset: Offset,
+    objective: Objective,
+) -> Result<Solution, CutIntoChamber> {
+    target_model.check_length(target.length)?;
+    compensator_model.check_length(compensator.length)?;
+    let question =
+        Question::new((target_model, target, target_offset), (compensator_model, compensator, compensator_offset));
+    Ok(match objective {
+        Objective::Tip => question.solve_tip(),
+        Objective::Mean => question.solve_mean(),
+    })
+}
+
+/// Shortest and longest compensator of a model that can stand in for a target between two pressures:
+/// at `pressure_min` the shortest is as sensitive at the tip as the target, at `pressure_max` the longest.
+///
+/// Where the model has no such length, the nearest it has (just beyond the chamber, or [`Model::longest`]).
+#[must_use]
+pub fn compensable_range(
+    model: &Model,
+    target: Target,
+    pressure_min: Megapascal,
+    pressure_max: Megapascal,
+) -> (Millimetre, Millimetre) {
+    let wanted_per_mm = model.sensitivity_per_mm(ContactRatio::TIP, target.length, &model.morphology(target.pressure));
+    let length_at = |pressure: Megapascal| match wanted_per_mm {
+        Ok(wanted) => model
+            .length_from_sensitivity(wanted, ContactRatio::TIP, &model.morphology(pressure))
+            .unwrap_or_else(|error| error.nearest().unwrap_or(target.length)),
+        // A target cut into its chamber: nothing but itself is like it.
+        Err(_) => target.length,
+    };
+    (length_at(pressure_min), length_at(pressure_max))
+}
+
+/// Both whiskers, with everything that does not depend on the pressure sought.
+struct Question<'a> {
+    model: &'a Model,
+    compensator: Compensator,
+    offset_factors: [f64; CONTACT_RATIOS.len()],
+    before: ByRatio,
+    target: ByRatio,
+    /// Log sensitivity of the target at its tip, less the compensator's offset there.
+    wanted_log: f64,
+}
+
+impl<'a> Question<'a> {
+    fn new(
+        (target_model, target, target_offset): (&Model, Target, Offset),
+        (model, compensator, offset): (&'a Model, Compensator, Offset),
+    ) -> Self {
+        let target_morphology = target_model.morphology(target.pressure);
+        let offset_factors = factors(offset);
+        let target_log = log_at_tip(target_model, target.length, target.pressure);
+        Self {
+            model,
+            compensator,
+            before: profile::sensitivities_per_mm(
+                model,
+                compensator.length,
+                &model.morphology(compensator.pressure),
+                &offset_factors,
+            ),
+            target: profile::sensitivities_per_mm(
+                target_model,
+                target.length,
+                &target_morphology,
+                &factors(target_offset),
+            ),
+            offset_factors,
+            wanted_log: target_log + target_offset.at(ContactRatio::TIP) - offset.at(ContactRatio::TIP),
+        }
+    }
+
+    fn range_mpa(&self) -> (f64, f64) {
+        let low_mpa = self.compensator.pressure_min.mpa();
+        (low_mpa, self.compensator.pressure_max.mpa().max(low_mpa))
+    }
+
+    fn solve_tip(&self) -> Solution {
+        let (low_mpa, high_mpa) = self.range_mpa();
+        let excess = |pressure_mpa: f64| {
+            log_at_tip(self.model, self.compensator.length, Megapascal::known(pressure_mpa)) - self.wanted_log
+        };
+        let (at_low, at_high) = (excess(low_mpa), excess(high_mpa));
+        if at_low.abs() <= EQUAL_LOG {
+            Solution::InRange(self.setpoint(low_mpa))
+        } else if at_high.abs() <= EQUAL_LOG {
+            Solution::InRange(self.setpoint(high_mpa))
+        } else if at_low > 0.0 {
+            Solution::NeedsBelow(self.setpoint(low_mpa))
+        } else if at_high < 0.0 {
+            Solution::NeedsAbove(self.setpoint(high_mpa))
+        } else {
+            let root_mpa = root::root((low_mpa, at_low), (high_mpa, at_high), PRESSURE_TOLERANCE_MPA, excess);
+            Solution::InRange(self.setpoint(root_mpa))
+        }
+    }
+
+    fn solve_mean(&self) -> Solution {
+        let (low_mpa, high_mpa) = self.range_mpa();
+        let at_high = self.after(high_mpa);
+        let weighed: Vec<(usize, f64, f64)> = (0..CONTACT_RATIOS.len())
+            .filter_map(|k| {
+                let (before, target) = (self.before[k]?, self.target[k]?);
+                at_high[k]?;
+                profile::distinct(before, target).then_some((k, target, 1.0 / (before - target).abs()))
+            })
+            .collect();
+        if weighed.is_empty() || low_mpa == high_mpa {
+            return self.solve_tip();
+        }
+        let total_error = |pressure_mpa: f64| {
+            let after = self.after(pressure_mpa);
+            weighed.iter().map(|&(k, target, weight)| weight * (after[k].unwrap_or(target) - target).abs()).sum()
+        };
+        let least_mpa = root::least(low_mpa, high_mpa, CELLS, 1e-9, total_error);
+        let setpoint = self.setpoint(least_mpa);
+        if least_mpa == low_mpa {
+            Solution::NeedsBelow(setpoint)
+        } else if least_mpa == high_mpa {
+            Solution::NeedsAbove(setpoint)
+        } else {
+            Solution::InRange(setpoint)
+        }
+    }
+
+    fn after(&self, pressure_mpa: f64) -> ByRatio {
+        let morphology = self.model.morphology(Megapascal::known(pressure_mpa));
+        profile::sensitivities_per_mm(self.model, self.compensator.length, &morphology, &self.offset_factors)
+    }
+
+    fn setpoint(&self, pressure_mpa: f64) -> Setpoint {
+        let pressure = Megapascal::known(pressure_mpa);
+        let after = self.after(pressure_mpa);
+        Setpoint {
+            pressure,
+            k2: self.model.k2(pressure),
+            error: ErrorProfile::new(&after, &self.before, &self.target),
+            gain: GainProfile::new(&after, &self.target),
+        }
+    }
+}
+
+/// ln s(1, La, Q), of a whisker not cut into its chamber.
+fn log_at_tip(model: &Model, length: Millimetre, pressure: Megapascal) -> f64 {
+    model.tip_sensitivity_per_mm(length, &model.morphology(pressure)).ln()
+}
+
+fn factors(offset: Offset) -> [f64; CONTACT_RATIOS.len()] {
+    if offset == Offset::NONE {
+        return [1.0; CONTACT_RATIOS.len()];
+    }
+    CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)).exp())
+}
