@@ -1,0 +1,225 @@
+//! The Kalman filter behind a whisker's length.
+//!
+//! State: x = (o0, o1, lambda). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
+//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`. One contact at
+//! known contact ratio, deflection and pressure observes
+//! `ln(strain / deflection) = ln s_model(a, L e^lambda, Q) + o0 + o1 (a - 0.725) + noise`.
+//!
+//! Offset and length are told apart by their priors: at the start the length is known (the factsheet says
+//! it) and the offset is not; afterwards the length may wander (erosion, trims) and the offset does not,
+//! except when the pressure moves, which changes the model's error but not the length.
+//!
+//! The filter never stops learning, so its standardised innovations are independent and of unit variance
+//! while nothing changes, from the first contact on: the error of what was learned is part of their
+//! variance. That is what [`crate::detection`] rests on. How much of a real change the filter has absorbed
+//! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
+
+use borsh::{BorshDeserialize, BorshSerialize};
+use nalgebra::{Matrix3, Vector3};
+
+use super::noise::{NoiseScale, SensorNoise};
+use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
+use crate::units::{ContactRatio, Millimetre};
+
+/// Index of lambda in the state.
+pub const LENGTH: usize = 2;
+/// Beyond this many standard deviations a contact counts less, in proportion.
+const INFLUENCE_BOUND: f64 = 3.0;
+
+/// Prior and process noise, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilterParams {
+    /// Offset at the start, log sensitivity.
+    pub offset_level: f64,
+    /// Its slope at the start, log sensitivity per unit of contact ratio.
+    pub offset_slope: f64,
+    /// Whole length at the start, mm.
+    pub length_mm: f64,
+    /// Random walk of the length, mm per square root of a contact.
+    pub wander_mm: f64,
+    /// The same for a whisker known to erode.
+    pub erosion_wander_mm: f64,
+    /// New uncertainty of the offset for a move of pressure, log sensitivity per MPa.
+    pub offset_per_mpa: f64,
+}
+
+impl Default for FilterParams {
+    fn default() -> Self {
+        Self {
+            offset_level: 0.15,
+            offset_slope: 0.2,
+            length_mm: 0.1,
+            wander_mm: 2e-4,
+            erosion_wander_mm: 0.01,
+            offset_per_mpa: 1.0,
+        }
+    }
+}
+
+/// The filter's state for one whisker.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct LengthFilter {
+    whole_length_mm: f64,
+    mean: [f64; 3],
+    covariance: [[f64; 3]; 3],
+}
+
+/// A length with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthEstimate {
+    /// Mean, mm.
+    pub length: Millimetre,
+    /// Standard deviation, mm.
+    pub sd_mm: f64,
+}
+
+/// One contact seen against the filter's prediction; see [`LengthFilter::observe`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Innovation {
+    /// Observed minus predicted log sensitivity.
+    pub residual: f64,
+    /// Variance of the residual: what is not known of the state, and noise.
+    pub variance: f64,
+    /// Variance of the contact's noise alone.
+    pub noise_variance: f64,
+    /// residual / sqrt(variance).
+    pub standardised: f64,
+    /// d(log sensitivity) / d(state).
+    pub row: [f64; 3],
+    /// Kalman gain, already lowered for an outlier.
+    pub gain: [f64; 3],
+    /// The noise variance that this gain stands for.
+    gain_noise_variance: f64,
+    /// The model's sensitivity with the learned offset, per mm.
+    pub predicted_sensitivity_per_mm: f64,
+}
+
+/// A contact as the filter needs it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    /// Contact ratio a.
+    pub ratio: ContactRatio,
+    /// Deflection at the contact, mm, above 0.
+    pub deflection_mm: f64,
+    /// Strain, m/m.
+    pub strain: f64,
+}
+
+/// Why a contact says nothing about the length.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NoInformation {
+    /// By the present estimate the contact lies on the chamber, where the model does not hold.
+    #[error(transparent)]
+    OnChamber(#[from] ContactOnChamber),
+    /// The expected strain drowns in the gauge's floor, or the strain has no logarithm.
+    #[error("strain too small to tell a sensitivity")]
+    TooWeak,
+}
+
+impl LengthFilter {
+    /// A whisker fresh from its factsheet: length known, offset not.
+    #[must_use]
+    pub fn new(whole_length: Millimetre, params: &FilterParams) -> Self {
+        let mut covariance = [[0.0; 3]; 3];
+        covariance[0][0] = params.offset_level.powi(2);
+        covariance[1][1] = params.offset_slope.powi(2);
+        covariance[LENGTH][LENGTH] = (params.length_mm / whole_length.mm()).powi(2);
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; 3], covariance }
+    }
+
+    /// Present length with its standard deviation.
+    #[must_use]
+    pub fn length(&self) -> LengthEstimate {
+        let length_mm = (self.whole_length_mm * self.mean[LENGTH].exp()).clamp(1.0, 1000.0);
+        LengthEstimate {
+            length: Millimetre::known(length_mm),
+            sd_mm: length_mm * self.covariance[LENGTH][LENGTH].max(0.0).sqrt(),
+        }
+    }
+
+    /// Present offset from the model.
+    #[must_use]
+    pub fn offset(&self) -> Offset {
+        Offset { level: self.mean[0], slope: self.mean[1] }
+    }
+
+    /// Compares one contact with the prediction; changes nothing.
+    ///
+    /// # Errors
+    /// [`NoInformation`] when the contact cannot be used.
+    pub fn observe(
+        &self,
+        model: &Model,
+        morphology: &Morphology,
+        noise: &SensorNoise,
+        scale: &NoiseScale,
+        contact: &Observation,
+    ) -> Result<Innovation, NoInformation> {
+        let length = self.length().length;
+        let (model_per_mm, log_slope) = model.sensitivity_and_slope(contact.ratio, length, morphology)?;
+        let predicted = model_per_mm * self.offset().at(contact.ratio).exp();
+        let expected_strain = predicted * contact.deflection_mm;
+        if expected_strain < noise.least_strain() || contact.strain <= 0.0 {
+            return Err(NoInformation::TooWeak);
+        }
+        let residual = (contact.strain / expected_strain).ln();
+        // A = a (L + elongation), so d ln A / d ln L is a little under one.
+        let elongated_mm = length.mm() + morphology.elongation_mm;
+        let row = Vector3::new(1.0, contact.ratio.a() - Offset::CENTRE, log_slope * length.mm() / elongated_mm);
+        let noise_variance = scale.variance() * noise.log_variance(expected_strain, contact.ratio, log_slope);
+        Ok(self.innovation(residual, row, noise_variance, predicted))
+    }
+
+    fn innovation(&self, residual: f64, row: Vector3<f64>, noise_variance: f64, predicted: f64) -> Innovation {
+        let spread = Matrix3::from(self.covariance) * row;
+        let state_variance = row.dot(&spread);
+        let variance = state_variance + noise_variance;
+        let standardised = residual / variance.sqrt();
+        let excess = (standardised.abs() / INFLUENCE_BOUND).max(1.0);
+        let gain_noise_variance = noise_variance * excess.powi(2);
+        let gain = spread / (state_variance + gain_noise_variance);
+        Innovation {
+            residual,
+            variance,
+            noise_variance,
+            standardised,
+            row: row.into(),
+            gain: gain.into(),
+            gain_noise_variance,
+            predicted_sensitivity_per_mm: predicted,
+        }
+    }
+
+    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the length wander.
+    pub fn learn(&mut self, seen: &Innovation, wander_mm: f64) {
+        let gain = Vector3::from(seen.gain);
+        let mean = Vector3::from(self.mean) + gain * seen.residual;
+        let keep = Matrix3::identity() - gain * Vector3::from(seen.row).transpose();
+        let mut covariance = keep * Matrix3::from(self.covariance) * keep.transpose()
+            + gain * gain.transpose() * seen.gain_noise_variance;
+        covariance[(LENGTH, LENGTH)] += (wander_mm / self.whole_length_mm).powi(2);
+        self.mean = mean.into();
+        self.covariance = covariance.into();
+    }
+
+    /// The length jumped by `shift` in lambda, of which the filter has absorbed `absorbed` per unit so far.
+    ///
+    /// `variance` is the shift's own. The model is linearised at the old length, so a tenth of the shift is
+    /// added to its standard deviation; the contacts that follow take that away again.
+    pub fn jump(&mut self, shift: f64, variance: f64, absorbed: [f64; 3]) {
+        let mut missing = Vector3::from(absorbed) * -1.0;
+        missing[LENGTH] += 1.0;
+        let mean = Vector3::from(self.mean) + missing * shift;
+        let mut covariance = Matrix3::from(self.covariance) + missing * missing.transpose() * variance;
+        covariance[(LENGTH, LENGTH)] += (0.1 * shift).powi(2);
+        self.mean = mean.into();
+        self.covariance = covariance.into();
+    }
+
+    /// The pressure has moved for good: the model's error is another one now, the length is the same.
+    pub fn pressure_moved(&mut self, by_mpa: f64, params: &FilterParams) {
+        let sd = params.offset_per_mpa * by_mpa;
+        self.covariance[0][0] += sd.powi(2);
+        self.covariance[1][1] += sd.powi(2);
+    }
+}

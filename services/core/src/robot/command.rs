@@ -1,0 +1,235 @@
+//! Setpoints: one at a time per whisker, sent until answered, superseded or expired.
+
+use super::Robot;
+use super::effect::{AlarmKind, Command, CommandKey, CommandState, Effect, EndReason, Reason, Request, WhiskerIndex};
+use super::event::{Link, Rejection, SetpointReport};
+use super::params::Params;
+use super::whisker::{Desired, InFlight};
+use crate::units::{Megapascal, Micros};
+
+/// Pressures closer than this are the same setpoint, MPa.
+const SAME_MPA: f64 = 1e-5;
+
+impl Robot {
+    /// What a whisker shall hold from now on.
+    pub(super) fn desire(&mut self, index: WhiskerIndex, desired: Desired) {
+        let whisker = &mut self.whiskers[index];
+        whisker.desired = Some(desired);
+        whisker.attempts = 0;
+        whisker.not_before = Micros::default();
+        whisker.changed = true;
+    }
+
+    /// Back to the nominal pressure, because a compensation is over.
+    pub(super) fn release(&mut self, index: WhiskerIndex) {
+        let pressure = self.whiskers[index].sheet.pressure;
+        self.desire(index, Desired { pressure, reason: Reason::Release, compensation: None, gain: None });
+    }
+
+    /// Sends what is due: a new setpoint where the desired one is not held, or an unanswered one again.
+    pub(super) fn reconcile(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        self.expire(index, effects);
+        let whisker = &mut self.whiskers[index];
+        let Some(desired) = &whisker.desired else { return };
+        if let Some(flight) = &mut whisker.command {
+            let same = (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
+                && flight.command.compensation == desired.compensation;
+            if same {
+                if now >= flight.resend_at && flight.state == CommandState::Pending {
+                    flight.resend_at = now.after(params.command.resend_after);
+                    whisker.changed = true;
+                    effects.push(Effect::Resend(Box::new(flight.command.clone())));
+                }
+                return;
+            }
+        } else if (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA {
+            if desired.reason == Reason::Release {
+                whisker.desired = None;
+                whisker.changed = true;
+                return;
+            }
+            if self.compensations.iter().all(|one| Some(one.id) != desired.compensation || one.settled) {
+                return;
+            }
+        }
+        self.send(params, now, index, effects);
+    }
+
+    fn send(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let (Some(boot_id), Some(robot_time), Link::Online) = (&self.boot_id, self.robot_time, self.link) else {
+            return;
+        };
+        let whisker = &mut self.whiskers[index];
+        let Some(desired) = whisker.desired.clone() else { return };
+        if whisker.given_up || now < whisker.not_before {
+            return;
+        }
+        if whisker.attempts >= params.command.attempts {
+            self.give_up(index, effects);
+            return;
+        }
+        whisker.attempts += 1;
+        whisker.not_before = now.after(params.command.resend_after);
+        let key = CommandKey { epoch: self.epoch, version: self.next_version };
+        self.next_version += 1;
+        // The factsheet's limit and the paper's are kept here too, whatever was asked for.
+        let highest_mpa = whisker.sheet.pressure_max.mpa().min(Megapascal::EXAMINED_MAX.mpa());
+        let pressure = Megapascal::known(desired.pressure.mpa().min(highest_mpa));
+        let way_mpa = (pressure.mpa() - whisker.air.setpoint.mpa()).abs();
+        let slewing = Micros::from_s(way_mpa / params.command.slew_mpa_per_s);
+        let command = Command {
+            key,
+            whisker: index,
+            robot_boot_id: boot_id.clone(),
+            pressure,
+            slew_mpa_per_s: params.command.slew_mpa_per_s,
+            issued: now,
+            expires: robot_time.after(slewing).after(params.command.time_to_live),
+            reason: desired.reason,
+            compensation: desired.compensation,
+            gain: desired.gain,
+        };
+        let flight = InFlight {
+            command: command.clone(),
+            state: CommandState::Pending,
+            resend_at: now.after(params.command.resend_after),
+        };
+        whisker.changed = true;
+        if let Some(replaced) = whisker.command.replace(flight) {
+            effects.push(state_of(replaced.command.key, CommandState::Superseded));
+        }
+        effects.push(Effect::Command(Box::new(command)));
+    }
+
+    /// A setpoint that its robot would refuse as expired by now.
+    fn expire(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let Some(robot_time) = self.robot_time else { return };
+        let whisker = &mut self.whiskers[index];
+        if let Some(flight) = whisker.command.take_if(|flight| robot_time > flight.command.expires) {
+            whisker.changed = true;
+            effects.push(state_of(flight.command.key, CommandState::Expired));
+        }
+    }
+
+    /// Tells people, and lets others serve instead.
+    fn give_up(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        whisker.given_up = true;
+        whisker.changed = true;
+        let desired = whisker.desired.take();
+        effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::SetpointFailed });
+        if let Some(compensation) = desired.and_then(|desired| desired.compensation) {
+            self.end(compensation, EndReason::SetpointFailed, effects);
+        }
+    }
+
+    /// What a robot says of a setpoint.
+    pub(super) fn setpoint_reported(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        key: CommandKey,
+        report: SetpointReport,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(index) = self.whiskers.iter().position(|one| one.is_under_way(key)) else { return };
+        let whisker = &mut self.whiskers[index];
+        whisker.heard = Some(now);
+        whisker.changed = true;
+        let Some(flight) = &mut whisker.command else { return };
+        let pressure = flight.command.pressure;
+        match report {
+            SetpointReport::Received => {
+                if flight.state == CommandState::Pending {
+                    flight.state = CommandState::Received;
+                    effects.push(state_of(key, CommandState::Received));
+                }
+            }
+            SetpointReport::Applying => {
+                if matches!(flight.state, CommandState::Pending | CommandState::Received) {
+                    flight.state = CommandState::Applying;
+                    effects.push(state_of(key, CommandState::Applying));
+                    whisker.pressure_set(pressure, params);
+                }
+            }
+            SetpointReport::Applied(reached) => self.applied(params, index, key, reached, effects),
+            SetpointReport::Rejected(rejection) => self.rejected(index, key, rejection, effects),
+            SetpointReport::Failed => {
+                whisker.command = None;
+                effects.push(state_of(key, CommandState::Failed));
+            }
+            SetpointReport::Superseded => {
+                whisker.command = None;
+                effects.push(state_of(key, CommandState::Superseded));
+            }
+        }
+        self.reconcile(params, now, index, effects);
+    }
+
+    fn applied(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        key: CommandKey,
+        reached: Megapascal,
+        effects: &mut Vec<Effect>,
+    ) {
+        let whisker = &mut self.whiskers[index];
+        let Some(flight) = whisker.command.take() else { return };
+        whisker.pressure_set(flight.command.pressure, params);
+        whisker.air.measured = Some(reached);
+        whisker.attempts = 0;
+        if let Some(compensation) =
+            self.compensations.iter_mut().find(|one| Some(one.id) == flight.command.compensation)
+        {
+            compensation.settled = true;
+            self.changed = true;
+        }
+        effects.push(Effect::CommandState {
+            command: key,
+            state: CommandState::Applied,
+            rejection: None,
+            pressure: Some(reached),
+        });
+    }
+
+    fn rejected(&mut self, index: WhiskerIndex, key: CommandKey, rejection: Rejection, effects: &mut Vec<Effect>) {
+        self.whiskers[index].command = None;
+        effects.push(Effect::CommandState {
+            command: key,
+            state: CommandState::Rejected,
+            rejection: Some(rejection),
+            pressure: None,
+        });
+        match rejection {
+            // Another try can succeed: with a new number, a new expiry.
+            Rejection::Expired | Rejection::NotReady => {}
+            // The robot is another one than we think.
+            Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::Request(Request::Factsheet)),
+            // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
+            Rejection::Stale | Rejection::OutOfRange => self.give_up(index, effects),
+        }
+    }
+
+    /// Setpoints that were under way to a boot that is no more.
+    pub(super) fn abandon_commands(&mut self, effects: &mut Vec<Effect>) {
+        for whisker in &mut self.whiskers {
+            whisker.given_up = false;
+            whisker.attempts = 0;
+            whisker.changed = true;
+            if let Some(flight) = whisker.command.take() {
+                effects.push(state_of(flight.command.key, CommandState::Abandoned));
+            }
+        }
+    }
+}
+
+impl super::Whisker {
+    fn is_under_way(&self, key: CommandKey) -> bool {
+        self.command.as_ref().is_some_and(|flight| flight.command.key == key)
+    }
+}
+
+fn state_of(command: CommandKey, state: CommandState) -> Effect {
+    Effect::CommandState { command, state, rejection: None, pressure: None }
+}

@@ -1,0 +1,331 @@
+//! Compensations: decided over a whole array, begun, ended.
+
+use std::collections::BTreeMap;
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::Robot;
+use super::effect::{AlarmKind, CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
+use super::event::ArrayKind;
+use super::params::Params;
+use super::whisker::{Desired, Whisker};
+use crate::estimation::ResponseBins;
+use crate::policy::{Case, Fitness, Ineligible, Offer, Proposal, Refused, assign, propose};
+use crate::units::{Megapascal, Micros, Millimetre};
+
+/// A compensation in force.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct Compensation {
+    pub(super) id: u32,
+    pub(super) target: u32,
+    pub(super) compensator: u32,
+    pub(super) case: Case,
+    pub(super) predicted_error: f64,
+    /// The compensator as it was decided on.
+    pub(super) length: Millimetre,
+    pub(super) pressure_before: Megapascal,
+    pub(super) pressure: Megapascal,
+    /// The compensator's own whole response, for a neighbour; its model serves for the trimmed one itself.
+    pub(super) before: Option<ResponseBins>,
+    /// Its response at the setpoint, against the model at `length`.
+    pub(super) after: ResponseBins,
+    /// The setpoint was applied.
+    pub(super) settled: bool,
+}
+
+impl Compensation {
+    /// Number on this robot.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// The broken whisker.
+    #[must_use]
+    pub fn target(&self) -> WhiskerIndex {
+        self.target as usize
+    }
+
+    /// Who serves.
+    #[must_use]
+    pub fn compensator(&self) -> WhiskerIndex {
+        self.compensator as usize
+    }
+}
+
+/// One candidate with what it proposes.
+struct Asked {
+    target: WhiskerIndex,
+    compensator: WhiskerIndex,
+    /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
+    standing: Option<(Case, f64)>,
+    proposal: Result<Proposal, Ineligible>,
+}
+
+impl Asked {
+    fn cost(&self, params: &Params) -> Option<f64> {
+        match (self.standing, self.proposal) {
+            (Some((case, error)), _) => Some(params.policy.cost(case, error, true)),
+            (None, Ok(proposal)) => Some(params.policy.cost(proposal.case, proposal.predicted_error()?, false)),
+            (None, Err(_)) => None,
+        }
+    }
+}
+
+impl Robot {
+    /// Decides anew wherever something has changed that a decision rests on.
+    pub(super) fn decide(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        if !std::mem::take(&mut self.undecided) {
+            return;
+        }
+        self.end_broken(effects);
+        for array in 0..self.arrays.len() {
+            self.decide_array(params, array as u16, effects);
+        }
+        for index in 0..self.whiskers.len() {
+            self.reconcile(params, now, index, effects);
+        }
+    }
+
+    /// Ends what cannot go on.
+    fn end_broken(&mut self, effects: &mut Vec<Effect>) {
+        let mut over = Vec::new();
+        for one in &self.compensations {
+            let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
+            if target.undecided {
+                over.push((one.id, EndReason::TargetTrimmedAgain));
+            } else if compensator.is_unfit_to_go_on(one.case) {
+                over.push((one.id, EndReason::CompensatorBroken));
+            }
+        }
+        for (id, reason) in over {
+            self.end(id, reason, effects);
+        }
+    }
+
+    /// Ends a compensation; its compensator returns to its nominal pressure unless it is wanted otherwise.
+    pub(super) fn end(&mut self, id: u32, reason: EndReason, effects: &mut Vec<Effect>) {
+        let Some(at) = self.compensations.iter().position(|one| one.id == id) else { return };
+        let ended = self.compensations.remove(at);
+        self.changed = true;
+        self.undecided = true;
+        self.whiskers[ended.target()].undecided = true;
+        effects.push(Effect::Ended { compensation: id, reason });
+        if reason != EndReason::SetpointFailed {
+            self.release(ended.compensator());
+        }
+    }
+
+    fn decide_array(&mut self, params: &Params, array: u16, effects: &mut Vec<Effect>) {
+        let broken = |one: &Whisker| one.array == array && one.condition == Condition::Trimmed;
+        let targets: Vec<usize> = (0..self.whiskers.len()).filter(|&index| broken(&self.whiskers[index])).collect();
+        if targets.is_empty() {
+            return;
+        }
+        let asked: Vec<Asked> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
+        let chosen = choose(params, &targets, &asked);
+        for &target in &targets {
+            self.follow(target, chosen.get(&target).copied(), &asked, effects);
+        }
+    }
+
+    /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
+    fn ask(&self, params: &Params, target: WhiskerIndex) -> Vec<Asked> {
+        let whisker = &self.whiskers[target];
+        let neighbours: &[u32] = match self.arrays[usize::from(whisker.array)].kind {
+            ArrayKind::Type1 => &whisker.neighbours,
+            ArrayKind::Type2 => &[],
+        };
+        let candidates = std::iter::once(target).chain(neighbours.iter().map(|&index| index as usize));
+        candidates.map(|compensator| self.ask_one(params, target, compensator)).collect()
+    }
+
+    fn ask_one(&self, params: &Params, target: WhiskerIndex, compensator: WhiskerIndex) -> Asked {
+        let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
+        let running = self.compensations.iter();
+        let standing = running
+            .filter(|running| running.target() == target && running.compensator() == compensator)
+            .map(|running| (running.case, running.predicted_error))
+            .next();
+        let proposal = match one.ineligible(target == compensator) {
+            Some(reason) => Err(reason),
+            None => match (broken.model(params), one.model(params)) {
+                (Some(target_model), Some(model)) => {
+                    let is_self = target == compensator;
+                    let fitness = one.fitness(model, is_self);
+                    Ok(propose(&params.policy, target_model, broken.target(), broken.whole_offset(), &fitness, is_self))
+                }
+                (_, _) => Err(Ineligible::Learning),
+            },
+        };
+        Asked { target, compensator, standing, proposal }
+    }
+
+    /// Carries out what was chosen for one target, if it is new.
+    fn follow(
+        &mut self,
+        target: WhiskerIndex,
+        chosen: Option<WhiskerIndex>,
+        asked: &[Asked],
+        effects: &mut Vec<Effect>,
+    ) {
+        let running =
+            self.compensations.iter().find(|one| one.target() == target).map(|one| (one.id, one.compensator()));
+        let undecided = std::mem::take(&mut self.whiskers[target].undecided);
+        let same = running.map(|(_, compensator)| compensator) == chosen;
+        // Nothing new to say: still served by the same whisker, or still by none.
+        if same && !undecided {
+            return;
+        }
+        if let Some((id, _)) = running {
+            self.end(id, EndReason::Reassigned, effects);
+            self.whiskers[target].undecided = false;
+        }
+        self.whiskers[target].changed = true;
+        let compensation = self.next_compensation;
+        self.next_compensation += 1;
+        let of_target: Vec<&Asked> = asked.iter().filter(|one| one.target == target).collect();
+        let candidates: Vec<CandidateRecord> = of_target.iter().map(|one| self.record(one, chosen)).collect();
+        let whole = self.whiskers[target].target();
+        effects.push(Effect::Decided(Box::new(Decision {
+            compensation,
+            target,
+            target_length: whole.length,
+            target_pressure: whole.pressure,
+            chosen: candidates.iter().position(|one| Some(one.whisker) == chosen),
+            candidates,
+        })));
+        match of_target.iter().find(|one| Some(one.compensator) == chosen) {
+            Some(one) => self.begin(compensation, one),
+            None => effects.push(Effect::Alarm { whisker: target, kind: AlarmKind::Uncompensated }),
+        }
+    }
+
+    fn record(&self, asked: &Asked, chosen: Option<WhiskerIndex>) -> CandidateRecord {
+        let one = &self.whiskers[asked.compensator];
+        let is_self = asked.target == asked.compensator;
+        let proposal = asked.proposal.as_ref().ok();
+        let setpoint = proposal.and_then(|proposal| proposal.setpoint);
+        let lost = (Some(asked.compensator) != chosen).then_some(Refused::CostsMore);
+        let target_length = self.whiskers[asked.target].sheet.length;
+        let estimate = one.filter.length();
+        let unasked_case = if is_self {
+            Case::SelfCompensation
+        } else if estimate.length <= target_length {
+            Case::ShorterForLonger
+        } else {
+            Case::LongerForShorter
+        };
+        CandidateRecord {
+            whisker: asked.compensator,
+            case: proposal.map_or(unasked_case, |proposal| proposal.case),
+            length: estimate,
+            pressure_before: one.air.setpoint,
+            pressure: setpoint.map(|setpoint| setpoint.pressure),
+            predicted_error_by_ratio: setpoint.map(|setpoint| setpoint.error.by_ratio),
+            predicted_error: setpoint.map(|setpoint| setpoint.error.mean),
+            gives_up_own_role: !is_self,
+            refused: match asked.proposal {
+                Err(reason) => Some(Refused::Ineligible(reason)),
+                Ok(proposal) => proposal.refused.or(lost),
+            },
+        }
+    }
+
+    fn begin(&mut self, id: u32, chosen: &Asked) {
+        let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
+        let is_self = chosen.target == chosen.compensator;
+        let one = &self.whiskers[chosen.compensator];
+        let pressure_before = if is_self { one.air.setpoint } else { one.sheet.pressure };
+        self.compensations.push(Compensation {
+            id,
+            target: chosen.target as u32,
+            compensator: chosen.compensator as u32,
+            case,
+            predicted_error: setpoint.error.mean,
+            length: one.filter.length().length,
+            pressure_before,
+            pressure: setpoint.pressure,
+            before: (!is_self).then(|| one.whole.clone()),
+            after: ResponseBins::default(),
+            settled: false,
+        });
+        self.changed = true;
+        self.desire(
+            chosen.compensator,
+            Desired {
+                pressure: setpoint.pressure,
+                reason: Reason::Compensation(case),
+                compensation: Some(id),
+                gain: Some(setpoint.gain.by_ratio),
+            },
+        );
+    }
+}
+
+/// The assignment with the least total cost: for each served target its compensator.
+fn choose(params: &Params, targets: &[usize], asked: &[Asked]) -> BTreeMap<usize, usize> {
+    let mut columns: Vec<usize> = asked.iter().map(|one| one.compensator).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    let offers: Vec<Offer> = asked
+        .iter()
+        .filter_map(|one| {
+            let cost = one.cost(params)?;
+            let target = targets.binary_search(&one.target).ok()?;
+            let compensator = columns.binary_search(&one.compensator).ok()?;
+            Some(Offer { target, compensator, cost })
+        })
+        .collect();
+    let assigned = assign(targets.len(), columns.len(), &offers);
+    let served = targets.iter().zip(assigned);
+    served.filter_map(|(&target, column)| Some((target, columns[column?]))).collect()
+}
+
+impl Whisker {
+    /// Why it cannot be asked, if it cannot. A trimmed whisker may still serve itself.
+    fn ineligible(&self, for_itself: bool) -> Option<Ineligible> {
+        match self.fault {
+            Some(Fault::Stale) => return Some(Ineligible::Stale),
+            Some(Fault::Gauge(_)) => return Some(Ineligible::GaugeFault),
+            Some(Fault::Leak | Fault::Regulator | Fault::SupplyLow) => return Some(Ineligible::Leaking),
+            None => {}
+        }
+        if self.given_up {
+            return Some(Ineligible::SetpointFailed);
+        }
+        match self.condition {
+            Condition::Healthy => None,
+            Condition::Trimmed if for_itself => None,
+            Condition::Trimmed => Some(Ineligible::Trimmed),
+            Condition::Learning => Some(Ineligible::Learning),
+            Condition::Suspected => Some(Ineligible::Suspected),
+            Condition::Eroding => Some(Ineligible::Eroding),
+            Condition::SensitivityLoss => Some(Ineligible::SensitivityLoss),
+        }
+    }
+
+    /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber.
+    fn is_unfit_to_go_on(&self, case: Case) -> bool {
+        let broken = match self.condition {
+            Condition::Trimmed => case != Case::SelfCompensation,
+            Condition::Eroding | Condition::SensitivityLoss => true,
+            Condition::Learning | Condition::Healthy | Condition::Suspected => false,
+        };
+        let faulty = match self.fault {
+            Some(Fault::Gauge(_) | Fault::Leak | Fault::Regulator) => true,
+            Some(Fault::Stale | Fault::SupplyLow) | None => false,
+        };
+        broken || faulty
+    }
+
+    /// As the policy sees it: itself as it is now, a neighbour as it is in its own role.
+    fn fitness<'p>(&self, model: &'p crate::mechanics::Model, is_self: bool) -> Fitness<'p> {
+        let (pressure, offset) = if is_self {
+            (self.air.setpoint, self.filter.offset())
+        } else {
+            (self.sheet.pressure, self.whole_offset())
+        };
+        Fitness { model, length: self.filter.length().length, pressure, pressure_max: self.sheet.pressure_max, offset }
+    }
+}

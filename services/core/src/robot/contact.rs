@@ -1,0 +1,138 @@
+//! A batch of contacts, and what the detector's verdicts make of a whisker.
+
+use super::Robot;
+use super::effect::{AlarmKind, Condition, ContactRecord, Effect, Trim, WhiskerIndex};
+use super::event::Contact;
+use super::params::Params;
+use super::whisker::PendingTrim;
+use crate::detection::{Change, ChangeKind, Verdict};
+use crate::estimation::{LengthEstimate, LengthFilter};
+use crate::units::Micros;
+
+impl Robot {
+    pub(super) fn contact(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        position: usize,
+        contact: &Contact<'_>,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(index) = self.find(contact.array, contact.whisker) else {
+            effects.push(Effect::UnknownWhisker { position });
+            return;
+        };
+        let whisker = &mut self.whiskers[index];
+        let Some(model) = whisker.model(params) else {
+            effects.push(Effect::UnknownWhisker { position });
+            return;
+        };
+        whisker.heard = Some(now);
+        whisker.changed = true;
+        let felt = whisker.feel(params, model, contact);
+        effects.push(Effect::Contact(ContactRecord {
+            position,
+            whisker: index,
+            used: felt.used,
+            residual: felt.innovation.map(|seen| seen.residual),
+            length: whisker.filter.length(),
+        }));
+        self.refresh_fault(params, now, index, effects);
+        if let Some(seen) = felt.innovation {
+            self.conclude(params, index, felt.verdict, effects);
+            self.measure(params, index, position, contact, seen.noise_variance, effects);
+        }
+    }
+
+    /// Turns a verdict into a condition.
+    fn conclude(&mut self, params: &Params, index: WhiskerIndex, verdict: Verdict, effects: &mut Vec<Effect>) {
+        let whisker = &self.whiskers[index];
+        let learned = whisker.contacts >= u64::from(params.detection.cold_start_contacts);
+        match verdict {
+            Verdict::Quiet if whisker.condition == Condition::Learning && learned => {
+                self.set_condition(index, Condition::Healthy, effects);
+                self.undecided = true;
+            }
+            Verdict::Quiet | Verdict::Looking => {}
+            Verdict::Alarm => {
+                if whisker.condition == Condition::Healthy {
+                    self.set_condition(index, Condition::Suspected, effects);
+                }
+            }
+            Verdict::Dismissed => {
+                if whisker.condition == Condition::Suspected {
+                    self.set_condition(index, Condition::Healthy, effects);
+                }
+            }
+            Verdict::Changed(change) => self.changed_length(params, index, &change, effects),
+        }
+        self.settle_trim(params, index, effects);
+    }
+
+    fn changed_length(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        let length_before_mm = whisker.filter.length().length.mm();
+        match change.kind {
+            ChangeKind::Step if change.shift > 0.0 => {
+                // Not a length: the estimate stays, and the offset is learned anew.
+                whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
+                self.set_condition(index, Condition::SensitivityLoss, effects);
+                effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::SensitivityLoss });
+            }
+            ChangeKind::Step => {
+                whisker.jump(change);
+                if whisker.is_at_nominal_pressure() {
+                    whisker.whole_offset.get_or_insert(whisker.filter.offset());
+                }
+                let before = whisker.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
+                whisker.pending_trim = Some(PendingTrim {
+                    length_before_mm: before,
+                    contacts_since_change: change.contacts,
+                    contacts_since_confirmed: 0,
+                });
+            }
+            ChangeKind::Slope { .. } => {
+                whisker.jump(change);
+                if whisker.condition != Condition::Eroding {
+                    self.set_condition(index, Condition::Eroding, effects);
+                    effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::Eroding });
+                }
+            }
+        }
+    }
+
+    /// A confirmed cut is acted on once its length is certain enough.
+    fn settle_trim(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        let Some(pending) = &mut whisker.pending_trim else { return };
+        let length: LengthEstimate = whisker.filter.length();
+        let certain = length.sd_mm <= params.health.length_sd_max_mm;
+        if !certain && pending.contacts_since_confirmed < params.health.length_contacts_max {
+            pending.contacts_since_confirmed += 1;
+            return;
+        }
+        let pending = *pending;
+        whisker.pending_trim = None;
+        whisker.undecided = true;
+        self.undecided = true;
+        let id = self.next_trim;
+        self.next_trim += 1;
+        effects.push(Effect::Trim(Trim {
+            id,
+            whisker: index,
+            length_before: crate::units::Millimetre::known(pending.length_before_mm),
+            length_after: length,
+            contacts_to_detect: pending.contacts_since_change + pending.contacts_since_confirmed,
+        }));
+        self.set_condition(index, Condition::Trimmed, effects);
+    }
+
+    /// Changes a condition and says so.
+    pub(super) fn set_condition(&mut self, index: WhiskerIndex, to: Condition, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        let from = std::mem::replace(&mut whisker.condition, to);
+        if from != to {
+            effects.push(Effect::Condition { whisker: index, from, to });
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Faults: what the robot says, what its pressures show, and silence.
+
+use super::Robot;
+use super::effect::{AlarmKind, Effect, Fault, WhiskerIndex};
+use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
+use super::params::Params;
+use super::whisker::Whisker;
+use crate::units::Micros;
+
+impl Robot {
+    pub(super) fn status(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        entry: &WhiskerStatus<'_>,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(index) = self.find(entry.array, entry.whisker) else { return };
+        let whisker = &mut self.whiskers[index];
+        whisker.heard = Some(now);
+        whisker.changed = true;
+        whisker.air.measured = Some(entry.pressure);
+        whisker.air.regulator = entry.regulator;
+        whisker.gauge.reported = entry.gauge;
+        // While a setpoint is under way its own reports say where it goes.
+        if whisker.command.is_none() {
+            whisker.pressure_set(entry.setpoint, params);
+        }
+        whisker.watch_pressure(params, now);
+        self.refresh_fault(params, now, index, effects);
+    }
+
+    /// Says what is new about a whisker's faults.
+    pub(super) fn refresh_fault(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        effects: &mut Vec<Effect>,
+    ) {
+        let online = self.link == Link::Online;
+        let whisker = &mut self.whiskers[index];
+        let to = whisker.present_fault(params, now, online);
+        let from = std::mem::replace(&mut whisker.fault, to);
+        if from == to {
+            return;
+        }
+        whisker.changed = true;
+        effects.push(Effect::Fault { whisker: index, from, to });
+        self.undecided = true;
+        if let Some(fault) = to {
+            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::Fault(fault) });
+        }
+    }
+}
+
+impl Whisker {
+    /// A pressure that stays away from its setpoint with nothing under way is not held.
+    fn watch_pressure(&mut self, params: &Params, now: Micros) {
+        let Some(measured) = self.air.measured else { return };
+        let off_by_mpa = (measured.mpa() - self.air.setpoint.mpa()).abs();
+        if off_by_mpa <= params.health.settled_within_mpa || self.command.is_some() {
+            self.air.unheld_since = None;
+        } else {
+            self.air.unheld_since.get_or_insert(now);
+        }
+    }
+
+    /// The worst that is known now; the cause before the symptom.
+    fn present_fault(&self, params: &Params, now: Micros, online: bool) -> Option<Fault> {
+        let silent = self.heard.is_some_and(|heard| now.since(heard) > params.health.stale_after);
+        if silent || !online {
+            return Some(Fault::Stale);
+        }
+        if self.gauge.state() != GaugeState::Ok {
+            return Some(Fault::Gauge(self.gauge.state()));
+        }
+        let unheld = self.air.unheld_since.is_some_and(|since| now.since(since) > params.health.unheld_after);
+        match self.air.regulator {
+            RegulatorState::Leak => Some(Fault::Leak),
+            RegulatorState::Fault => Some(Fault::Regulator),
+            RegulatorState::SupplyLow => Some(Fault::SupplyLow),
+            RegulatorState::Ok | RegulatorState::Filling | RegulatorState::Venting if unheld => Some(Fault::Leak),
+            RegulatorState::Ok | RegulatorState::Filling | RegulatorState::Venting => None,
+        }
+    }
+}

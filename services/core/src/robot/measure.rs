@@ -1,0 +1,203 @@
+//! The compensation error (Eq. 35) from what the compensator feels.
+
+use super::Robot;
+use super::compensation::Compensation;
+use super::effect::{CompensationError, Effect, ErrorBin, Origin, Response, WhiskerIndex};
+use super::event::Contact;
+use super::params::Params;
+use super::whisker::Whisker;
+use crate::estimation::{Bin, ResponseBins};
+use crate::mechanics::{CONTACT_RATIOS, Model, Offset};
+use crate::units::{ContactRatio, Megapascal, Millimetre};
+
+/// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
+const MODEL_SD: f64 = 0.01;
+
+/// A response at one contact ratio: log of strain per mm, its variance, where it comes from.
+#[derive(Clone, Copy)]
+struct LogResponse {
+    log_per_mm: f64,
+    variance: f64,
+    origin: Origin,
+}
+
+/// What a response is measured against.
+struct Reference<'a> {
+    model: &'a Model,
+    length: Millimetre,
+    pressure: Megapascal,
+    bins: Option<&'a ResponseBins>,
+    offset: Offset,
+}
+
+impl Reference<'_> {
+    /// Measured where the bin has enough contacts, otherwise the model with the learned offset.
+    fn at(&self, ratio: ContactRatio, contacts_min: u32) -> Option<LogResponse> {
+        let morphology = self.model.morphology(self.pressure);
+        let model_log = self.model.sensitivity_per_mm(ratio, self.length, &morphology).ok()?.ln();
+        let measured: Option<&Bin> = self.bins.and_then(|bins| bins.measured(ratio, contacts_min));
+        Some(match measured {
+            Some(bin) => {
+                LogResponse { log_per_mm: model_log + bin.mean(), variance: bin.variance(), origin: Origin::Measured }
+            }
+            None => LogResponse {
+                log_per_mm: model_log + self.offset.at(ratio),
+                variance: MODEL_SD.powi(2),
+                origin: Origin::Model,
+            },
+        })
+    }
+}
+
+impl Robot {
+    /// Takes a compensator's contact in, records its three responses, and from time to time the error.
+    pub(super) fn measure(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        position: usize,
+        contact: &Contact<'_>,
+        noise_variance: f64,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(at) = self.compensations.iter().position(|one| one.compensator() == index) else { return };
+        let whisker = &self.whiskers[index];
+        let running = &mut self.compensations[at];
+        let held = (whisker.air.setpoint.mpa() - running.pressure.mpa()).abs() < 1e-4;
+        if !running.settled || !held {
+            return;
+        }
+        let Some(model) = whisker.model(params) else { return };
+        let morphology = model.morphology(contact.pressure);
+        let Ok(model_per_mm) = model.sensitivity_per_mm(contact.ratio, running.length, &morphology) else { return };
+        let deviation = (contact.strain.ratio() / (model_per_mm * contact.deflection.mm())).ln();
+        running.after.add(contact.ratio, deviation, noise_variance);
+        self.changed = true;
+        let contacts = running.after.contacts();
+        let running = &self.compensations[at];
+        effects.extend(self.response(params, running, position, contact).map(Effect::Response));
+        if contacts.is_multiple_of(params.measurement.every_contacts) {
+            effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
+        }
+    }
+
+    fn response(
+        &self,
+        params: &Params,
+        running: &Compensation,
+        position: usize,
+        contact: &Contact<'_>,
+    ) -> Option<Response> {
+        let least = params.measurement.bin_contacts_min;
+        let before = self.before(params, running)?.at(contact.ratio, least)?;
+        let target = self.whole_target(params, running)?.at(contact.ratio, least)?;
+        Some(Response {
+            position,
+            compensation: running.id,
+            ratio: contact.ratio,
+            deflection: contact.deflection,
+            after: contact.strain,
+            before: before.log_per_mm.exp() * contact.deflection.mm(),
+            before_origin: before.origin,
+            target: target.log_per_mm.exp() * contact.deflection.mm(),
+            target_origin: target.origin,
+        })
+    }
+
+    /// The target while it was whole.
+    fn whole_target<'a>(&'a self, params: &'a Params, running: &Compensation) -> Option<Reference<'a>> {
+        let target: &Whisker = &self.whiskers[running.target()];
+        Some(Reference {
+            model: target.model(params)?,
+            length: target.sheet.length,
+            pressure: target.sheet.pressure,
+            bins: Some(&target.whole),
+            offset: target.whole_offset(),
+        })
+    }
+
+    /// The compensator before its pressure changed. A trimmed whisker's own response between the cut and the
+    /// change has too few contacts: there the model at the estimated length serves, with its whole offset.
+    fn before<'a>(&'a self, params: &'a Params, running: &'a Compensation) -> Option<Reference<'a>> {
+        let one: &Whisker = &self.whiskers[running.compensator()];
+        Some(Reference {
+            model: one.model(params)?,
+            length: running.length,
+            pressure: running.pressure_before,
+            bins: running.before.as_ref(),
+            offset: one.whole_offset(),
+        })
+    }
+
+    fn error(&self, params: &Params, running: &Compensation) -> Option<CompensationError> {
+        let length_variance = {
+            let estimate = self.whiskers[running.compensator()].filter.length();
+            (estimate.sd_mm / estimate.length.mm()).powi(2)
+        };
+        let bins: Vec<ErrorBin> = CONTACT_RATIOS
+            .iter()
+            .filter_map(|&ratio| self.error_bin(params, running, ratio, length_variance))
+            .collect();
+        let count = bins.len() as f64;
+        (!bins.is_empty()).then(|| CompensationError {
+            compensation: running.id,
+            contacts: running.after.contacts(),
+            mean: bins.iter().map(|bin| bin.error).sum::<f64>() / count,
+            sd: bins.iter().map(|bin| bin.sd.powi(2)).sum::<f64>().sqrt() / count,
+            bins,
+        })
+    }
+
+    fn error_bin(&self, params: &Params, running: &Compensation, ratio: f64, length_variance: f64) -> Option<ErrorBin> {
+        let least = params.measurement.bin_contacts_min;
+        let ratio = ContactRatio::new(ratio).ok()?;
+        let one = &self.whiskers[running.compensator()];
+        let model = one.model(params)?;
+        let after = Reference {
+            model,
+            length: running.length,
+            pressure: running.pressure,
+            bins: Some(&running.after),
+            offset: Offset::NONE,
+        }
+        .at(ratio, least)
+        .filter(|after| after.origin == Origin::Measured)?;
+        let target = self.whole_target(params, running)?.at(ratio, least)?;
+        let mut before = self.before(params, running)?.at(ratio, least)?;
+        if before.origin == Origin::Model {
+            let morphology = model.morphology(running.pressure_before);
+            let (_, slope) = model.sensitivity_and_slope(ratio, running.length, &morphology).ok()?;
+            before.variance += slope.powi(2) * length_variance;
+            // A trimmed whisker's own offset is best known from its own measured whole response.
+            if running.case == crate::policy::Case::SelfCompensation && target.origin == Origin::Measured {
+                let whole_offset = one.whole_offset().at(ratio);
+                before.log_per_mm += one.whole.measured(ratio, least).map_or(0.0, |bin| bin.mean() - whole_offset);
+            }
+        }
+        let (error, sd) = error_with_sd(after, before, target)?;
+        Some(ErrorBin {
+            ratio: ratio.a(),
+            contacts: running.after.measured(ratio, least).map_or(0, Bin::contacts),
+            after_per_mm: after.log_per_mm.exp(),
+            before_per_mm: before.log_per_mm.exp(),
+            before_origin: before.origin,
+            target_per_mm: target.log_per_mm.exp(),
+            target_origin: target.origin,
+            error,
+            sd,
+        })
+    }
+}
+
+/// Eq. 35 with its standard deviation to first order in the three log responses.
+fn error_with_sd(after: LogResponse, before: LogResponse, target: LogResponse) -> Option<(f64, f64)> {
+    let [ac, bc, t] = [after, before, target].map(|response| response.log_per_mm.exp());
+    let error = crate::mechanics::compensation_error(ac, bc, t)?;
+    let span = bc - t;
+    let by_after = ac / span;
+    let by_before = (ac - t) * bc / span.powi(2);
+    let by_target = t * (ac - bc) / span.powi(2);
+    let variance =
+        by_after.powi(2) * after.variance + by_before.powi(2) * before.variance + by_target.powi(2) * target.variance;
+    Some((error, variance.sqrt()))
+}

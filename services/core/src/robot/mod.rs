@@ -1,0 +1,416 @@
+//! A robot as the supervisor knows it, and the one function that moves it on:
+//! `step(state, params, now, event) -> effects`.
+//!
+//! The state is [`Robot`]; [`Event`] is what can happen, [`Effect`] what must be done about it. Nothing here
+//! waits, sends or stores: the caller commits the effects together with the state, and then carries them out.
+//! The same events give the same effects, byte for byte.
+//!
+//! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
+//! `compensation` (who serves whom), `command` (setpoints) and `measure` (Eq. 35).
+
+mod command;
+mod compensation;
+mod contact;
+pub mod effect;
+pub mod event;
+mod health;
+mod measure;
+pub mod params;
+pub mod sequence;
+pub mod whisker;
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+pub use compensation::Compensation;
+pub use effect::Effect;
+pub use event::Event;
+pub use params::Params;
+pub use sequence::{Admission, Sequence, Sequences};
+pub use whisker::Whisker;
+
+use crate::estimation::LengthEstimate;
+use crate::mechanics::Offset;
+use crate::units::{Megapascal, Micros};
+use effect::{Command, Condition, EndReason, Fault, Request, WhiskerIndex};
+use event::{ArrayKind, Factsheet, Link, WhiskerSheet};
+
+/// One robot: its numbers, its whiskers, its compensations.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct Robot {
+    epoch: u64,
+    link: Link,
+    /// The newest boot, as its birth said.
+    boot_id: Option<String>,
+    /// The newest time heard from the robot, by its own clock.
+    robot_time: Option<Micros>,
+    sequences: Sequences,
+    arrays: Vec<Array>,
+    compensations: Vec<Compensation>,
+    next_version: u64,
+    next_trim: u32,
+    next_compensation: u32,
+    /// Something has changed that a decision rests on.
+    undecided: bool,
+    #[borsh(skip)]
+    changed: bool,
+    /// Stored one by one: see [`Robot::to_bytes`].
+    #[borsh(skip)]
+    whiskers: Vec<Whisker>,
+}
+
+/// An array of the factsheet.
+#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub struct Array {
+    /// Name.
+    pub name: String,
+    /// Kind.
+    pub kind: ArrayKind,
+}
+
+/// What was made of a message as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was taken.
+    Taken,
+    /// It was seen before, and changed nothing.
+    Duplicate,
+    /// It cannot be taken now; the robot will send it again.
+    NotYet(Admission),
+    /// It comes from a boot that is no more.
+    OldBoot,
+}
+
+impl Robot {
+    /// A robot of which nothing is known.
+    #[must_use]
+    pub fn new(epoch: u64) -> Self {
+        Self {
+            epoch,
+            link: Link::Offline,
+            boot_id: None,
+            robot_time: None,
+            sequences: Sequences::default(),
+            arrays: Vec::new(),
+            compensations: Vec::new(),
+            next_version: 0,
+            next_trim: 0,
+            next_compensation: 0,
+            undecided: false,
+            changed: true,
+            whiskers: Vec::new(),
+        }
+    }
+
+    /// Takes one event in and says what must be done.
+    ///
+    /// `now` is the supervisor's clock. Effects are appended, so that the caller can use one buffer again.
+    pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
+        let outcome = match *event {
+            Event::Connection { boot_id, link } => self.connection(params, now, boot_id, link, effects),
+            Event::Factsheet { boot_id, factsheet } => self.factsheet(params, boot_id, factsheet, effects),
+            Event::Contacts { boot_id, seq, contacts } => self.contacts(params, now, boot_id, seq, contacts, effects),
+            Event::Status { boot_id, robot_time, whiskers } => {
+                if self.is_old(boot_id) {
+                    return Outcome::OldBoot;
+                }
+                self.heard_time(robot_time);
+                for entry in whiskers {
+                    self.status(params, now, entry, effects);
+                }
+                Outcome::Taken
+            }
+            Event::Setpoint { boot_id, command, report, robot_time } => {
+                if self.is_old(boot_id) {
+                    return Outcome::OldBoot;
+                }
+                self.heard_time(robot_time);
+                self.setpoint_reported(params, now, command, report, effects);
+                Outcome::Taken
+            }
+            Event::Tick => {
+                for index in 0..self.whiskers.len() {
+                    self.refresh_fault(params, now, index, effects);
+                    self.reconcile(params, now, index, effects);
+                }
+                Outcome::Taken
+            }
+        };
+        self.decide(params, now, effects);
+        outcome
+    }
+
+    fn is_old(&self, boot_id: &str) -> bool {
+        self.boot_id.as_deref() != Some(boot_id)
+    }
+
+    fn heard_time(&mut self, robot_time: Micros) {
+        if self.robot_time.is_none_or(|newest| robot_time > newest) {
+            self.robot_time = Some(robot_time);
+        }
+    }
+
+    fn connection(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        boot_id: &str,
+        link: Link,
+        effects: &mut Vec<Effect>,
+    ) -> Outcome {
+        if self.is_old(boot_id) {
+            // The order of receipt counts: a birth makes its boot the newest, an end speaks of its own only.
+            if link != Link::Online {
+                return Outcome::OldBoot;
+            }
+            self.abandon_commands(effects);
+            self.boot_id = Some(boot_id.to_owned());
+            self.robot_time = None;
+        }
+        self.link = link;
+        self.changed = true;
+        for index in 0..self.whiskers.len() {
+            self.refresh_fault(params, now, index, effects);
+        }
+        if link == Link::Online && self.sequences.of(boot_id).is_none() {
+            effects.push(Effect::Request(Request::Factsheet));
+        }
+        Outcome::Taken
+    }
+
+    fn factsheet(
+        &mut self,
+        params: &Params,
+        boot_id: &str,
+        factsheet: &Factsheet,
+        effects: &mut Vec<Effect>,
+    ) -> Outcome {
+        if self.is_old(boot_id) {
+            return Outcome::OldBoot;
+        }
+        self.sequences.begin(boot_id);
+        self.changed = true;
+        if !self.is_as_known(factsheet) {
+            self.lay_out(params, factsheet, effects);
+        }
+        Outcome::Taken
+    }
+
+    fn is_as_known(&self, factsheet: &Factsheet) -> bool {
+        let known = self.whiskers.iter().map(|one| (self.arrays[usize::from(one.array)].name.as_str(), &one.sheet));
+        let told =
+            factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
+        let arrays = self.arrays.iter().map(|array| (array.name.as_str(), array.kind));
+        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind))) && known.eq(told)
+    }
+
+    /// Another layout: whiskers that are as they were keep what is known of them, the others start anew.
+    fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
+        self.end_all(effects);
+        let old_arrays = std::mem::take(&mut self.arrays);
+        let mut old = std::mem::take(&mut self.whiskers);
+        for (at, array) in factsheet.arrays.iter().enumerate() {
+            let first = self.whiskers.len() as u32;
+            for sheet in &array.whiskers {
+                let same = |one: &Whisker| old_arrays[usize::from(one.array)].name == array.name && one.sheet == *sheet;
+                let kept = old.iter().position(same).map(|position| old.swap_remove(position));
+                let mut whisker = kept.unwrap_or_else(|| Whisker::new(at as u16, sheet.clone(), params));
+                whisker.array = at as u16;
+                whisker.neighbours = sheet
+                    .neighbours
+                    .iter()
+                    .filter_map(|number| array.whiskers.iter().position(|other| other.number == *number))
+                    .map(|position| first + position as u32)
+                    .collect();
+                whisker.undecided |= whisker.condition == Condition::Trimmed;
+                whisker.changed = true;
+                self.whiskers.push(whisker);
+            }
+            self.arrays.push(Array { name: array.name.clone(), kind: array.kind });
+        }
+        self.undecided = true;
+    }
+
+    /// A new layout ends every compensation; what still stands is decided anew at once.
+    fn end_all(&mut self, effects: &mut Vec<Effect>) {
+        let ids: Vec<u32> = self.compensations.iter().map(|one| one.id).collect();
+        for id in ids {
+            self.end(id, EndReason::TargetReplaced, effects);
+        }
+        self.abandon_commands(effects);
+    }
+
+    fn contacts(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        boot_id: &str,
+        seq: u64,
+        contacts: &[event::Contact<'_>],
+        effects: &mut Vec<Effect>,
+    ) -> Outcome {
+        match self.sequences.admit(boot_id, seq, now) {
+            Admission::New => {}
+            Admission::Duplicate => return Outcome::Duplicate,
+            Admission::UnknownBoot => {
+                effects.push(Effect::Request(Request::Factsheet));
+                return Outcome::NotYet(Admission::UnknownBoot);
+            }
+            Admission::TooManyGaps => return Outcome::NotYet(Admission::TooManyGaps),
+        }
+        self.changed = true;
+        let newest = !self.is_old(boot_id);
+        for (position, contact) in contacts.iter().enumerate() {
+            if newest {
+                self.heard_time(contact.robot_time);
+            }
+            self.contact(params, now, position, contact, effects);
+        }
+        Outcome::Taken
+    }
+
+    /// Index of a whisker.
+    #[must_use]
+    pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
+        let array = self.arrays.iter().position(|known| known.name == array)? as u16;
+        self.whiskers.iter().position(|one| one.array == array && one.sheet.number == number)
+    }
+
+    /// A whisker for people and the database.
+    #[must_use]
+    pub fn whisker(&self, index: WhiskerIndex) -> Option<WhiskerView<'_>> {
+        let whisker = self.whiskers.get(index)?;
+        let array = &self.arrays[usize::from(whisker.array)];
+        Some(WhiskerView {
+            array: &array.name,
+            kind: array.kind,
+            sheet: &whisker.sheet,
+            length: whisker.filter.length(),
+            offset: whisker.filter.offset(),
+            noise_scale: whisker.noise.variance().sqrt(),
+            contacts: whisker.contacts,
+            condition: whisker.condition,
+            fault: whisker.fault,
+            pressure: whisker.air.measured,
+            setpoint: whisker.air.setpoint,
+            heard: whisker.heard,
+        })
+    }
+
+    /// Number of whiskers; indices are below.
+    #[must_use]
+    pub fn whisker_count(&self) -> usize {
+        self.whiskers.len()
+    }
+
+    /// The newest boot and its connection.
+    #[must_use]
+    pub fn connection_state(&self) -> (Option<&str>, Link) {
+        (self.boot_id.as_deref(), self.link)
+    }
+
+    /// What a receipt says: the numbers of that boot.
+    #[must_use]
+    pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {
+        self.sequences.of(boot_id)
+    }
+
+    /// Setpoints that are not settled yet.
+    pub fn commands_under_way(&self) -> impl Iterator<Item = &Command> {
+        self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
+    }
+
+    /// Compensations in force.
+    #[must_use]
+    pub fn compensations(&self) -> &[Compensation] {
+        &self.compensations
+    }
+
+    /// The robot without its whiskers, as bytes to be stored.
+    ///
+    /// # Panics
+    /// Never: writing to memory cannot fail, and no value is a NaN.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        borsh::to_vec(self).unwrap_or_default()
+    }
+
+    /// One whisker as bytes to be stored; none beyond the last.
+    #[must_use]
+    pub fn whisker_to_bytes(&self, index: WhiskerIndex) -> Option<Vec<u8>> {
+        borsh::to_vec(self.whiskers.get(index)?).ok()
+    }
+
+    /// The robot as it was stored, under a new epoch. `whiskers` are in the order of their indices.
+    ///
+    /// # Errors
+    /// The bytes are not from this version of the program.
+    pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64) -> Result<Self, RestoreError> {
+        let mut robot: Self = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
+        for (index, bytes) in whiskers.iter().enumerate() {
+            robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
+        }
+        let within = |index: u32| (index as usize) < robot.whiskers.len();
+        if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
+            return Err(RestoreError::Layout);
+        }
+        robot.epoch = epoch;
+        Ok(robot)
+    }
+
+    /// Whether the head has changed since the last call.
+    pub fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
+    }
+
+    /// Calls `visit` for each whisker that has changed since the last call.
+    pub fn take_changed_whiskers(&mut self, mut visit: impl FnMut(WhiskerIndex)) {
+        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
+            if std::mem::take(&mut whisker.changed) {
+                visit(index);
+            }
+        }
+    }
+}
+
+/// Why a stored robot cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RestoreError {
+    /// The head.
+    #[error("the stored state of the robot is not of this version of the program")]
+    Head,
+    /// A whisker.
+    #[error("the stored state of whisker index {0} is not of this version of the program")]
+    Whisker(usize),
+    /// Whiskers are missing.
+    #[error("the stored state of the robot names whiskers that are not stored")]
+    Layout,
+}
+
+/// A whisker for people and the database.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WhiskerView<'a> {
+    /// Its array.
+    pub array: &'a str,
+    /// Kind of its array.
+    pub kind: ArrayKind,
+    /// What the factsheet says of it.
+    pub sheet: &'a WhiskerSheet,
+    /// Present length.
+    pub length: LengthEstimate,
+    /// Present offset from the model, log sensitivity.
+    pub offset: Offset,
+    /// Its noise against the stated one, ratio of standard deviations.
+    pub noise_scale: f64,
+    /// Contacts that were used.
+    pub contacts: u64,
+    /// Mechanical condition.
+    pub condition: Condition,
+    /// Fault, if any.
+    pub fault: Option<Fault>,
+    /// Pressure as last measured.
+    pub pressure: Option<Megapascal>,
+    /// Pressure that the robot holds or moves to.
+    pub setpoint: Megapascal,
+    /// When it was last heard of, by the supervisor's clock.
+    pub heard: Option<Micros>,
+}

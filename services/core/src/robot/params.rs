@@ -1,0 +1,121 @@
+//! Everything that the core is told once: models, noise, limits.
+
+use crate::detection::DetectionParams;
+use crate::estimation::SensorNoise;
+use crate::estimation::filter::FilterParams;
+use crate::mechanics::{Formulation, Model};
+use crate::policy::PolicyParams;
+use crate::units::Micros;
+
+/// The parameters of [`super::Robot::step`].
+#[derive(Debug, Clone)]
+pub struct Params {
+    /// The whisker models that factsheets may name.
+    pub models: Vec<(String, Model)>,
+    /// Stated noise of the robots' readings.
+    pub noise: SensorNoise,
+    /// Prior and process noise of the length filter.
+    pub filter: FilterParams,
+    /// Detector.
+    pub detection: DetectionParams,
+    /// Compensation policy.
+    pub policy: PolicyParams,
+    /// Setpoints.
+    pub command: CommandParams,
+    /// When something is called a fault.
+    pub health: HealthParams,
+    /// Measurement of the compensation error.
+    pub measurement: MeasurementParams,
+}
+
+/// How setpoints are sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CommandParams {
+    /// Slew that the robot shall keep, MPa per second.
+    pub slew_mpa_per_s: f64,
+    /// A setpoint expires this long after the newest time heard from the robot, on top of its slewing time.
+    pub time_to_live: Micros,
+    /// An unanswered setpoint is sent again after this.
+    pub resend_after: Micros,
+    /// New setpoints for one purpose after expiry, refusal or failure; then it is given up with an alarm.
+    pub attempts: u8,
+}
+
+/// When something is called a fault.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HealthParams {
+    /// A whisker is stale when neither contact nor status was heard for this long.
+    pub stale_after: Micros,
+    /// A pressure this far from the setpoint is not settled, MPa: above a regulator's dither.
+    pub settled_within_mpa: f64,
+    /// A pressure that is not held for this long, with nothing under way, is a leak.
+    pub unheld_after: Micros,
+    /// Contacts in a row that make a gauge fault, and twice as many good ones end it.
+    pub gauge_contacts: u8,
+    /// A trim is acted on when the length's standard deviation is down to this, mm ...
+    pub length_sd_max_mm: f64,
+    /// ... or after this many further contacts.
+    pub length_contacts_max: u32,
+}
+
+/// Measurement of the compensation error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasurementParams {
+    /// A bin with fewer contacts is not measured.
+    pub bin_contacts_min: u32,
+    /// The error is stated anew after this many contacts of the compensator.
+    pub every_contacts: u32,
+}
+
+impl Params {
+    /// Defaults, with the paper's whisker as the only model.
+    #[must_use]
+    pub fn nguyen_2021(formulation: Formulation) -> Self {
+        Self {
+            models: vec![("nguyen-2021".to_owned(), Model::nguyen_2021(formulation))],
+            noise: SensorNoise::default(),
+            filter: FilterParams::default(),
+            detection: DetectionParams::default(),
+            policy: PolicyParams::default(),
+            command: CommandParams::default(),
+            health: HealthParams::default(),
+            measurement: MeasurementParams::default(),
+        }
+    }
+
+    /// The model of that name.
+    #[must_use]
+    pub fn model(&self, name: &str) -> Option<&Model> {
+        self.models.iter().find(|(known, _)| known == name).map(|(_, model)| model)
+    }
+}
+
+impl Default for CommandParams {
+    fn default() -> Self {
+        Self {
+            slew_mpa_per_s: 0.02,
+            time_to_live: Micros::from_s(10.0),
+            resend_after: Micros::from_s(2.0),
+            attempts: 3,
+        }
+    }
+}
+
+impl Default for HealthParams {
+    fn default() -> Self {
+        Self {
+            stale_after: Micros::from_s(15.0),
+            settled_within_mpa: 0.004,
+            unheld_after: Micros::from_s(4.0),
+            gauge_contacts: 5,
+            length_sd_max_mm: 0.3,
+            length_contacts_max: 25,
+        }
+    }
+}
+
+impl Default for MeasurementParams {
+    fn default() -> Self {
+        Self { bin_contacts_min: 10, every_contacts: 100 }
+    }
+}

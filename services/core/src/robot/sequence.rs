@@ -1,0 +1,222 @@
+//! Which numbered messages of a robot are accounted for: a watermark and what lies beyond a gap.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use crate::units::Micros;
+
+/// Gaps that are remembered; a message that would open one more is not taken, so the robot sends it again.
+const RANGES_MAX: usize = 64;
+/// A robot that does not close a gap for this long, while gaps keep others out, never will: it does not send
+/// again, or it has dropped those messages. Then the oldest gap is given up, so that the rest can go on.
+const PATIENCE: Micros = Micros(90_000_000);
+/// Boots that are remembered: messages of an older boot may still arrive after a restart.
+const BOOTS_MAX: usize = 4;
+
+/// What became of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Admission {
+    /// First time: take it.
+    New,
+    /// Seen before: it changes nothing.
+    Duplicate,
+    /// Too many gaps already: not taken, not receipted.
+    TooManyGaps,
+    /// Not a boot that a factsheet is known of: not taken, not receipted.
+    UnknownBoot,
+}
+
+/// The `contacts` numbers of one boot.
+#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub struct Sequence {
+    boot_id: String,
+    next: u64,
+    /// Inclusive ranges beyond `next`, ascending, not touching.
+    held: Vec<(u64, u64)>,
+    /// Since when gaps keep messages out.
+    blocked_since: Option<Micros>,
+    /// Numbers of gaps that were given up.
+    given_up: u64,
+}
+
+impl Sequence {
+    fn new(boot_id: &str) -> Self {
+        Self { boot_id: boot_id.to_owned(), next: 0, held: Vec::new(), blocked_since: None, given_up: 0 }
+    }
+
+    /// Whose numbers they are.
+    #[must_use]
+    pub fn boot_id(&self) -> &str {
+        &self.boot_id
+    }
+
+    /// Every number below is accounted for.
+    #[must_use]
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Inclusive ranges that are accounted for beyond a gap.
+    #[must_use]
+    pub fn held(&self) -> &[(u64, u64)] {
+        &self.held
+    }
+
+    /// Messages that were never received, and are not waited for any more.
+    #[must_use]
+    pub fn given_up(&self) -> u64 {
+        self.given_up
+    }
+
+    fn admit(&mut self, seq: u64, now: Micros) -> Admission {
+        let admission = self.place(seq);
+        if admission != Admission::TooManyGaps {
+            return admission;
+        }
+        let since = *self.blocked_since.get_or_insert(now);
+        if now.since(since) < PATIENCE || self.held.is_empty() {
+            return admission;
+        }
+        let (first, last) = self.held.remove(0);
+        self.given_up += first - self.next;
+        self.advance(last + 1);
+        self.place(seq)
+    }
+
+    fn advance(&mut self, next: u64) {
+        self.next = next;
+        self.blocked_since = None;
+    }
+
+    fn place(&mut self, seq: u64) -> Admission {
+        if seq < self.next {
+            return Admission::Duplicate;
+        }
+        let at = self.held.partition_point(|&(_, last)| last < seq);
+        if self.held.get(at).is_some_and(|&(first, _)| first <= seq) {
+            return Admission::Duplicate;
+        }
+        if seq == self.next {
+            self.advance(seq + 1);
+            if self.held.first().is_some_and(|&(first, _)| first == self.next) {
+                let (_, last) = self.held.remove(0);
+                self.advance(last + 1);
+            }
+            return Admission::New;
+        }
+        self.hold(at, seq)
+    }
+
+    fn hold(&mut self, at: usize, seq: u64) -> Admission {
+        let joins_left = at > 0 && self.held[at - 1].1 + 1 == seq;
+        let joins_right = self.held.get(at).is_some_and(|&(first, _)| seq + 1 == first);
+        match (joins_left, joins_right) {
+            (true, true) => {
+                self.held[at - 1].1 = self.held[at].1;
+                self.held.remove(at);
+            }
+            (true, false) => self.held[at - 1].1 = seq,
+            (false, true) => self.held[at].0 = seq,
+            (false, false) if self.held.len() >= RANGES_MAX => return Admission::TooManyGaps,
+            (false, false) => self.held.insert(at, (seq, seq)),
+        }
+        Admission::New
+    }
+}
+
+/// The numbers of a robot's newest boots, the newest last.
+#[derive(Debug, Clone, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+pub struct Sequences {
+    boots: Vec<Sequence>,
+}
+
+impl Sequences {
+    /// A boot whose factsheet is known; the oldest beyond the limit is forgotten.
+    pub fn begin(&mut self, boot_id: &str) {
+        if self.boots.iter().all(|sequence| sequence.boot_id != boot_id) {
+            if self.boots.len() >= BOOTS_MAX {
+                self.boots.remove(0);
+            }
+            self.boots.push(Sequence::new(boot_id));
+        }
+    }
+
+    /// Takes a number in.
+    pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> Admission {
+        let found = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == boot_id);
+        found.map_or(Admission::UnknownBoot, |sequence| sequence.admit(seq, now))
+    }
+
+    /// The numbers of that boot.
+    #[must_use]
+    pub fn of(&self, boot_id: &str) -> Option<&Sequence> {
+        self.boots.iter().find(|sequence| sequence.boot_id == boot_id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOW: Micros = Micros(1_000_000);
+
+    fn sequence(numbers: &[u64]) -> Sequence {
+        let mut sequence = Sequence::new("b");
+        for &number in numbers {
+            sequence.admit(number, NOW);
+        }
+        sequence
+    }
+
+    #[test]
+    fn a_gap_is_held_and_closed() {
+        let mut gapped = sequence(&[0, 1, 3, 5, 4]);
+        assert_eq!((gapped.next(), gapped.held()), (2, &[(3, 5)][..]));
+        assert_eq!(gapped.admit(4, NOW), Admission::Duplicate);
+        assert_eq!(gapped.admit(2, NOW), Admission::New);
+        assert_eq!((gapped.next(), gapped.held()), (6, &[][..]));
+        assert_eq!(gapped.admit(5, NOW), Admission::Duplicate);
+    }
+
+    #[test]
+    fn one_gap_too_many_is_not_taken() {
+        let odd: Vec<u64> = (0..64).map(|k| 2 * k + 1).collect();
+        let mut full = sequence(&odd);
+        assert_eq!(full.admit(999, NOW), Admission::TooManyGaps);
+        assert_eq!(full.admit(0, NOW), Admission::New, "closing a gap is always possible");
+    }
+
+    #[test]
+    fn any_order_with_repeats_ends_contiguous() {
+        let mut order: Vec<u64> = (0..40).collect();
+        let mut state = 12345_u64;
+        for i in (1..order.len()).rev() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            order.swap(i, (state >> 33) as usize % (i + 1));
+        }
+        let mut any = Sequence::new("b");
+        let fresh = order.iter().chain(&order).filter(|&&seq| any.admit(seq, NOW) == Admission::New).count();
+        assert_eq!((fresh, any.next(), any.held().len()), (40, 40, 0));
+    }
+
+    #[test]
+    fn a_boot_without_factsheet_is_not_known() {
+        let mut sequences = Sequences::default();
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::UnknownBoot);
+        sequences.begin("b1");
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::New);
+        sequences.begin("b1");
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::Duplicate, "a factsheet said again forgets nothing");
+    }
+
+    #[test]
+    fn a_gap_that_is_never_closed_is_given_up_after_a_while() {
+        let odd: Vec<u64> = (0..64).map(|k| 2 * k + 1).collect();
+        let mut full = sequence(&odd);
+        let later = NOW.after(PATIENCE);
+        assert_eq!(full.admit(999, NOW), Admission::TooManyGaps);
+        assert_eq!(full.admit(999, Micros(later.0 - 1)), Admission::TooManyGaps);
+        assert_eq!(full.admit(999, later), Admission::New);
+        assert_eq!((full.next(), full.given_up()), (2, 1));
+        assert_eq!(full.admit(1001, later), Admission::TooManyGaps, "patience begins anew");
+    }
+}

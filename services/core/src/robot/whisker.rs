@@ -1,0 +1,268 @@
+//! One whisker: what is known of it, and how it feels.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
+use super::event::{Contact, GaugeState, RegulatorState, WhiskerSheet};
+use super::params::Params;
+use crate::detection::{Change, Detector, Verdict};
+use crate::estimation::filter::{NoInformation, Observation};
+use crate::estimation::{Innovation, LengthFilter, NoiseScale, ResponseBins};
+use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
+use crate::units::{Megapascal, Micros};
+
+/// The state of one whisker.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct Whisker {
+    pub(super) array: u16,
+    pub(super) sheet: WhiskerSheet,
+    /// Indices of the neighbours in the robot.
+    pub(super) neighbours: Vec<u32>,
+    pub(super) filter: LengthFilter,
+    pub(super) noise: NoiseScale,
+    pub(super) detector: Detector,
+    /// Contacts that were used.
+    pub(super) contacts: u64,
+    pub(super) condition: Condition,
+    /// A confirmed cut whose length is not certain enough yet to act on.
+    pub(super) pending_trim: Option<PendingTrim>,
+    /// Its response while whole, against the model at whole length.
+    pub(super) whole: ResponseBins,
+    /// Its offset while whole at nominal pressure, once it is not any more.
+    pub(super) whole_offset: Option<Offset>,
+    pub(super) air: Air,
+    pub(super) gauge: GaugeWatch,
+    pub(super) fault: Option<Fault>,
+    /// By the supervisor's clock.
+    pub(super) heard: Option<Micros>,
+    pub(super) desired: Option<Desired>,
+    pub(super) command: Option<InFlight>,
+    pub(super) attempts: u8,
+    /// No new setpoint before this, by the supervisor's clock.
+    pub(super) not_before: Micros,
+    /// The last setpoint failed for good, in this boot.
+    pub(super) given_up: bool,
+    /// A trim that no decision has been made about.
+    pub(super) undecided: bool,
+    #[borsh(skip)]
+    pub(super) changed: bool,
+}
+
+/// A cut that is confirmed.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct PendingTrim {
+    pub length_before_mm: f64,
+    pub contacts_since_change: u32,
+    pub contacts_since_confirmed: u32,
+}
+
+/// The chamber's pressure.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Air {
+    /// As last measured.
+    pub measured: Option<Megapascal>,
+    /// What the robot holds or moves to.
+    pub setpoint: Megapascal,
+    /// The pressure at which the offset was learned.
+    pub learned_at: Megapascal,
+    pub regulator: RegulatorState,
+    pub unheld_since: Option<Micros>,
+}
+
+/// What contacts and status say of the gauge.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub(super) struct GaugeWatch {
+    pub reported: GaugeState,
+    pub observed: GaugeState,
+    dead: u8,
+    constant: u8,
+    plausible: u8,
+    last_strain: f64,
+    last_deflection_mm: f64,
+}
+
+/// A pressure that the whisker shall have.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Desired {
+    pub pressure: Megapascal,
+    pub reason: Reason,
+    pub compensation: Option<u32>,
+    pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
+}
+
+/// A setpoint under way.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct InFlight {
+    pub command: Command,
+    pub state: CommandState,
+    pub resend_at: Micros,
+}
+
+/// What came of one contact.
+pub(super) struct Felt {
+    pub used: ContactUse,
+    pub innovation: Option<Innovation>,
+    pub verdict: Verdict,
+}
+
+impl Whisker {
+    pub(super) fn new(array: u16, sheet: WhiskerSheet, params: &Params) -> Self {
+        Self {
+            array,
+            neighbours: Vec::new(),
+            filter: LengthFilter::new(sheet.length, &params.filter),
+            noise: NoiseScale::default(),
+            detector: Detector::default(),
+            contacts: 0,
+            condition: Condition::Learning,
+            pending_trim: None,
+            whole: ResponseBins::default(),
+            whole_offset: None,
+            air: Air {
+                measured: None,
+                setpoint: sheet.pressure,
+                learned_at: sheet.pressure,
+                regulator: RegulatorState::Ok,
+                unheld_since: None,
+            },
+            gauge: GaugeWatch::default(),
+            fault: None,
+            heard: None,
+            desired: None,
+            command: None,
+            attempts: 0,
+            not_before: Micros::default(),
+            given_up: false,
+            undecided: false,
+            changed: true,
+            sheet,
+        }
+    }
+
+    /// The whole whisker, as a target.
+    #[must_use]
+    pub fn target(&self) -> Target {
+        Target { length: self.sheet.length, pressure: self.sheet.pressure }
+    }
+
+    /// Its offset from the model while whole at nominal pressure.
+    pub(super) fn whole_offset(&self) -> Offset {
+        self.whole_offset.unwrap_or_else(|| self.filter.offset())
+    }
+
+    /// One contact: is it fit for use, what does it say, and has anything changed?
+    pub(super) fn feel(&mut self, params: &Params, model: &Model, contact: &Contact<'_>) -> Felt {
+        self.air.measured = Some(contact.pressure);
+        let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
+        if off_by_mpa > params.health.settled_within_mpa {
+            return Felt::unused(ContactUse::Unsettled);
+        }
+        let morphology = model.morphology(contact.pressure);
+        let observation = Observation {
+            ratio: contact.ratio,
+            deflection_mm: contact.deflection.mm(),
+            strain: contact.strain.ratio(),
+        };
+        let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
+        if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
+            return Felt::unused(ContactUse::GaugeFault);
+        }
+        match seen {
+            Err(NoInformation::OnChamber(_)) => Felt::unused(ContactUse::OnChamber),
+            Err(NoInformation::TooWeak) => Felt::unused(ContactUse::TooWeak),
+            Ok(seen) => self.take(params, contact, &seen),
+        }
+    }
+
+    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation) -> Felt {
+        self.contacts += 1;
+        let calm = self.detector.is_calm() && self.pending_trim.is_none();
+        if calm {
+            self.noise.learn(seen.standardised);
+            if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
+                // Against the model at whole length: the residual is against the present estimate.
+                let estimate = self.filter.length().length.mm();
+                let shift = seen.row[2] * (estimate / self.sheet.length.mm()).ln();
+                let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
+                self.whole.add(contact.ratio, deviation, seen.noise_variance);
+            }
+        }
+        let eroding = self.condition == Condition::Eroding;
+        let learning = self.condition == Condition::Learning;
+        let verdict = if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding) };
+        self.filter.learn(seen, if eroding { params.filter.erosion_wander_mm } else { params.filter.wander_mm });
+        let used = if learning { ContactUse::Learning } else { ContactUse::Used };
+        Felt { used, innovation: Some(*seen), verdict }
+    }
+
+    /// Moves the estimate by a confirmed change.
+    pub(super) fn jump(&mut self, change: &Change) {
+        self.filter.jump(change.shift, change.variance, change.absorbed);
+    }
+
+    /// Whether it is held at the factsheet's pressure, where its reference response is taken.
+    pub(super) fn is_at_nominal_pressure(&self) -> bool {
+        (self.air.learned_at.mpa() - self.sheet.pressure.mpa()).abs() < 1e-3
+    }
+
+    /// The robot holds another pressure from now on: the model's error there is to be learned anew.
+    pub(super) fn pressure_set(&mut self, setpoint: Megapascal, params: &Params) {
+        if setpoint == self.air.setpoint {
+            return;
+        }
+        self.air.setpoint = setpoint;
+        self.air.unheld_since = None;
+        let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
+        if moved_mpa.abs() > 1e-3 {
+            if self.is_at_nominal_pressure() {
+                self.whole_offset = Some(self.filter.offset());
+            }
+            self.filter.pressure_moved(moved_mpa, &params.filter);
+            self.detector = Detector::default();
+            self.air.learned_at = setpoint;
+        }
+    }
+
+    /// The model of the factsheet; factsheets with unknown models are refused, so it is there.
+    pub(super) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
+        params.model(&self.sheet.model)
+    }
+}
+
+impl Felt {
+    fn unused(used: ContactUse) -> Self {
+        Self { used, innovation: None, verdict: Verdict::Quiet }
+    }
+}
+
+impl GaugeWatch {
+    /// Takes one contact in; true if its strain is not to be used.
+    ///
+    /// A gauge that is open or shorted shows next to no strain, a saturated one the same strain whatever
+    /// the deflection. Neither can come from a cut, which raises the sensitivity.
+    fn watch(&mut self, contact: &Observation, seen: Option<&Innovation>, contacts: u8) -> bool {
+        let strain = contact.strain;
+        let same_strain = (strain - self.last_strain).abs() <= 1e-6 * strain.abs();
+        let other_deflection = (contact.deflection_mm / self.last_deflection_mm - 1.0).abs() > 0.1;
+        (self.last_strain, self.last_deflection_mm) = (strain, contact.deflection_mm);
+        let expected = seen.map(|seen| seen.predicted_sensitivity_per_mm * contact.deflection_mm);
+        let dead = strain <= 0.0 || expected.is_some_and(|expected| strain < 0.1 * expected);
+        let constant = same_strain && other_deflection;
+        self.dead = if dead { self.dead.saturating_add(1) } else { 0 };
+        self.constant = if constant { self.constant.saturating_add(1) } else { 0 };
+        self.plausible = if dead || constant { 0 } else { self.plausible.saturating_add(1) };
+        if self.dead >= contacts {
+            self.observed = GaugeState::Open;
+        } else if self.constant >= contacts {
+            self.observed = GaugeState::Saturated;
+        } else if self.plausible >= contacts.saturating_mul(2) {
+            self.observed = GaugeState::Ok;
+        }
+        dead || constant || self.state() != GaugeState::Ok
+    }
+
+    /// As the robot says, or else as the contacts show.
+    pub(super) fn state(&self) -> GaugeState {
+        if self.reported == GaugeState::Ok { self.observed } else { self.reported }
+    }
+}
