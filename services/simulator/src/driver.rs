@@ -1,0 +1,273 @@
+//! One robot's connection: a thin driver around [`crate::Robot`].
+//!
+//! One task polls the MQTT event loop and does nothing else; another works with the robot. A connection is
+//! used once: after it broke, a new client starts clean, subscribes anew and gives the robot's birth again.
+
+use std::time::Duration;
+
+use rumqttc::{
+    AsyncClient, Event, EventLoop, LastWill, MqttOptions, NetworkOptions, Packet, PublishOptions, QoS,
+    SubscribeFilterInput,
+};
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+use tokio::time::{Instant, sleep_until, timeout};
+use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, Topic};
+
+use crate::fleet::{Broker, RobotHandle, now_us};
+use crate::robot::Outgoing;
+
+/// The robot is not polled more often than this: small work is done together.
+const WAKE_PAUSE: Duration = Duration::from_millis(20);
+const RECONNECT_START: Duration = Duration::from_millis(250);
+const RECONNECT_MAX: Duration = Duration::from_secs(10);
+const KEEP_ALIVE_S: u16 = 10;
+/// Requests that may wait for the polling task.
+const REQUESTS: usize = 256;
+/// Unacknowledged messages at QoS 1 at a time.
+const IN_FLIGHT: u16 = 32;
+/// A broker that takes nothing for this long is given up.
+const PUBLISH_TIMEOUT: Duration = Duration::from_secs(15);
+const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// What the polling task reports.
+enum Report {
+    /// The broker has accepted the connection.
+    Connected,
+    /// The broker has made the subscriptions.
+    Subscribed,
+    /// A message came.
+    Received(RobotTopic, Vec<u8>),
+    /// The connection is gone.
+    Gone(String),
+}
+
+/// A connection, from the attempt to its end. Dropped, it is cut without a farewell.
+struct Connection {
+    client: AsyncClient,
+    reports: mpsc::UnboundedReceiver<Report>,
+    poller: JoinHandle<()>,
+}
+
+impl Drop for Connection {
+    fn drop(&mut self) {
+        self.poller.abort();
+    }
+}
+
+/// Runs a robot until it is told to stop.
+pub(crate) async fn run(robot: RobotHandle, broker: Broker, mut stopping: watch::Receiver<bool>) {
+    let mut driver = Driver::new(robot, broker);
+    loop {
+        tokio::select! {
+            _ = stopping.changed() => break,
+            () = driver.robot.cut.notified() => driver.lose("cut on request"),
+            () = sleep_until(driver.wake_at) => driver.work().await,
+            () = sleep_until(driver.connect_at), if driver.connection.is_none() => driver.connect(),
+            report = next_report(&mut driver.connection) => driver.take(report).await,
+        }
+    }
+    driver.farewell().await;
+}
+
+/// The next report of a connection; never, if there is none.
+async fn next_report(connection: &mut Option<Connection>) -> Report {
+    match connection {
+        Some(connection) => connection.reports.recv().await.unwrap_or(Report::Gone("polling ended".to_owned())),
+        None => std::future::pending().await,
+    }
+}
+
+struct Driver {
+    robot: RobotHandle,
+    broker: Broker,
+    fleet: Name,
+    connection: Option<Connection>,
+    connect_at: Instant,
+    reconnect_pause: Duration,
+    wake_at: Instant,
+}
+
+impl Driver {
+    fn new(robot: RobotHandle, broker: Broker) -> Self {
+        let now = Instant::now();
+        let fleet = robot.with(|robot| robot.fleet().clone());
+        Self { robot, broker, fleet, connection: None, connect_at: now, reconnect_pause: RECONNECT_START, wake_at: now }
+    }
+
+    fn topic(&self, kind: RobotTopic) -> String {
+        kind.of(&self.fleet, self.robot.name()).to_string()
+    }
+
+    /// Lets the robot do what is due, and plans the next time.
+    async fn work(&mut self) {
+        let (outgoing, deadline_us) = self.robot.with(|robot| (robot.poll(now_us()), robot.next_deadline()));
+        self.send(outgoing).await;
+        // By the clock, not by adding pauses: what takes long is caught up with.
+        let ahead = Duration::from_micros(deadline_us.saturating_sub(now_us()));
+        self.wake_at = Instant::now() + ahead.clamp(WAKE_PAUSE, Duration::from_secs(1));
+    }
+
+    fn connect(&mut self) {
+        let will = self.robot.with(|robot| robot.will(now_us()));
+        let topic = self.topic(RobotTopic::Connection);
+        // The client id is the robot's place in the contract: a second robot of that name takes it over.
+        let id = format!("{}.{}", self.fleet, self.robot.name());
+        let mut options = MqttOptions::new(id, (self.broker.host.clone(), self.broker.port));
+        options
+            .set_keep_alive(KEEP_ALIVE_S)
+            .set_clean_start(true)
+            // The library sets aside its tables for this many at once: 16 MB a connection for its 65535.
+            .set_outgoing_inflight_upper_limit(IN_FLIGHT)
+            .set_max_packet_size(u32::try_from(PAYLOAD_MAX_BYTES + 1024).ok())
+            .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, true, None));
+        if let Some((user, password)) = &self.broker.credentials {
+            options.set_credentials(user.clone(), password.clone().into_bytes());
+        }
+        let mut network = NetworkOptions::new();
+        network.set_tcp_nodelay(true);
+        options.set_network_options(network);
+        let (client, event_loop) = AsyncClient::builder(options).capacity(REQUESTS).build();
+        // Unbounded, so that polling never waits for work; what comes is a few receipts per second.
+        let (sender, reports) = mpsc::unbounded_channel();
+        let poller = tokio::spawn(poll(event_loop, sender));
+        self.connection = Some(Connection { client, reports, poller });
+    }
+
+    async fn take(&mut self, report: Report) {
+        match report {
+            Report::Connected => self.subscribe().await,
+            Report::Subscribed => {
+                self.reconnect_pause = RECONNECT_START;
+                let outgoing = self.robot.with(|robot| robot.connected(now_us()));
+                self.send(outgoing).await;
+                tracing::debug!(robot = %self.robot.name(), "connected");
+            }
+            Report::Received(topic, payload) => {
+                let outgoing = self.robot.with(|robot| robot.receive(topic, &payload, now_us()));
+                self.send(outgoing).await;
+                // A receipt may have made the next window due at once.
+                self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
+            }
+            Report::Gone(reason) => self.lose(&reason),
+        }
+    }
+
+    async fn subscribe(&mut self) {
+        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request]
+            .map(|kind| SubscribeFilterInput::new(self.topic(kind), qos(kind)));
+        if let Some(connection) = &self.connection
+            && let Err(error) = connection.client.subscribe_many(filters).await
+        {
+            self.lose(&error.to_string());
+        }
+    }
+
+    /// Publishes in order; what cannot be published is lost, and contacts among it are sent again in time.
+    async fn send(&mut self, outgoing: Vec<Outgoing>) {
+        for item in outgoing {
+            let Some(connection) = &self.connection else {
+                return;
+            };
+            let sent = match item {
+                Outgoing::Restart => {
+                    self.lose("the robot restarts");
+                    self.connect_at = Instant::now();
+                    return;
+                }
+                Outgoing::Publish { topic, payload } => {
+                    let publish = connection.client.publish(self.topic(topic), payload, publish_options(topic));
+                    timeout(PUBLISH_TIMEOUT, publish).await
+                }
+            };
+            match sent {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => return self.lose(&error.to_string()),
+                Err(_) => return self.lose("the broker takes nothing any more"),
+            }
+        }
+    }
+
+    /// The connection is over, for whatever reason; the next attempt comes after a pause that grows.
+    fn lose(&mut self, reason: &str) {
+        if self.connection.take().is_none() {
+            return;
+        }
+        self.robot.with(crate::Robot::disconnected);
+        tracing::warn!(robot = %self.robot.name(), reason, pause = ?self.reconnect_pause, "connection lost");
+        self.connect_at = Instant::now() + self.reconnect_pause;
+        self.reconnect_pause = (self.reconnect_pause * 2).min(RECONNECT_MAX);
+    }
+
+    /// Says farewell and disconnects in good order, if it can be done in time.
+    async fn farewell(mut self) {
+        let outgoing = self.robot.with(|robot| robot.farewell(now_us()));
+        let Some(mut connection) = self.connection.take() else {
+            return;
+        };
+        let topic = self.topic(RobotTopic::Connection);
+        let end = async {
+            for item in outgoing {
+                let Outgoing::Publish { topic: kind, payload } = item else {
+                    continue;
+                };
+                let publish = connection.client.publish_tracked(topic.clone(), payload, publish_options(kind));
+                // A disconnect may overtake what waits: the broker's word for the farewell comes first.
+                if let Ok(notice) = publish.await
+                    && let Err(error) = notice.wait_async().await
+                {
+                    tracing::warn!(robot = %self.robot.name(), %error, "the farewell did not arrive");
+                }
+            }
+            if connection.client.disconnect().await.is_ok() {
+                // The polling task ends by itself when the disconnect is out.
+                let _ = (&mut connection.poller).await;
+            }
+        };
+        if timeout(FAREWELL_TIMEOUT, end).await.is_err() {
+            tracing::warn!(robot = %self.robot.name(), "no orderly farewell in time");
+        }
+    }
+}
+
+fn qos(kind: RobotTopic) -> QoS {
+    match kind.quality_of_service() {
+        QualityOfService::AtMostOnce => QoS::AtMostOnce,
+        QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
+    }
+}
+
+fn publish_options(kind: RobotTopic) -> PublishOptions {
+    PublishOptions::new(qos(kind)).retain(kind.is_retained())
+}
+
+/// Polls until the connection ends.
+async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>) {
+    loop {
+        let report = match event_loop.poll().await {
+            Ok(Event::Incoming(packet)) => report_of(packet),
+            Ok(Event::Outgoing(_) | Event::Auth(_)) => None,
+            Err(error) => Some(Report::Gone(error.to_string())),
+        };
+        let Some(report) = report else { continue };
+        let ends = matches!(report, Report::Gone(_));
+        // Nobody listens any more: the connection was given up.
+        if reports.send(report).is_err() || ends {
+            return;
+        }
+    }
+}
+
+/// What of a packet matters to the robot.
+#[expect(clippy::wildcard_enum_match_arm, reason = "the library's packets: a robot has no use for the others")]
+fn report_of(packet: Packet) -> Option<Report> {
+    match packet {
+        Packet::ConnAck(_) => Some(Report::Connected),
+        Packet::SubAck(_) => Some(Report::Subscribed),
+        Packet::Publish(publish) => match Topic::parse(std::str::from_utf8(&publish.topic).ok()?) {
+            Ok(Topic::Robot { kind, .. }) => Some(Report::Received(kind, publish.payload.to_vec())),
+            Ok(Topic::SupervisorState { .. }) | Err(_) => None,
+        },
+        _ => None,
+    }
+}

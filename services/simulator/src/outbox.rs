@@ -1,0 +1,239 @@
+//! Contacts messages that are not receipted yet.
+//!
+//! Kept until a receipt covers them, in bounded number. What is not covered is sent again, oldest first, a
+//! window at a time; the pause doubles while no receipt comes and starts over when one does.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use vibrissa_protocol::Receipt;
+
+/// The first pause before something is sent again, in microseconds.
+pub const BACKOFF_START_US: u64 = 1_000_000;
+/// The longest pause.
+pub const BACKOFF_MAX_US: u64 = 30_000_000;
+/// Messages that are sent again at once.
+pub const WINDOW: usize = 64;
+
+/// The kept messages of one boot.
+#[derive(Debug)]
+pub(crate) struct Outbox {
+    most: usize,
+    messages: BTreeMap<u64, Kept>,
+    /// (when last sent, seq) of each kept message, so that the next to send again is found at once.
+    by_sent: BTreeSet<(u64, u64)>,
+    backoff_us: u64,
+    /// When the last window was sent, if no receipt has covered anything since.
+    unanswered_since_us: Option<u64>,
+    dropped: u64,
+}
+
+#[derive(Debug)]
+struct Kept {
+    payload: Vec<u8>,
+    sent_us: u64,
+}
+
+impl Outbox {
+    /// An empty one that keeps at most that many messages.
+    pub(crate) fn new(most: usize) -> Self {
+        Self {
+            most,
+            messages: BTreeMap::new(),
+            by_sent: BTreeSet::new(),
+            backoff_us: BACKOFF_START_US,
+            unanswered_since_us: None,
+            dropped: 0,
+        }
+    }
+
+    /// Keeps a message that is sent now, or (if not connected) due as soon as it can be.
+    pub(crate) fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
+        let sent_us = sent_us.unwrap_or(0);
+        self.messages.insert(seq, Kept { payload, sent_us });
+        self.by_sent.insert((sent_us, seq));
+        while self.messages.len() > self.most {
+            let Some((oldest, kept)) = self.messages.pop_first() else {
+                return;
+            };
+            self.by_sent.remove(&(kept.sent_us, oldest));
+            self.dropped += 1;
+        }
+    }
+
+    /// Forgets what a receipt covers.
+    pub(crate) fn receipt(&mut self, receipt: &Receipt) {
+        let before = self.messages.len();
+        let kept_on = self.messages.split_off(&receipt.next);
+        let mut covered = std::mem::replace(&mut self.messages, kept_on);
+        for &(first, last) in receipt.held.iter().filter(|(first, last)| first <= last) {
+            let seqs: Vec<u64> = self.messages.range(first..=last).map(|(&seq, _)| seq).collect();
+            covered.extend(seqs.into_iter().filter_map(|seq| self.messages.remove(&seq).map(|kept| (seq, kept))));
+        }
+        for (seq, kept) in covered {
+            self.by_sent.remove(&(kept.sent_us, seq));
+        }
+        if self.messages.len() < before {
+            self.backoff_us = BACKOFF_START_US;
+            self.unanswered_since_us = None;
+        }
+    }
+
+    /// After a connection nothing that was sent before can be counted on: everything kept is due at once.
+    pub(crate) fn reconnected(&mut self) {
+        self.by_sent = self.messages.keys().map(|&seq| (0, seq)).collect();
+        for kept in self.messages.values_mut() {
+            kept.sent_us = 0;
+        }
+        self.backoff_us = BACKOFF_START_US;
+        self.unanswered_since_us = None;
+    }
+
+    /// When something is to be sent again.
+    pub(crate) fn resend_at_us(&self) -> Option<u64> {
+        let &(sent_us, _) = self.by_sent.first()?;
+        let due_us = if sent_us == 0 { 0 } else { sent_us + self.backoff_us };
+        Some(due_us.max(self.unanswered_since_us.map_or(0, |since_us| since_us + self.backoff_us)))
+    }
+
+    /// The messages to send again now, oldest first.
+    pub(crate) fn resend(&mut self, now_us: u64) -> Vec<Vec<u8>> {
+        if self.unanswered_since_us.is_some() {
+            self.backoff_us = (self.backoff_us * 2).min(BACKOFF_MAX_US);
+        }
+        let due = |&&(sent_us, _): &&(u64, u64)| sent_us == 0 || sent_us + BACKOFF_START_US <= now_us;
+        let mut window: Vec<(u64, u64)> = self.by_sent.iter().take_while(due).copied().collect();
+        window.sort_unstable_by_key(|&(_, seq)| seq);
+        window.truncate(WINDOW);
+        let mut payloads = Vec::with_capacity(window.len());
+        for (sent_us, seq) in window {
+            self.by_sent.remove(&(sent_us, seq));
+            self.by_sent.insert((now_us, seq));
+            if let Some(kept) = self.messages.get_mut(&seq) {
+                kept.sent_us = now_us;
+                payloads.push(kept.payload.clone());
+            }
+        }
+        self.unanswered_since_us = Some(now_us);
+        payloads
+    }
+
+    /// How many are kept.
+    pub(crate) fn len(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// How many were dropped because there were too many.
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Starts a new boot without its messages; those lost are counted in it.
+    pub(crate) fn restart(&mut self) {
+        let lost = self.messages.len() as u64;
+        *self = Self { dropped: lost, ..Self::new(self.most) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_protocol::BootId;
+
+    use super::*;
+
+    const S: u64 = 1_000_000;
+
+    fn receipt(next: u64, held: &[(u64, u64)]) -> Receipt {
+        let boot = BootId::new("b").unwrap();
+        Receipt { boot_id: boot.clone(), seq: 0, robot_boot_id: boot, next, held: held.to_vec() }
+    }
+
+    /// Messages 0.. that were sent at 100 s; each payload is its number.
+    fn outbox(count: u64, most: usize) -> Outbox {
+        let mut outbox = Outbox::new(most);
+        (0..count).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));
+        outbox
+    }
+
+    fn numbers(payloads: &[Vec<u8>]) -> Vec<u8> {
+        payloads.iter().map(|payload| payload[0]).collect()
+    }
+
+    #[test]
+    fn a_receipt_covers_what_is_below_next_and_what_is_held() {
+        let mut outbox = outbox(10, 100);
+        outbox.receipt(&receipt(3, &[(5, 6), (9, 20)]));
+        assert_eq!(outbox.messages.keys().copied().collect::<Vec<_>>(), [3, 4, 7, 8]);
+        assert_eq!(outbox.by_sent.len(), 4);
+        outbox.receipt(&receipt(10, &[]));
+        assert_eq!((outbox.len(), outbox.resend_at_us()), (0, None));
+    }
+
+    #[test]
+    fn uncovered_messages_are_sent_again_oldest_first() {
+        let mut outbox = outbox(5, 100);
+        outbox.receipt(&receipt(0, &[(1, 2)]));
+        assert_eq!(outbox.resend_at_us(), Some(101 * S));
+        assert_eq!(numbers(&outbox.resend(101 * S)), [0, 3, 4]);
+    }
+
+    #[test]
+    fn the_pause_doubles_while_no_receipt_comes_up_to_its_longest() {
+        let mut outbox = outbox(1, 100);
+        let mut sent_s = vec![];
+        for _ in 0..8 {
+            let at_us = outbox.resend_at_us().unwrap();
+            assert_eq!(outbox.resend(at_us).len(), 1);
+            sent_s.push(at_us / S - 100);
+        }
+        assert_eq!(sent_s, [1, 2, 4, 8, 16, 32, 62, 92]);
+    }
+
+    #[test]
+    fn a_receipt_that_covers_something_starts_the_pause_over() {
+        let mut outbox = outbox(3, 100);
+        for at_s in [101, 102, 104, 108] {
+            outbox.resend(at_s * S);
+        }
+        outbox.receipt(&receipt(1, &[]));
+        assert_eq!(outbox.resend_at_us(), Some(109 * S));
+    }
+
+    #[test]
+    fn a_gap_is_filled_although_receipts_keep_coming() {
+        let mut outbox = outbox(2, 100);
+        outbox.receipt(&receipt(0, &[(1, 1)]));
+        for seq in 2..12 {
+            let at_us = 100 * S + seq * 100_000;
+            outbox.keep(seq, vec![seq as u8], Some(at_us));
+            outbox.receipt(&receipt(0, &[(1, seq)]));
+        }
+        assert_eq!(outbox.resend_at_us(), Some(101 * S));
+        assert_eq!(numbers(&outbox.resend(101 * S + 100_000)), [0]);
+    }
+
+    #[test]
+    fn after_a_connection_windows_follow_at_the_pace_of_receipts() {
+        let mut outbox = outbox(200, 1000);
+        outbox.reconnected();
+        assert_eq!(outbox.resend_at_us(), Some(0));
+        assert_eq!(numbers(&outbox.resend(200 * S)), (0..64).collect::<Vec<u8>>());
+        assert_eq!(outbox.resend_at_us(), Some(201 * S), "not more before a receipt or a pause");
+        outbox.receipt(&receipt(10, &[]));
+        assert_eq!(outbox.resend_at_us(), Some(0));
+        assert_eq!(numbers(&outbox.resend(200 * S)), (64..128).collect::<Vec<u8>>());
+    }
+
+    #[test]
+    fn beyond_the_most_the_oldest_are_dropped_and_counted() {
+        let mut outbox = outbox(7, 5);
+        assert_eq!((outbox.len(), outbox.dropped()), (5, 2));
+        assert_eq!(numbers(&outbox.resend(101 * S)), [2, 3, 4, 5, 6]);
+    }
+
+    #[test]
+    fn a_restart_loses_what_is_kept_and_counts_it() {
+        let mut outbox = outbox(4, 5);
+        outbox.restart();
+        assert_eq!((outbox.len(), outbox.dropped(), outbox.resend_at_us()), (0, 4, None));
+    }
+}

@@ -1,0 +1,281 @@
+//! One whisker's physics: what touching it does to its gauge.
+//!
+//! The truth is [`Formulation::Consistent`] with the whisker's own calibration, which is a little off the
+//! built-in one: whoever estimates with the built-in calibration errs as with real whiskers.
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vibrissa_core::mechanics::{Calibration, ContactOnChamber, Formulation, Geometry, Model, ModelError};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+use vibrissa_protocol::Gauge;
+
+use crate::random::normal;
+use crate::scenario::Noise;
+
+/// Where contacts are: contact ratios from here to the tip.
+pub const RATIO_MIN: f64 = 0.45;
+/// The smallest and the largest deflection of a contact, in mm.
+pub const DEFLECTION_MM: (f64, f64) = (0.2, 6.0);
+/// The largest strain that the gauge's amplifier reads, in m/m.
+pub const FULL_SCALE_STRAIN: f64 = 0.5;
+/// The temperature at the start, in degrees Celsius.
+pub const TEMPERATURE_C: f64 = 24.0;
+
+/// One whisker in truth.
+#[derive(Debug)]
+pub struct Plant {
+    model: Model,
+    whole_length_mm: f64,
+    whole_pressure_mpa: f64,
+    length_mm: f64,
+    contacts: u64,
+    changes: Vec<LengthChange>,
+    erosion: Option<Erosion>,
+    gauge: GaugeCondition,
+    sensitivity_factor: f64,
+    temperature_c: f64,
+    noise: Noise,
+    contact_stream: ChaCha8Rng,
+    noise_stream: ChaCha8Rng,
+}
+
+/// A change of a whisker's length, or the start of a gradual one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthChange {
+    /// When, in microseconds since 1970 UTC by the robot's clock.
+    pub t_us: u64,
+    /// The index (from 0) of the first contact after it.
+    pub contact: u64,
+    /// The length that remains in the end, in mm.
+    pub length_mm: f64,
+    /// Whether the whisker wears off gradually from here on.
+    pub gradual: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Erosion {
+    rate_mm_per_contact: f64,
+    until_length_mm: f64,
+}
+
+/// What is wrong with the gauge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum GaugeCondition {
+    Ok,
+    Open,
+    Short,
+    Saturated { limit_strain: f64 },
+}
+
+/// What the robot reads of one contact, but for the pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Contact ratio, above 0 and at most 1.
+    pub ratio: f64,
+    /// Deflection in mm, above 0.
+    pub deflection_mm: f64,
+    /// Mean strain over the gauge grid, in m/m.
+    pub strain: f64,
+    /// Temperature in degrees Celsius.
+    pub temperature_c: f64,
+}
+
+/// The independent streams of one whisker's randomness.
+pub(crate) struct Streams {
+    pub(crate) calibration: ChaCha8Rng,
+    pub(crate) contact: ChaCha8Rng,
+    pub(crate) noise: ChaCha8Rng,
+}
+
+impl Plant {
+    /// A whole whisker at its nominal pressure.
+    ///
+    /// # Errors
+    /// Its calibration is none; cannot happen for errors that a scenario may have.
+    pub(crate) fn new(
+        length_mm: f64,
+        pressure_mpa: f64,
+        calibration_error: f64,
+        noise: Noise,
+        mut streams: Streams,
+    ) -> Result<Self, ModelError> {
+        let calibration = off_calibration(calibration_error, &mut streams.calibration);
+        Ok(Self {
+            model: Model::new(Geometry::nguyen_2021(), calibration, Formulation::Consistent)?,
+            whole_length_mm: length_mm,
+            whole_pressure_mpa: pressure_mpa,
+            length_mm,
+            contacts: 0,
+            changes: Vec::new(),
+            erosion: None,
+            gauge: GaugeCondition::Ok,
+            sensitivity_factor: 1.0,
+            temperature_c: TEMPERATURE_C,
+            noise,
+            contact_stream: streams.contact,
+            noise_stream: streams.noise,
+        })
+    }
+
+    /// Something touches the whisker while its chamber has that true pressure.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the mechanics do not hold; it still counts as one.
+    pub(crate) fn touch(&mut self, pressure_mpa: f64) -> Result<Reading, ContactOnChamber> {
+        // Every contact takes the same draws, so that what happens to a whisker never shifts the next one's.
+        let ratio = self.contact_stream.random_range(RATIO_MIN..=1.0);
+        let deflection_mm = self.contact_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
+        let errors: [f64; 4] = std::array::from_fn(|_| normal(&mut self.noise_stream, 1.0));
+        let sensitivity_per_mm = self.sensitivity_per_mm(ratio, pressure_mpa);
+        self.contacts += 1;
+        self.wear();
+
+        let strain = sensitivity_per_mm? * deflection_mm * (1.0 + self.noise.strain_relative * errors[0])
+            + self.noise.strain_floor * errors[1];
+        let deflection_mm = deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
+        Ok(Reading {
+            ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(1e-4, 1.0),
+            deflection_mm: rounded(deflection_mm, 1e4).clamp(1e-4, 1000.0),
+            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
+            temperature_c: self.temperature_c,
+        })
+    }
+
+    fn wear(&mut self) {
+        if let Some(erosion) = self.erosion {
+            let worn_mm = (self.length_mm - erosion.rate_mm_per_contact).max(erosion.until_length_mm);
+            self.length_mm = self.length_mm.min(worn_mm);
+        }
+    }
+
+    /// Cuts the whisker; a length beyond the present one changes nothing.
+    pub(crate) fn trim(&mut self, t_us: u64, length_mm: f64) {
+        self.length_mm = self.length_mm.min(length_mm);
+        self.erosion = None;
+        self.record(t_us, self.length_mm, false);
+    }
+
+    /// From now on every contact takes something off.
+    pub(crate) fn erode(&mut self, t_us: u64, rate_mm_per_contact: f64, until_length_mm: f64) {
+        self.erosion = Some(Erosion { rate_mm_per_contact, until_length_mm });
+        self.record(t_us, until_length_mm, true);
+    }
+
+    fn record(&mut self, t_us: u64, length_mm: f64, gradual: bool) {
+        self.changes.push(LengthChange { t_us, contact: self.contacts, length_mm, gradual });
+    }
+
+    pub(crate) fn set_gauge(&mut self, gauge: GaugeCondition) {
+        self.gauge = gauge;
+    }
+
+    pub(crate) fn set_temperature(&mut self, sensitivity_factor: f64, temperature_c: f64) {
+        self.sensitivity_factor = sensitivity_factor;
+        self.temperature_c = temperature_c;
+    }
+
+    /// The true strain per mm of deflection now, at a contact ratio and a pressure in MPa.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the mechanics do not hold.
+    pub fn sensitivity_per_mm(&self, ratio: f64, pressure_mpa: f64) -> Result<f64, ContactOnChamber> {
+        self.sensitivity_of(ratio, self.length_mm, pressure_mpa)
+    }
+
+    /// The true strain per mm of deflection of the same whisker as it was built in: at its first length and
+    /// nominal pressure, at the present temperature.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the mechanics do not hold.
+    pub fn whole_sensitivity_per_mm(&self, ratio: f64) -> Result<f64, ContactOnChamber> {
+        self.sensitivity_of(ratio, self.whole_length_mm, self.whole_pressure_mpa)
+    }
+
+    fn sensitivity_of(&self, ratio: f64, length_mm: f64, pressure_mpa: f64) -> Result<f64, ContactOnChamber> {
+        let ratio = ContactRatio::known(ratio.clamp(1e-9, 1.0));
+        let morphology = self.model.morphology(Megapascal::known(pressure_mpa.clamp(0.0, 1.0)));
+        let per_mm = self.model.sensitivity_per_mm(ratio, Millimetre::known(length_mm), &morphology)?;
+        Ok(per_mm * self.sensitivity_factor)
+    }
+
+    /// The present length without the chamber's elongation, in mm.
+    #[must_use]
+    pub fn length_mm(&self) -> f64 {
+        self.length_mm
+    }
+
+    /// The length as it was built in, in mm.
+    #[must_use]
+    pub fn whole_length_mm(&self) -> f64 {
+        self.whole_length_mm
+    }
+
+    /// The nominal pressure as it was built in, in MPa.
+    #[must_use]
+    pub fn whole_pressure_mpa(&self) -> f64 {
+        self.whole_pressure_mpa
+    }
+
+    /// Contacts made so far.
+    #[must_use]
+    pub fn contacts(&self) -> u64 {
+        self.contacts
+    }
+
+    /// When and to what its length changed, in order.
+    #[must_use]
+    pub fn changes(&self) -> &[LengthChange] {
+        &self.changes
+    }
+
+    /// The whisker's own model: its true calibration.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The gauge's condition as the robot notices it.
+    #[must_use]
+    pub fn gauge(&self) -> Gauge {
+        match self.gauge {
+            GaugeCondition::Ok => Gauge::Ok,
+            GaugeCondition::Open => Gauge::Open,
+            GaugeCondition::Short => Gauge::Short,
+            GaugeCondition::Saturated { .. } => Gauge::Saturated,
+        }
+    }
+}
+
+impl GaugeCondition {
+    /// What the gauge makes of a strain.
+    fn reads(self, strain: f64, noise: f64) -> f64 {
+        let limit = match self {
+            Self::Ok => FULL_SCALE_STRAIN,
+            Self::Open => return FULL_SCALE_STRAIN,
+            Self::Short => return noise,
+            Self::Saturated { limit_strain } => limit_strain.min(FULL_SCALE_STRAIN),
+        };
+        strain.clamp(-limit, limit)
+    }
+}
+
+/// The built-in calibration with each parameter off by its own factor.
+fn off_calibration(error: f64, stream: &mut ChaCha8Rng) -> Calibration {
+    let mut off = |value: f64| value * (1.0 + stream.random_range(-1.0..=1.0) * error);
+    let built_in = Calibration::nguyen_2021();
+    Calibration {
+        c: off(built_in.c),
+        a: off(built_in.a),
+        b_per_mpa: off(built_in.b_per_mpa),
+        youngs_modulus_mpa: built_in.youngs_modulus_mpa,
+        elongation_gain_mm: off(built_in.elongation_gain_mm),
+    }
+}
+
+/// Rounded to one part in `per_unit`: what a sensor's digits are worth, and shorter messages.
+fn rounded(value: f64, per_unit: f64) -> f64 {
+    (value * per_unit).round() / per_unit
+}
+
+#[cfg(test)]
+mod tests;

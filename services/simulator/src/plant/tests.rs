@@ -1,0 +1,106 @@
+use super::*;
+use crate::random::{Purpose, stream};
+
+const SILENT: Noise = Noise { strain_relative: 0.0, strain_floor: 0.0, deflection_relative: 0.0, ratio: 0.0 };
+
+fn plant(seed: u64, calibration_error: f64, noise: Noise) -> Plant {
+    let streams = Streams {
+        calibration: stream(seed, "r", "a", 0, Purpose::Calibration),
+        contact: stream(seed, "r", "a", 0, Purpose::Contact),
+        noise: stream(seed, "r", "a", 0, Purpose::Noise),
+    };
+    Plant::new(70.0, 0.1, calibration_error, noise, streams).unwrap()
+}
+
+#[test]
+fn without_errors_it_follows_the_consistent_mechanics() {
+    let mut plant = plant(1, 0.0, SILENT);
+    let model = Model::nguyen_2021(Formulation::Consistent);
+    for _ in 0..100 {
+        let reading = plant.touch(0.1).unwrap();
+        let morphology = model.morphology(Megapascal::known(0.1));
+        let ratio = ContactRatio::known(reading.ratio);
+        let per_mm = model.sensitivity_per_mm(ratio, Millimetre::known(70.0), &morphology).unwrap();
+        assert!((reading.strain / (per_mm * reading.deflection_mm) - 1.0).abs() < 1e-3, "only rounding is left");
+    }
+}
+
+#[test]
+fn the_noise_is_as_large_as_the_scenario_says() {
+    let (mut noisy, mut silent) = (plant(1, 0.0, Noise::default()), plant(1, 0.0, SILENT));
+    let (mut strain, mut deflection, mut ratio, count) = (0.0, 0.0, 0.0, 4000);
+    for _ in 0..count {
+        let (with, without) = (noisy.touch(0.1).unwrap(), silent.touch(0.1).unwrap());
+        strain += (with.strain / without.strain - 1.0).powi(2);
+        deflection += (with.deflection_mm / without.deflection_mm - 1.0).powi(2);
+        ratio += (with.ratio - without.ratio).powi(2);
+    }
+    let rms = |sum: f64| (sum / f64::from(count)).sqrt();
+    assert!((rms(strain) - 0.02).abs() < 0.001, "{}", rms(strain));
+    assert!((rms(deflection) - 0.01).abs() < 0.0005, "{}", rms(deflection));
+    assert!((rms(ratio) - 0.01).abs() < 0.0005, "{}", rms(ratio));
+}
+
+#[test]
+fn a_trim_raises_the_sensitivity_at_equal_ratio_and_is_recorded() {
+    let mut plant = plant(1, 0.03, SILENT);
+    plant.touch(0.1).unwrap();
+    plant.trim(5, 65.0);
+    plant.trim(6, 68.0);
+    assert_eq!(plant.length_mm(), 65.0, "a cut cannot lengthen it");
+    assert_eq!(plant.changes()[0], LengthChange { t_us: 5, contact: 1, length_mm: 65.0, gradual: false });
+    // d ln s / d ln La is -2.43 at the tip: 5 of 70 mm are 18 to 20 %.
+    let gain = plant.sensitivity_per_mm(1.0, 0.1).unwrap() / plant.whole_sensitivity_per_mm(1.0).unwrap();
+    assert!((1.17..1.22).contains(&gain), "{gain}");
+}
+
+#[test]
+fn erosion_takes_something_off_with_each_contact_until_its_end() {
+    let mut plant = plant(1, 0.0, SILENT);
+    plant.erode(0, 0.5, 68.8);
+    let lengths: Vec<f64> = (0..4)
+        .map(|_| {
+            plant.touch(0.1).unwrap();
+            plant.length_mm()
+        })
+        .collect();
+    assert_eq!(lengths, [69.5, 69.0, 68.8, 68.8]);
+    assert!(plant.changes()[0].gradual);
+}
+
+#[test]
+fn a_broken_gauge_reads_full_scale_a_shorted_one_nothing_a_saturated_one_its_limit() {
+    let mut plant = plant(1, 0.0, SILENT);
+    plant.set_gauge(GaugeCondition::Open);
+    assert_eq!((plant.touch(0.1).unwrap().strain, plant.gauge()), (FULL_SCALE_STRAIN, Gauge::Open));
+    plant.set_gauge(GaugeCondition::Short);
+    assert_eq!((plant.touch(0.1).unwrap().strain, plant.gauge()), (0.0, Gauge::Short));
+    plant.set_gauge(GaugeCondition::Saturated { limit_strain: 0.001 });
+    let largest = (0..50).map(|_| plant.touch(0.1).unwrap().strain).fold(0.0, f64::max);
+    assert_eq!((largest, plant.gauge()), (0.001, Gauge::Saturated));
+}
+
+#[test]
+fn temperature_changes_the_sensitivity_and_no_length() {
+    let mut plant = plant(1, 0.0, SILENT);
+    let before = plant.sensitivity_per_mm(0.8, 0.1).unwrap();
+    plant.set_temperature(1.05, 31.0);
+    assert!((plant.sensitivity_per_mm(0.8, 0.1).unwrap() / before - 1.05).abs() < 1e-12);
+    assert_eq!((plant.touch(0.1).unwrap().temperature_c, plant.length_mm()), (31.0, 70.0));
+}
+
+#[test]
+fn each_whisker_is_off_its_calibration_within_the_stated_error() {
+    let built_in = Calibration::nguyen_2021();
+    for seed in 0..50 {
+        let off = *plant(seed, 0.03, SILENT).model().calibration();
+        let factors = [
+            off.c / built_in.c,
+            off.a / built_in.a,
+            off.b_per_mpa / built_in.b_per_mpa,
+            off.elongation_gain_mm / built_in.elongation_gain_mm,
+        ];
+        assert!(factors.iter().all(|factor| (factor - 1.0).abs() <= 0.03 + 1e-12));
+        assert!(factors.windows(2).all(|pair| pair[0] != pair[1]), "each has its own");
+    }
+}

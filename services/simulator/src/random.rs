@@ -1,0 +1,91 @@
+//! Reproducible randomness: one stream per purpose, so that one part's draws never shift another's.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// What a stream of random numbers is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// How far a whisker is off its calibration.
+    Calibration,
+    /// When a whisker touches.
+    Timing,
+    /// Where and how hard a whisker touches.
+    Contact,
+    /// What its sensors add.
+    Noise,
+    /// What its pressure sensor adds.
+    Regulator,
+    /// Which messages the link loses, repeats or reorders.
+    Link,
+}
+
+/// A stream of its own for each seed, robot, array, whisker and purpose.
+pub(crate) fn stream(seed: u64, robot: &str, array: &str, whisker: u16, purpose: Purpose) -> ChaCha8Rng {
+    let mut hash = Fnv::new(seed);
+    for part in [robot.as_bytes(), array.as_bytes(), &whisker.to_le_bytes(), &[purpose as u8]] {
+        hash.add(part);
+    }
+    ChaCha8Rng::seed_from_u64(hash.0)
+}
+
+/// The mark of a robot's boot: different for each seed, robot, time of start and count of boots.
+pub(crate) fn boot_text(seed: u64, robot: &str, start_us: u64, boot: u64) -> String {
+    let mut hash = Fnv::new(seed);
+    for part in [robot.as_bytes(), &start_us.to_le_bytes(), &boot.to_le_bytes()] {
+        hash.add(part);
+    }
+    format!("sim-{:016x}", hash.0)
+}
+
+/// A normal deviate with that standard deviation.
+pub(crate) fn normal(stream: &mut ChaCha8Rng, standard_deviation: f64) -> f64 {
+    let unit: f64 = StandardNormal.sample(stream);
+    unit * standard_deviation
+}
+
+/// FNV-1a: the same on every machine and in every version, unlike the standard library's hasher.
+struct Fnv(u64);
+
+impl Fnv {
+    fn new(seed: u64) -> Self {
+        let mut hash = Self(0xcbf2_9ce4_8422_2325);
+        hash.add(&seed.to_le_bytes());
+        hash
+    }
+
+    /// Adds a part and its length, so that moving a byte from one part to the next changes the hash.
+    fn add(&mut self, part: &[u8]) {
+        for byte in part.iter().chain(&(part.len() as u64).to_le_bytes()) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+
+    use super::*;
+
+    #[test]
+    fn each_label_has_a_stream_of_its_own_and_the_same_labels_the_same() {
+        let first =
+            |robot: &str, array: &str, whisker, purpose| stream(7, robot, array, whisker, purpose).random::<u64>();
+        let one = first("r", "left", 0, Purpose::Contact);
+        assert_eq!(one, first("r", "left", 0, Purpose::Contact));
+        assert_ne!(one, first("rl", "eft", 0, Purpose::Contact));
+        assert_ne!(one, first("r", "left", 1, Purpose::Contact));
+        assert_ne!(one, first("r", "left", 0, Purpose::Noise));
+    }
+
+    #[test]
+    fn a_boot_has_a_mark_of_its_own() {
+        let boots =
+            [boot_text(1, "r", 5, 0), boot_text(1, "r", 5, 1), boot_text(1, "r", 6, 0), boot_text(2, "r", 5, 0)];
+        for (index, boot) in boots.iter().enumerate() {
+            assert!(!boots[..index].contains(boot));
+        }
+    }
+}

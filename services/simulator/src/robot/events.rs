@@ -1,0 +1,119 @@
+//! What the scenario does to a robot.
+
+use super::{Outgoing, Robot, boot_id};
+use crate::commands::Commands;
+use crate::link::FaultKind;
+use crate::plant::GaugeCondition;
+use crate::scenario::{Change, Event};
+
+impl Robot {
+    /// Sorts the scenario's events by what brings them about.
+    pub(super) fn plan_events(&mut self) {
+        let mut timed = Vec::new();
+        for event in self.config.robot.events.clone() {
+            match (event.at_contact, self.place(&event)) {
+                (Some(contact), Some(at)) => self.whiskers[at].events.push_back((contact, event.change)),
+                (_, _) => {
+                    let after_us = (event.at_s.unwrap_or(0.0) * 1e6) as u64;
+                    timed.push((self.start_us + after_us, event));
+                }
+            }
+        }
+        // Stable: of two at the same time the one that is written first goes first.
+        timed.sort_by_key(|&(at_us, _)| at_us);
+        self.events = timed.into();
+        for whisker in &mut self.whiskers {
+            whisker.events.make_contiguous().sort_by_key(|&(contact, _)| contact);
+        }
+    }
+
+    /// Where the whisker of an event is, if it is about one.
+    fn place(&self, event: &Event) -> Option<usize> {
+        self.places.get(&(event.array.clone()?, event.whisker?)).copied()
+    }
+
+    /// What happens to a whisker before the contact that it is about to make.
+    pub(super) fn happen_by_contact(&mut self, at: usize, at_us: u64) {
+        while let Some(whisker) = self.whiskers.get_mut(at) {
+            match whisker.events.front() {
+                Some(&(contact, change)) if contact <= whisker.plant.contacts() => {
+                    whisker.events.pop_front();
+                    self.happen_to_whisker(at, change, at_us);
+                }
+                Some(_) | None => return,
+            }
+        }
+    }
+
+    /// An event of the scenario whose time has come.
+    pub(super) fn happen(&mut self, event: &Event, at_us: u64, out: &mut Vec<Outgoing>) {
+        let until_us = |for_s: f64| at_us.saturating_add((for_s * 1e6) as u64);
+        match event.change {
+            Change::Lose { fraction, for_s } => self.link.set(FaultKind::Lose, fraction, until_us(for_s)),
+            Change::Repeat { fraction, for_s } => self.link.set(FaultKind::Repeat, fraction, until_us(for_s)),
+            Change::Reorder { fraction, for_s } => self.link.set(FaultKind::Reorder, fraction, until_us(for_s)),
+            Change::SupplyLow { supply_mpa } => self.supply_mpa = supply_mpa,
+            Change::Restart => self.restart(out),
+            Change::Temperature { .. } => {
+                for at in 0..self.whiskers.len() {
+                    if event.array.as_ref().is_none_or(|array| array == self.whiskers[at].array()) {
+                        self.happen_to_whisker(at, event.change, at_us);
+                    }
+                }
+            }
+            Change::Trim { .. }
+            | Change::Erode { .. }
+            | Change::Leak { .. }
+            | Change::GaugeOpen
+            | Change::GaugeShort
+            | Change::GaugeSaturated { .. } => {
+                if let Some(at) = self.place(event) {
+                    self.happen_to_whisker(at, event.change, at_us);
+                }
+            }
+        }
+    }
+
+    fn happen_to_whisker(&mut self, at: usize, change: Change, at_us: u64) {
+        let Some(whisker) = self.whiskers.get_mut(at) else {
+            return;
+        };
+        match change {
+            Change::Trim { length_mm } => whisker.plant.trim(at_us, length_mm),
+            Change::Erode { rate_mm_per_contact, until_length_mm } => {
+                whisker.plant.erode(at_us, rate_mm_per_contact, until_length_mm);
+            }
+            Change::Leak { rate_mpa_per_s } => whisker.leak_mpa_per_s = rate_mpa_per_s,
+            Change::GaugeOpen => whisker.plant.set_gauge(GaugeCondition::Open),
+            Change::GaugeShort => whisker.plant.set_gauge(GaugeCondition::Short),
+            Change::GaugeSaturated { limit_strain } => {
+                whisker.plant.set_gauge(GaugeCondition::Saturated { limit_strain });
+            }
+            Change::Temperature { sensitivity_factor, temperature_c } => {
+                whisker.plant.set_temperature(sensitivity_factor, temperature_c);
+            }
+            // These happen to the robot as a whole.
+            Change::Lose { .. }
+            | Change::Repeat { .. }
+            | Change::Reorder { .. }
+            | Change::Restart
+            | Change::SupplyLow { .. } => {}
+        }
+        self.report_change(at_us);
+    }
+
+    /// A restart without a farewell: a new boot that has nothing of the old one's memory.
+    fn restart(&mut self, out: &mut Vec<Outgoing>) {
+        self.boots += 1;
+        self.boot_id = boot_id(self.seed, &self.config.robot.robot, self.start_us, self.boots);
+        self.connected = false;
+        self.sequences = super::Sequences::default();
+        self.commands = Commands::default();
+        self.outbox.restart();
+        self.batch.clear();
+        self.batch_until_us = None;
+        self.supervisor_heard_us = None;
+        self.whiskers.iter_mut().for_each(super::Whisker::restart);
+        out.push(Outgoing::Restart);
+    }
+}

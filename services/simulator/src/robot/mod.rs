@@ -1,0 +1,281 @@
+//! One robot: the contract's rules around whiskers and their regulators, without sockets and clock.
+//!
+//! Call [`Robot::will`] before connecting, [`Robot::connected`] after subscribing, then [`Robot::poll`] at
+//! each [`Robot::next_deadline`] and [`Robot::receive`] for each message; send what they return, in order.
+//! [`Robot::disconnected`] says that the connection is gone: the robot lives on and keeps its contacts.
+//! Every time is in microseconds since 1970 UTC by the robot's clock.
+
+mod events;
+mod outgoing;
+mod setpoints;
+mod timers;
+mod whisker;
+
+use std::collections::{BTreeMap, VecDeque};
+
+use vibrissa_core::mechanics::ModelError;
+use vibrissa_protocol::{BootId, Contact, Message, Name, Receipt, RequestKind, RobotTopic, decode};
+
+pub use outgoing::Outgoing;
+pub use whisker::Whisker;
+
+use crate::commands::Commands;
+use crate::link::Link;
+use crate::outbox::Outbox;
+use crate::random::{Purpose, boot_text, stream};
+use crate::regulator::{SUPPLY_MPA, TICK_US};
+use crate::scenario::{Behaviour, Event, Noise, RobotScenario, Scenario};
+use outgoing::Sequences;
+use timers::Contacts;
+
+/// The most timers that one [`Robot::poll`] handles: a robot that woke up late catches up in several.
+const STEPS_PER_POLL: usize = 4096;
+
+/// What one robot is made from.
+#[derive(Debug, Clone)]
+pub struct RobotConfig {
+    /// The fleet's name.
+    pub fleet: Name,
+    /// How it behaves.
+    pub behaviour: Behaviour,
+    /// What its sensors add to the truth.
+    pub noise: Noise,
+    /// How far its whiskers' calibrations may be off, relative.
+    pub calibration_error: f64,
+    /// The robot itself.
+    pub robot: RobotScenario,
+}
+
+impl RobotConfig {
+    /// The configurations of a scenario's robots, in its order.
+    pub fn all(scenario: &Scenario) -> impl Iterator<Item = Self> {
+        scenario.robots.iter().map(|robot| Self {
+            fleet: scenario.fleet.clone(),
+            behaviour: scenario.behaviour.clone(),
+            noise: scenario.noise.clone(),
+            calibration_error: scenario.calibration_error,
+            robot: robot.clone(),
+        })
+    }
+}
+
+/// One simulated robot.
+#[derive(Debug)]
+pub struct Robot {
+    config: RobotConfig,
+    seed: u64,
+    start_us: u64,
+    boots: u64,
+    boot_id: BootId,
+    connected: bool,
+    sequences: Sequences,
+    whiskers: Vec<Whisker>,
+    places: BTreeMap<(Name, u16), usize>,
+    supply_mpa: f64,
+    commands: Commands,
+    outbox: Outbox,
+    link: Link,
+    /// Contacts that wait for their message to fill up, and until when.
+    batch: Vec<Contact>,
+    batch_until_us: Option<u64>,
+    contacts: Contacts,
+    tick_at_us: u64,
+    status_at_us: u64,
+    status_sent_us: u64,
+    events: VecDeque<(u64, Event)>,
+    /// When the supervisor was last heard of, until its loss has been answered.
+    supervisor_heard_us: Option<u64>,
+    refused: u64,
+}
+
+impl Robot {
+    /// A robot that starts at that time, with whole whiskers at their nominal pressure, not connected.
+    ///
+    /// # Errors
+    /// A whisker's calibration is none: the configuration was not checked with [`Scenario::check`].
+    pub fn new(config: RobotConfig, seed: u64, start_us: u64) -> Result<Self, ModelError> {
+        let name = config.robot.robot.clone();
+        let mut whiskers = Vec::new();
+        for (array, whisker) in config.robot.whiskers() {
+            whiskers.push(Whisker::new(&config, array, whisker, seed)?);
+        }
+        let places = whiskers.iter().enumerate().map(|(at, w)| ((w.array().clone(), w.number()), at)).collect();
+        let mut robot = Self {
+            boot_id: boot_id(seed, &name, start_us, 0),
+            seed,
+            start_us,
+            boots: 0,
+            connected: false,
+            sequences: Sequences::default(),
+            places,
+            supply_mpa: SUPPLY_MPA,
+            commands: Commands::default(),
+            outbox: Outbox::new(config.behaviour.kept_messages),
+            link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
+            batch: Vec::new(),
+            batch_until_us: None,
+            contacts: Contacts::new(start_us, config.behaviour.contacts_per_second),
+            tick_at_us: start_us + TICK_US,
+            status_at_us: start_us,
+            status_sent_us: start_us,
+            events: VecDeque::new(),
+            supervisor_heard_us: None,
+            refused: 0,
+            whiskers,
+            config,
+        };
+        robot.plan_events();
+        robot.plan_contacts();
+        Ok(robot)
+    }
+
+    /// The connection stands and the subscriptions are made: birth, factsheet, status, and everything kept
+    /// is due to be sent again.
+    pub fn connected(&mut self, now_us: u64) -> Vec<Outgoing> {
+        let mut out = Vec::new();
+        self.connected = true;
+        self.link.reconnected();
+        self.outbox.reconnected();
+        self.birth(now_us, &mut out);
+        self.factsheet(now_us, &mut out);
+        self.status(now_us, &mut out);
+        out
+    }
+
+    /// The connection is gone; contacts are kept until there is another.
+    pub fn disconnected(&mut self) {
+        self.connected = false;
+    }
+
+    /// Does everything that is due, but a bounded amount: what is left makes the next deadline lie in the
+    /// past.
+    pub fn poll(&mut self, now_us: u64) -> Vec<Outgoing> {
+        let mut out = Vec::new();
+        for _ in 0..STEPS_PER_POLL {
+            match self.next_timer() {
+                Some((at_us, timer)) if at_us <= now_us => self.expire(timer, at_us, now_us, &mut out),
+                Some(_) | None => break,
+            }
+        }
+        out
+    }
+
+    /// When [`Robot::poll`] is to be called next, at the latest.
+    #[must_use]
+    pub fn next_deadline(&self) -> u64 {
+        self.next_timer().map_or(u64::MAX, |(at_us, _)| at_us)
+    }
+
+    /// Takes a message that came on one of the robot's topics; what is refused is counted and changes nothing.
+    pub fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
+        let mut out = Vec::new();
+        let Ok(message) = decode(&topic.of(&self.config.fleet, &self.config.robot.robot), payload) else {
+            self.refused += 1;
+            return out;
+        };
+        self.supervisor_heard_us = Some(now_us);
+        match message {
+            Message::Receipt(receipt) => self.receipt(&receipt),
+            Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
+            Message::Request(request) => match request.request {
+                RequestKind::Factsheet => self.factsheet(now_us, &mut out),
+                RequestKind::Status => self.status(now_us, &mut out),
+            },
+            // A robot does not subscribe to what robots send.
+            Message::Connection(_)
+            | Message::Factsheet(_)
+            | Message::Contacts(_)
+            | Message::Status(_)
+            | Message::SetpointState(_)
+            | Message::SupervisorState(_) => self.refused += 1,
+        }
+        out
+    }
+
+    fn receipt(&mut self, receipt: &Receipt) {
+        if receipt.robot_boot_id == self.boot_id {
+            self.outbox.receipt(receipt);
+        }
+    }
+
+    /// Makes no more contacts; what was made is sent, and sent again until it is receipted.
+    pub fn rest(&mut self) {
+        self.contacts.stop();
+        self.batch_until_us = self.batch_until_us.map(|_| 0);
+    }
+
+    /// Its fleet.
+    #[must_use]
+    pub fn fleet(&self) -> &Name {
+        &self.config.fleet
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &Name {
+        &self.config.robot.robot
+    }
+
+    /// Its present boot.
+    #[must_use]
+    pub fn boot_id(&self) -> &BootId {
+        &self.boot_id
+    }
+
+    /// Its start, in microseconds since 1970 UTC; the scenario's seconds count from it.
+    #[must_use]
+    pub fn start_us(&self) -> u64 {
+        self.start_us
+    }
+
+    /// Its whiskers, in the order of the scenario.
+    #[must_use]
+    pub fn whiskers(&self) -> &[Whisker] {
+        &self.whiskers
+    }
+
+    /// A whisker by array and number.
+    #[must_use]
+    pub fn whisker(&self, array: &Name, number: u16) -> Option<&Whisker> {
+        self.whiskers.get(*self.places.get(&(array.clone(), number))?)
+    }
+
+    /// The present length without the chamber's elongation, in mm; `None` if there is no such whisker.
+    #[must_use]
+    pub fn true_length_mm(&self, array: &Name, number: u16) -> Option<f64> {
+        Some(self.whisker(array, number)?.plant().length_mm())
+    }
+
+    /// Contacts made so far by all whiskers.
+    #[must_use]
+    pub fn contacts_made(&self) -> u64 {
+        self.whiskers.iter().map(|whisker| whisker.plant().contacts()).sum()
+    }
+
+    /// Contacts messages that no receipt covers yet.
+    #[must_use]
+    pub fn messages_kept(&self) -> usize {
+        self.outbox.len()
+    }
+
+    /// Contacts messages of this boot that were dropped because too many were kept, and those that the
+    /// restart before it lost.
+    #[must_use]
+    pub fn messages_dropped(&self) -> u64 {
+        self.outbox.dropped()
+    }
+
+    /// Received messages that were refused.
+    #[must_use]
+    pub fn messages_refused(&self) -> u64 {
+        self.refused
+    }
+}
+
+/// The boot id of a robot's boot.
+fn boot_id(seed: u64, robot: &Name, start_us: u64, boot: u64) -> BootId {
+    BootId::new(&boot_text(seed, robot.as_str(), start_us, boot)).expect("a short text of hexadecimal digits")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+//! What a robot sends.
+
+use vibrissa_protocol::{
+    ArrayFacts, Connection, ConnectionState, Contacts, Factsheet, RobotTopic, Status, Timestamp, WhiskerFacts, encode,
+};
+
+use super::Robot;
+use crate::scenario::{ArrayScenario, WhiskerScenario};
+
+/// The calibration that the factsheet names: the built-in one, which each whisker misses a little.
+const WHISKER_MODEL: &str = "nguyen-2021";
+
+/// What the network is to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outgoing {
+    /// Publish on one of the robot's topics, with that topic's quality of service and retention.
+    Publish {
+        /// The topic.
+        topic: RobotTopic,
+        /// The message.
+        payload: Vec<u8>,
+    },
+    /// The robot has restarted: cut the connection without a farewell, then connect anew.
+    Restart,
+}
+
+/// The next `seq` of each topic in the present boot.
+#[derive(Debug, Default)]
+pub(super) struct Sequences {
+    /// Of the next connection's birth; its will or farewell, whichever comes, has the one after.
+    connection: u64,
+    factsheet: u64,
+    contacts: u64,
+    status: u64,
+    setpoint_state: u64,
+}
+
+impl Sequences {
+    fn take(counter: &mut u64) -> u64 {
+        let seq = *counter;
+        *counter += 1;
+        seq
+    }
+
+    pub(super) fn setpoint_state(&mut self) -> u64 {
+        Self::take(&mut self.setpoint_state)
+    }
+}
+
+impl Robot {
+    /// The last will for the next connection: the same boot id as its birth.
+    #[must_use]
+    pub fn will(&self, now_us: u64) -> Vec<u8> {
+        encode(&self.connection(self.sequences.connection + 1, now_us, ConnectionState::ConnectionBroken))
+    }
+
+    pub(super) fn birth(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
+        let birth = self.connection(self.sequences.connection, now_us, ConnectionState::Online);
+        self.sequences.connection += 2;
+        self.publish(RobotTopic::Connection, encode(&birth), out);
+    }
+
+    /// The last message of an orderly end; to be sent before the connection is closed.
+    #[must_use]
+    pub fn farewell(&mut self, now_us: u64) -> Vec<Outgoing> {
+        let mut out = Vec::new();
+        let seq = self.sequences.connection.saturating_sub(1);
+        let farewell = self.connection(seq, now_us, ConnectionState::Offline);
+        self.publish(RobotTopic::Connection, encode(&farewell), &mut out);
+        out
+    }
+
+    fn connection(&self, seq: u64, now_us: u64, state: ConnectionState) -> Connection {
+        Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(now_us), state }
+    }
+
+    pub(super) fn factsheet(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
+        if !self.connected {
+            return;
+        }
+        let factsheet = Factsheet {
+            boot_id: self.boot_id.clone(),
+            seq: Sequences::take(&mut self.sequences.factsheet),
+            timestamp: Timestamp(now_us),
+            model: self.config.robot.model.clone(),
+            on_supervisor_loss: self.config.robot.on_supervisor_loss,
+            arrays: self.config.robot.arrays.iter().map(array_facts).collect(),
+        };
+        self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
+    }
+
+    pub(super) fn status(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
+        if !self.connected {
+            return;
+        }
+        for whisker in &mut self.whiskers {
+            whisker.reported = whisker.condition();
+        }
+        let dropped = self.outbox.dropped();
+        let status = Status {
+            boot_id: self.boot_id.clone(),
+            seq: Sequences::take(&mut self.sequences.status),
+            t_us: now_us,
+            whiskers: self.whiskers.iter().map(super::Whisker::status).collect(),
+            contacts_dropped: (dropped > 0).then_some(dropped),
+        };
+        self.status_sent_us = now_us;
+        self.status_at_us = now_us + (self.config.behaviour.status_every_s * 1e6) as u64;
+        self.publish(RobotTopic::Status, encode(&status), out);
+    }
+
+    /// Sends the contacts that wait, as one message, and keeps it until it is receipted.
+    pub(super) fn flush(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
+        self.batch_until_us = None;
+        if self.batch.is_empty() {
+            return;
+        }
+        let seq = Sequences::take(&mut self.sequences.contacts);
+        let contacts = std::mem::take(&mut self.batch);
+        let payload = encode(&Contacts { boot_id: self.boot_id.clone(), seq, contacts });
+        self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
+        if self.connected {
+            for payload in self.link.pass(payload, now_us) {
+                self.publish(RobotTopic::Contacts, payload, out);
+            }
+        }
+    }
+
+    pub(super) fn resend(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
+        for payload in self.outbox.resend(now_us) {
+            self.publish(RobotTopic::Contacts, payload, out);
+        }
+    }
+
+    pub(super) fn publish(&self, topic: RobotTopic, payload: Vec<u8>, out: &mut Vec<Outgoing>) {
+        if self.connected {
+            out.push(Outgoing::Publish { topic, payload });
+        }
+    }
+}
+
+fn array_facts(array: &ArrayScenario) -> ArrayFacts {
+    ArrayFacts {
+        array: array.array.clone(),
+        array_type: array.array_type,
+        whiskers: array.whiskers.iter().map(whisker_facts).collect(),
+    }
+}
+
+fn whisker_facts(whisker: &WhiskerScenario) -> WhiskerFacts {
+    WhiskerFacts {
+        whisker: whisker.whisker,
+        x_mm: whisker.x_mm,
+        y_mm: whisker.y_mm,
+        model: WHISKER_MODEL.to_owned(),
+        length_mm: whisker.length_mm,
+        pressure_mpa: whisker.pressure_mpa,
+        pressure_max_mpa: whisker.pressure_max_mpa,
+        neighbours: whisker.neighbours.clone(),
+    }
+}

@@ -1,0 +1,110 @@
+//! Setpoints: taken by the contract's rules, applied by the regulators, answered.
+
+use vibrissa_protocol::{
+    OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
+};
+
+use super::whisker::Applying;
+use super::{Outgoing, Robot};
+use crate::commands::{Addressee, Answer, Verdict};
+
+/// How fast a robot changes a pressure of its own accord.
+pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
+
+impl Robot {
+    pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now_us: u64, out: &mut Vec<Outgoing>) {
+        let at = self.places.get(&(setpoint.array.clone(), setpoint.whisker)).copied();
+        let addressee = at
+            .and_then(|at| self.whiskers.get_mut(at))
+            .map(|whisker| Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut whisker.seen });
+        let id = setpoint.command_id.as_str();
+        match (self.commands.judge(setpoint, &self.boot_id, now_us, addressee), at) {
+            (Verdict::Take, Some(at)) => self.take(setpoint, at, now_us, out),
+            (Verdict::Again(answer), _) => self.answer(id, at, answer, now_us, out),
+            (Verdict::Reject(error), _) => self.reject(id, at, error, now_us, out),
+            // Only a setpoint for a whisker that exists is taken.
+            (Verdict::Take, None) => self.reject(id, at, SetpointError::UnknownWhisker, now_us, out),
+        }
+    }
+
+    fn take(&mut self, setpoint: &Setpoint, at: usize, now_us: u64, out: &mut Vec<Outgoing>) {
+        let id = setpoint.command_id.as_str();
+        self.answer(id, Some(at), plain(SetpointOutcome::Received), now_us, out);
+        if let Some(replaced) = self.whiskers[at].applying.take() {
+            self.answer(&replaced.command_id, Some(at), plain(SetpointOutcome::Superseded), now_us, out);
+        }
+        let whisker = &mut self.whiskers[at];
+        whisker.regulator.set(setpoint.pressure_mpa, setpoint.slew_mpa_per_s);
+        let fails_at_us = now_us + whisker.regulator.patience_us();
+        whisker.applying = Some(Applying { command_id: id.to_owned(), fails_at_us });
+        self.answer(id, Some(at), plain(SetpointOutcome::Applying), now_us, out);
+    }
+
+    fn reject(&mut self, id: &str, at: Option<usize>, error: SetpointError, now_us: u64, out: &mut Vec<Outgoing>) {
+        let answer = Answer { outcome: SetpointOutcome::Rejected, error: Some(error) };
+        self.answer(id, at, answer, now_us, out);
+    }
+
+    /// Says what became of a command, and remembers it.
+    fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now_us: u64, out: &mut Vec<Outgoing>) {
+        self.commands.remember(id, answer);
+        if !self.connected {
+            return;
+        }
+        let state = SetpointState {
+            boot_id: self.boot_id.clone(),
+            seq: self.sequences.setpoint_state(),
+            command_id: id.to_owned(),
+            state: answer.outcome,
+            t_us: now_us,
+            pressure_mpa: at.and_then(|at| self.whiskers.get(at)).map(|whisker| whisker.regulator.reading_mpa()),
+            error: answer.error,
+        };
+        self.publish(RobotTopic::SetpointState, encode(&state), out);
+    }
+
+    /// Reports setpoints that have arrived, and those that will not.
+    pub(super) fn follow_setpoints(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
+        for at in 0..self.whiskers.len() {
+            let whisker = &mut self.whiskers[at];
+            let Some(applying) = &whisker.applying else {
+                continue;
+            };
+            let answer = if whisker.regulator.is_settled() {
+                plain(SetpointOutcome::Applied)
+            } else if at_us >= applying.fails_at_us {
+                Answer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
+            } else {
+                continue;
+            };
+            let id = applying.command_id.clone();
+            whisker.applying = None;
+            self.answer(&id, Some(at), answer, at_us, out);
+        }
+    }
+
+    /// Does what the factsheet says when nothing has been heard of the supervisor for long.
+    pub(super) fn miss_supervisor(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
+        let lost_after_us = (self.config.behaviour.supervisor_lost_after_s * 1e6) as u64;
+        if self.supervisor_heard_us.is_none_or(|heard_us| at_us < heard_us + lost_after_us) {
+            return;
+        }
+        self.supervisor_heard_us = None;
+        for at in 0..self.whiskers.len() {
+            let target_mpa = match self.config.robot.on_supervisor_loss {
+                OnSupervisorLoss::Hold => return,
+                OnSupervisorLoss::Nominal => self.whiskers[at].facts().pressure_mpa,
+                OnSupervisorLoss::Vent => 0.0,
+            };
+            self.whiskers[at].regulator.set(target_mpa, OWN_SLEW_MPA_PER_S);
+            if let Some(replaced) = self.whiskers[at].applying.take() {
+                self.answer(&replaced.command_id, Some(at), plain(SetpointOutcome::Superseded), at_us, out);
+            }
+        }
+    }
+}
+
+/// An answer that needs no reason.
+fn plain(outcome: SetpointOutcome) -> Answer {
+    Answer { outcome, error: None }
+}

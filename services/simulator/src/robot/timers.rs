@@ -1,0 +1,157 @@
+//! What is due when: deadlines are data.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vibrissa_protocol::Contact;
+
+use super::{Outgoing, Robot};
+use crate::random::{Purpose, stream};
+use crate::regulator::TICK_US;
+
+/// A status that reports a change comes at most this often.
+const STATUS_PAUSE_US: u64 = 100_000;
+
+/// What can be due; of two at the same time the first in this list goes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Timer {
+    /// Something of the scenario happens.
+    Event,
+    /// The regulators act.
+    Tick,
+    /// A whisker touches something.
+    Contact,
+    /// Contacts have waited long enough for their message to fill up.
+    Flush,
+    /// Unreceipted messages are sent again.
+    Resend,
+    /// A status is due.
+    Status,
+}
+
+/// When each whisker touches next: irregular, at an exact rate, without drift.
+#[derive(Debug)]
+pub(super) struct Contacts {
+    start_us: u64,
+    interval_us: f64,
+    streams: Vec<(ChaCha8Rng, u64)>,
+    next: BinaryHeap<Reverse<(u64, usize)>>,
+}
+
+impl Contacts {
+    pub(super) fn new(start_us: u64, per_second: f64) -> Self {
+        Self { start_us, interval_us: 1e6 / per_second, streams: Vec::new(), next: BinaryHeap::new() }
+    }
+
+    /// Plans a whisker's next contact: contact k lies anywhere in the k-th interval.
+    fn plan(&mut self, whisker: usize) {
+        let Some((stream, made)) = self.streams.get_mut(whisker) else {
+            return;
+        };
+        let intervals = *made as f64 + stream.random::<f64>();
+        *made += 1;
+        self.next.push(Reverse((self.start_us + (intervals * self.interval_us) as u64, whisker)));
+    }
+
+    pub(super) fn stop(&mut self) {
+        self.next.clear();
+    }
+}
+
+impl Robot {
+    pub(super) fn plan_contacts(&mut self) {
+        for whisker in &self.whiskers {
+            let (robot, array) = (self.config.robot.robot.as_str(), whisker.array().as_str());
+            self.contacts.streams.push((stream(self.seed, robot, array, whisker.number(), Purpose::Timing), 0));
+        }
+        (0..self.whiskers.len()).for_each(|whisker| self.contacts.plan(whisker));
+    }
+
+    /// The timer that is due first.
+    pub(super) fn next_timer(&self) -> Option<(u64, Timer)> {
+        let connected = |at_us: Option<u64>| at_us.filter(|_| self.connected);
+        [
+            (self.events.front().map(|&(at_us, _)| at_us), Timer::Event),
+            (Some(self.tick_at_us), Timer::Tick),
+            (self.contacts.next.peek().map(|&Reverse((at_us, _))| at_us), Timer::Contact),
+            (self.batch_until_us, Timer::Flush),
+            (connected(self.outbox.resend_at_us()), Timer::Resend),
+            (connected(Some(self.status_at_us)), Timer::Status),
+        ]
+        .into_iter()
+        .filter_map(|(at_us, timer)| Some((at_us?, timer)))
+        .min()
+    }
+
+    /// Does what was due at `at_us`.
+    pub(super) fn expire(&mut self, timer: Timer, at_us: u64, now_us: u64, out: &mut Vec<Outgoing>) {
+        match timer {
+            Timer::Event => {
+                if let Some((_, event)) = self.events.pop_front() {
+                    self.happen(&event, at_us, out);
+                }
+            }
+            Timer::Tick => {
+                self.tick(at_us, out);
+                self.tick_at_us += TICK_US;
+            }
+            Timer::Contact => {
+                if let Some(Reverse((_, whisker))) = self.contacts.next.pop() {
+                    self.touch(whisker, at_us, out);
+                    self.contacts.plan(whisker);
+                }
+            }
+            // A robot that rests flushes at once, whatever the time: no earlier than its last tick.
+            Timer::Flush => self.flush(at_us.max(self.tick_at_us.saturating_sub(TICK_US)), out),
+            // These speak of the present: a robot that woke up late does not do them once for each missed time.
+            Timer::Resend => self.resend(now_us, out),
+            Timer::Status => self.status(now_us, out),
+        }
+    }
+
+    /// The regulators act, setpoints arrive, conditions change.
+    fn tick(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
+        for whisker in &mut self.whiskers {
+            whisker.regulator.tick(whisker.leak_mpa_per_s, self.supply_mpa);
+        }
+        self.follow_setpoints(at_us, out);
+        self.miss_supervisor(at_us, out);
+        self.report_change(at_us);
+    }
+
+    /// Brings the next status forward if a whisker's condition is not the one that was last reported.
+    pub(super) fn report_change(&mut self, at_us: u64) {
+        if self.whiskers.iter().any(|whisker| whisker.condition() != whisker.reported) {
+            self.status_at_us = self.status_at_us.min(at_us.max(self.status_sent_us + STATUS_PAUSE_US));
+        }
+    }
+
+    /// One whisker touches something.
+    fn touch(&mut self, at: usize, at_us: u64, out: &mut Vec<Outgoing>) {
+        self.happen_by_contact(at, at_us);
+        let Some(whisker) = self.whiskers.get_mut(at) else {
+            return;
+        };
+        // A contact on the chamber is none that the gauge could tell: it is not reported.
+        let Ok(reading) = whisker.plant.touch(whisker.regulator.pressure_mpa()) else {
+            return;
+        };
+        self.batch.push(Contact {
+            array: whisker.array().clone(),
+            whisker: whisker.number(),
+            t_us: at_us,
+            ratio: reading.ratio,
+            deflection_mm: reading.deflection_mm,
+            strain: reading.strain,
+            pressure_mpa: whisker.regulator.reading_mpa(),
+            temperature_c: reading.temperature_c,
+        });
+        if self.batch.len() >= self.config.behaviour.contacts_per_message {
+            self.flush(at_us, out);
+        } else if self.batch_until_us.is_none() {
+            self.batch_until_us = Some(at_us + (self.config.behaviour.message_after_s * 1e6) as u64);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! One whisker with its chamber and what the robot knows of it.
+
+use std::collections::VecDeque;
+
+use vibrissa_core::mechanics::{ContactOnChamber, ModelError};
+use vibrissa_protocol::{Gauge, Name, Regulator as Condition, WhiskerStatus};
+
+use super::RobotConfig;
+use crate::plant::{LengthChange, Plant, Streams};
+use crate::random::{Purpose, stream};
+use crate::regulator::Regulator;
+use crate::scenario::{ArrayScenario, Change, WhiskerScenario};
+
+/// One whisker of a robot.
+#[derive(Debug)]
+pub struct Whisker {
+    array: Name,
+    facts: WhiskerScenario,
+    pub(super) plant: Plant,
+    pub(super) regulator: Regulator,
+    pub(super) leak_mpa_per_s: f64,
+    /// The highest (epoch, version) seen for it in this boot.
+    pub(super) seen: Option<(u64, u64)>,
+    /// The setpoint that is being applied.
+    pub(super) applying: Option<Applying>,
+    /// What happens after so many of its contacts, in order.
+    pub(super) events: VecDeque<(u64, Change)>,
+    /// What its last status said.
+    pub(super) reported: (Condition, Gauge),
+}
+
+/// A setpoint on its way.
+#[derive(Debug)]
+pub(super) struct Applying {
+    pub(super) command_id: String,
+    pub(super) fails_at_us: u64,
+}
+
+impl Whisker {
+    pub(super) fn new(
+        config: &RobotConfig,
+        array: &ArrayScenario,
+        facts: &WhiskerScenario,
+        seed: u64,
+    ) -> Result<Self, ModelError> {
+        let stream = |purpose| stream(seed, config.robot.robot.as_str(), array.array.as_str(), facts.whisker, purpose);
+        let streams = Streams {
+            calibration: stream(Purpose::Calibration),
+            contact: stream(Purpose::Contact),
+            noise: stream(Purpose::Noise),
+        };
+        Ok(Self {
+            array: array.array.clone(),
+            plant: Plant::new(
+                facts.length_mm,
+                facts.pressure_mpa,
+                config.calibration_error,
+                config.noise.clone(),
+                streams,
+            )?,
+            regulator: Regulator::new(facts.pressure_mpa, stream(Purpose::Regulator)),
+            facts: facts.clone(),
+            leak_mpa_per_s: 0.0,
+            seen: None,
+            applying: None,
+            events: VecDeque::new(),
+            reported: (Condition::Ok, Gauge::Ok),
+        })
+    }
+
+    /// A restart forgets everything but the whisker itself.
+    pub(super) fn restart(&mut self) {
+        self.seen = None;
+        self.applying = None;
+        self.regulator.set(self.facts.pressure_mpa, super::setpoints::OWN_SLEW_MPA_PER_S);
+    }
+
+    /// The condition of its regulator and gauge as its robot sees it.
+    pub(super) fn condition(&self) -> (Condition, Gauge) {
+        (self.regulator.condition(), self.plant.gauge())
+    }
+
+    pub(super) fn status(&self) -> WhiskerStatus {
+        WhiskerStatus {
+            array: self.array.clone(),
+            whisker: self.facts.whisker,
+            pressure_mpa: self.regulator.reading_mpa(),
+            setpoint_mpa: self.regulator.target_mpa(),
+            regulator: self.regulator.condition(),
+            gauge: self.plant.gauge(),
+        }
+    }
+
+    /// Its array.
+    #[must_use]
+    pub fn array(&self) -> &Name {
+        &self.array
+    }
+
+    /// Its number in the array.
+    #[must_use]
+    pub fn number(&self) -> u16 {
+        self.facts.whisker
+    }
+
+    /// How it was built in.
+    #[must_use]
+    pub fn facts(&self) -> &WhiskerScenario {
+        &self.facts
+    }
+
+    /// Its physics.
+    #[must_use]
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Its chamber.
+    #[must_use]
+    pub fn regulator(&self) -> &Regulator {
+        &self.regulator
+    }
+
+    /// When and to what its length changed, in order.
+    #[must_use]
+    pub fn changes(&self) -> &[LengthChange] {
+        self.plant.changes()
+    }
+
+    /// The true strain per mm of deflection now, at the chamber's true pressure.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the mechanics do not hold.
+    pub fn sensitivity_per_mm(&self, ratio: f64) -> Result<f64, ContactOnChamber> {
+        self.plant.sensitivity_per_mm(ratio, self.regulator.pressure_mpa())
+    }
+}

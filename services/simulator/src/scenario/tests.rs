@@ -1,0 +1,78 @@
+use super::*;
+
+const SMALL: &str = r#"
+fleet = "f"
+[[robots]]
+robot = "r"
+[[robots.arrays]]
+array = "left"
+type = "TYPE_1"
+whiskers = [{ whisker = 0, neighbours = [1] }, { whisker = 1 }]
+"#;
+
+fn refused(extra: &str) -> String {
+    Scenario::from_toml_str(&format!("{SMALL}{extra}")).unwrap_err().to_string()
+}
+
+#[test]
+fn the_example_can_be_read() {
+    let scenario = Scenario::from_toml_str(include_str!("../../scenarios/example.toml")).unwrap();
+    assert_eq!(scenario.robots.len(), 2);
+    assert_eq!(scenario.noise, Noise::default(), "the example states the defaults");
+    let behaviour = Behaviour { contacts_per_second: 5.0, ..Behaviour::default() };
+    assert_eq!(scenario.behaviour, behaviour, "the example states the defaults");
+}
+
+#[test]
+fn what_is_not_said_has_its_default() {
+    let scenario = Scenario::from_toml_str(SMALL).unwrap();
+    let (array, whisker) = scenario.robots[0].whiskers().next().unwrap();
+    assert_eq!((array.array.as_str(), whisker.length_mm, whisker.pressure_mpa), ("left", 70.0, 0.1));
+    assert_eq!(scenario.calibration_error, 0.03);
+}
+
+#[test]
+fn an_unknown_field_is_refused_by_name() {
+    let text = SMALL.replace("neighbours = [1]", "neighbors = [1]");
+    let error = Scenario::from_toml_str(&text).unwrap_err().to_string();
+    assert!(error.contains("neighbors"), "{error}");
+}
+
+#[test]
+fn a_length_inside_the_chamber_is_refused() {
+    let text = SMALL.replace("whisker = 1 }", "whisker = 1, length_mm = 14.0 }");
+    let error = Scenario::from_toml_str(&text).unwrap_err().to_string();
+    assert_eq!(error, "robot r array left whisker 1 length_mm is 14, but must be between 40 and 150");
+}
+
+#[test]
+fn a_pressure_above_the_whiskers_own_limit_is_refused() {
+    let text = SMALL.replace("whisker = 1 }", "whisker = 1, pressure_mpa = 0.15, pressure_max_mpa = 0.12 }");
+    assert!(Scenario::from_toml_str(&text).is_err());
+}
+
+#[test]
+fn the_same_robot_array_or_whisker_twice_is_refused() {
+    let text = SMALL.replace("whisker = 1 }", "whisker = 0 }");
+    let error = Scenario::from_toml_str(&text).unwrap_err().to_string();
+    assert_eq!(error, "robot r array left: whisker 0 is there more than once");
+    let robot = &SMALL[SMALL.find("[[robots]]").unwrap()..];
+    assert!(refused(robot).contains("robots: r is there more than once"));
+}
+
+#[test]
+fn an_event_needs_one_time_and_whom_it_happens_to() {
+    let trim = "change = { kind = \"TRIM\", length_mm = 60.0 }\n";
+    for (event, expected) in [
+        (format!("array = \"left\"\nwhisker = 0\n{trim}"), "either at_s or at_contact"),
+        (format!("at_s = 1\n{trim}"), "needs array and whisker"),
+        (format!("at_s = 1\narray = \"right\"\nwhisker = 0\n{trim}"), "no array right"),
+        (format!("at_s = 1\narray = \"left\"\nwhisker = 9\n{trim}"), "no whisker 9"),
+        ("at_contact = 1\nchange = { kind = \"RESTART\" }".into(), "needs at_s"),
+        ("at_s = 1\narray = \"left\"\nchange = { kind = \"RESTART\" }".into(), "happens to the robot"),
+        ("at_s = 1\nchange = { kind = \"LOSE\", fraction = 2, for_s = 1 }".into(), "fraction is 2"),
+    ] {
+        let error = refused(&format!("[[robots.events]]\n{event}"));
+        assert!(error.contains(expected), "{error}");
+    }
+}
