@@ -1,0 +1,119 @@
+//! What goes out: setpoints, receipts, requests.
+
+use tokio::sync::mpsc;
+use uuid::Uuid;
+use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::robot::effect::{Command, CommandKey};
+use vibrissa_protocol::{self as protocol, BootId, Name, QualityOfService, RequestKind, RobotTopic, Timestamp, encode};
+
+use super::Engine;
+use crate::words::setpoint_reason;
+
+/// Names of setpoints are made from this and (fleet, robot, epoch, version): the same setpoint has the same
+/// name whenever and wherever it is sent again.
+const COMMAND_NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_6c0e_41b0_5d83_9a1e_7769_6272_6973);
+/// `held` ranges that a receipt carries at most; the core keeps no more.
+const HELD_MAX: usize = 64;
+
+/// A message to publish.
+#[derive(Debug, Clone)]
+pub struct Publication {
+    /// Topic.
+    pub topic: String,
+    /// JSON.
+    pub payload: Vec<u8>,
+    /// Quality of service.
+    pub qos: QualityOfService,
+    /// MQTT message expiry, for setpoints.
+    pub expiry_s: Option<u32>,
+}
+
+/// The next `seq` of each topic to one robot, in this boot of the supervisor.
+#[derive(Debug, Default)]
+pub(super) struct Seqs {
+    receipt: u64,
+    setpoint: u64,
+    request: u64,
+}
+
+fn next(seq: &mut u64) -> u64 {
+    let now = *seq;
+    *seq += 1;
+    now
+}
+
+/// The name of a setpoint.
+#[must_use]
+pub(super) fn command_id(fleet: &Name, robot: &Name, key: CommandKey) -> String {
+    let name = format!("{fleet}/{robot}/{}/{}", key.epoch, key.version);
+    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes()).to_string()
+}
+
+/// Residual gain as pairs of contact ratio and factor.
+pub(super) fn gain(command: &Command) -> Vec<(f64, f64)> {
+    command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default()
+}
+
+impl Engine {
+    pub(super) fn publish_setpoint(&mut self, name: &Name, command: &Command) {
+        let Some(known) = self.robots.get_mut(name) else { return };
+        let Some(whisker) = known.robot.whisker(command.whisker) else { return };
+        let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
+            return;
+        };
+        let setpoint = protocol::Setpoint {
+            boot_id: self.boot_id.clone(),
+            seq: next(&mut known.seqs.setpoint),
+            command_id: command_id(&self.fleet, name, command.key),
+            epoch: command.key.epoch,
+            version: command.key.version,
+            robot_boot_id,
+            array,
+            whisker: whisker.sheet.number,
+            pressure_mpa: command.pressure.mpa(),
+            slew_mpa_per_s: command.slew_mpa_per_s,
+            issued: Timestamp(command.issued.0),
+            expires_us: command.expires.0,
+            reason: setpoint_reason(command.reason),
+            gain: gain(command),
+        };
+        // The broker drops what the robot would refuse anyway; one second more for the clocks.
+        let expiry_s = self.params.command.time_to_live.as_s().ceil() as u32 + 1;
+        self.push(name, RobotTopic::Setpoint, encode(&setpoint), Some(expiry_s));
+    }
+
+    pub(super) fn publish_request(&mut self, name: &Name, request: RequestKind) {
+        let Some(known) = self.robots.get_mut(name) else { return };
+        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut known.seqs.request), request };
+        self.push(name, RobotTopic::Request, encode(&request), None);
+    }
+
+    fn push(&mut self, name: &Name, kind: RobotTopic, payload: Vec<u8>, expiry_s: Option<u32>) {
+        self.publications.push(Publication {
+            topic: kind.of(&self.fleet, name).to_string(),
+            payload,
+            qos: kind.quality_of_service(),
+            expiry_s,
+        });
+    }
+
+    /// Says how far the contacts of each boot are committed; call it after a commit only.
+    pub(super) fn receipts(&mut self, outbox: &mpsc::Sender<Publication>) {
+        for (name, boot_id) in std::mem::take(&mut self.receipts_due) {
+            let Some(known) = self.robots.get_mut(&name) else { continue };
+            let (Some(sequence), Ok(robot_boot_id)) = (known.robot.sequence(&boot_id), BootId::new(&boot_id)) else {
+                continue;
+            };
+            let receipt = protocol::Receipt {
+                boot_id: self.boot_id.clone(),
+                seq: next(&mut known.seqs.receipt),
+                robot_boot_id,
+                next: sequence.next(),
+                held: sequence.held().iter().copied().take(HELD_MAX).collect(),
+            };
+            self.push(&name, RobotTopic::Receipt, encode(&receipt), None);
+            self.metrics.receipts.inc();
+        }
+        self.publish(outbox);
+    }
+}

@@ -1,0 +1,255 @@
+//! Effects become rows and publications.
+
+use tracing::{info, warn};
+use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin, Request};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, Name};
+
+use super::publication::command_id;
+use super::{Engine, mpa};
+use crate::store::batch::{
+    CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, ResponseRow, RobotRow, SetpointRow,
+    WhiskerRow,
+};
+use crate::words::{Word, Z95};
+
+/// Numbers of a robot's trims and compensations are unique in the database: robot, then count.
+fn wide_id(robot_id: i64, number: u32) -> i64 {
+    (robot_id << 32) | i64::from(number)
+}
+
+impl Engine {
+    /// Puts one effect into the batch or among the publications.
+    pub(super) fn record(&mut self, name: &Name, now: Micros, effect: Effect, source: Option<&protocol::Contacts>) {
+        let Some(known) = self.robots.get(name) else { return };
+        let robot_id = known.robot_id;
+        let recorded_us = now.0 as i64;
+        let whisker_id = |index: usize| known.whisker_ids.get(index).copied().unwrap_or_default();
+        match effect {
+            Effect::Contact(contact) => {
+                self.metrics.contacts.with_label_values(&[contact.used.word()]).inc();
+                let Some((source, felt)) =
+                    source.and_then(|source| Some((source, source.contacts.get(contact.position)?)))
+                else {
+                    return;
+                };
+                self.batch.contacts.push(ContactRow {
+                    whisker_id: whisker_id(contact.whisker),
+                    boot: known.boots.get(source.boot_id.as_str()).copied().unwrap_or_default(),
+                    seq: source.seq as i64,
+                    position: contact.position as i64,
+                    t_us: felt.t_us as i64,
+                    received_us: recorded_us,
+                    ratio: felt.ratio,
+                    deflection_mm: felt.deflection_mm,
+                    strain: felt.strain,
+                    pressure_mpa: felt.pressure_mpa,
+                    temperature_c: felt.temperature_c,
+                    used: contact.used.word(),
+                    residual: contact.residual,
+                    length_mm: contact.length.length.mm(),
+                    length_sd_mm: contact.length.sd_mm,
+                });
+            }
+            Effect::UnknownWhisker { position } => {
+                self.refuse(
+                    "unknown_whisker",
+                    format!("contact {position} names a whisker that is not on the factsheet"),
+                    name.as_str(),
+                );
+            }
+            Effect::Condition { whisker, from, to } => self.batch.records.push(Record::Health {
+                whisker_id: whisker_id(whisker),
+                recorded_us,
+                kind: "CONDITION",
+                was: Some(from.word()),
+                becomes: Some(to.word()),
+            }),
+            Effect::Fault { whisker, from, to } => self.batch.records.push(Record::Health {
+                whisker_id: whisker_id(whisker),
+                recorded_us,
+                kind: "FAULT",
+                was: from.map(Word::word),
+                becomes: to.map(Word::word),
+            }),
+            Effect::Trim(trim) => {
+                self.metrics.trims.inc();
+                info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trimmed");
+                self.batch.records.push(Record::Trim {
+                    trim_id: wide_id(robot_id, trim.id),
+                    robot_id,
+                    whisker_id: whisker_id(trim.whisker),
+                    detected_us: recorded_us,
+                    length_before_mm: trim.length_before.mm(),
+                    length_after_mm: trim.length_after.length.mm(),
+                    length_after_sd_mm: trim.length_after.sd_mm,
+                    contacts_to_detect: i64::from(trim.contacts_to_detect),
+                });
+            }
+            Effect::Decided(decision) => {
+                let row = decision_row(robot_id, recorded_us, &decision, whisker_id);
+                let case = row.candidates.iter().find(|one| one.chosen).map_or("NONE", |one| one.case);
+                self.metrics.decisions.with_label_values(&[case]).inc();
+                self.batch.records.push(Record::Decision(Box::new(row)));
+            }
+            Effect::Ended { compensation, reason } => self.batch.records.push(Record::Ended {
+                compensation_id: wide_id(robot_id, compensation),
+                ended_us: recorded_us,
+                end_reason: reason.word(),
+            }),
+            Effect::Command(command) => {
+                self.metrics.setpoints.with_label_values(&["PENDING"]).inc();
+                let row = setpoint_row(robot_id, &self.fleet, name, &command, whisker_id(command.whisker));
+                self.batch.records.push(Record::Setpoint(Box::new(row)));
+                self.publish_setpoint(name, &command);
+            }
+            Effect::Resend(command) => self.publish_setpoint(name, &command),
+            Effect::CommandState { command, state, rejection, pressure } => {
+                self.metrics.setpoints.with_label_values(&[state.word()]).inc();
+                self.batch.records.push(Record::SetpointState {
+                    command_id: command_id(&self.fleet, name, command),
+                    recorded_us,
+                    state: state.word(),
+                    error: rejection.map(Word::word),
+                    pressure_mpa: mpa(pressure),
+                });
+            }
+            Effect::Response(response) => {
+                let t_us = source.and_then(|source| source.contacts.get(response.position)).map_or(0, |felt| felt.t_us);
+                self.batch.records.push(Record::Response(ResponseRow {
+                    compensation_id: wide_id(robot_id, response.compensation),
+                    t_us: t_us as i64,
+                    ratio: response.ratio.a(),
+                    deflection_mm: response.deflection.mm(),
+                    after_strain: response.after.ratio(),
+                    before_strain: response.before,
+                    before_origin: response.before_origin.word(),
+                    target_strain: response.target,
+                    target_origin: response.target_origin.word(),
+                }));
+            }
+            Effect::Error(error) => {
+                self.metrics.compensation_error.observe(error.mean);
+                self.batch.records.push(Record::Error(Box::new(error_row(robot_id, recorded_us, &error))));
+            }
+            Effect::Alarm { whisker, kind } => {
+                self.metrics.alarms.with_label_values(&[kind.word()]).inc();
+                warn!(robot = %name, whisker, alarm = kind.word(), "alarm");
+                self.batch.records.push(Record::Alarm {
+                    whisker_id: whisker_id(whisker),
+                    raised_us: recorded_us,
+                    kind: kind.word(),
+                });
+            }
+            Effect::Request(Request::Factsheet) => self.publish_request(name, protocol::RequestKind::Factsheet),
+            Effect::Request(Request::Status) => self.publish_request(name, protocol::RequestKind::Status),
+        }
+    }
+
+    /// The states of everything that was touched, for the same transaction.
+    pub(super) fn snapshot(&mut self) {
+        let now_us = super::wall_clock().0 as i64;
+        for name in std::mem::take(&mut self.touched) {
+            let Some(known) = self.robots.get_mut(&name) else { continue };
+            let mut changed = Vec::new();
+            known.robot.take_changed_whiskers(|index| changed.push(index));
+            if known.robot.take_changed() || !changed.is_empty() {
+                let (boot_id, link) = known.robot.connection_state();
+                self.batch.robots.push(RobotRow {
+                    robot_id: known.robot_id,
+                    boot_id: boot_id.map(str::to_owned),
+                    connection: link.word(),
+                    updated_us: now_us,
+                    state: known.robot.to_bytes(),
+                });
+            }
+            for index in changed {
+                let (Some(view), Some(&whisker_id)) = (known.robot.whisker(index), known.whisker_ids.get(index)) else {
+                    continue;
+                };
+                self.batch.whiskers.push(WhiskerRow {
+                    whisker_id,
+                    position: index as i64,
+                    length_mm: view.length.length.mm(),
+                    length_sd_mm: view.length.sd_mm,
+                    condition: view.condition.word(),
+                    fault: view.fault.map(Word::word),
+                    pressure_mpa: mpa(view.pressure),
+                    setpoint_mpa: view.setpoint.mpa(),
+                    contacts: view.contacts as i64,
+                    heard_us: view.heard.map(|heard| heard.0 as i64),
+                    state: known.robot.whisker_to_bytes(index).unwrap_or_default(),
+                });
+            }
+        }
+    }
+}
+
+fn decision_row(robot_id: i64, decided_us: i64, decision: &Decision, whisker_id: impl Fn(usize) -> i64) -> DecisionRow {
+    let candidates = decision.candidates.iter().enumerate().map(|(at, one)| CandidateRow {
+        whisker_id: whisker_id(one.whisker),
+        case: one.case.word(),
+        length_mm: one.length.length.mm(),
+        length_sd_mm: one.length.sd_mm,
+        pressure_before_mpa: one.pressure_before.mpa(),
+        pressure_mpa: mpa(one.pressure),
+        predicted_error: one.predicted_error,
+        predicted_error_by_ratio: one
+            .predicted_error_by_ratio
+            .and_then(|by_ratio| serde_json::to_string(&by_ratio).ok()),
+        gives_up_own_role: one.gives_up_own_role,
+        chosen: decision.chosen == Some(at),
+        refused: one.refused.map(Word::word),
+    });
+    DecisionRow {
+        compensation_id: wide_id(robot_id, decision.compensation),
+        robot_id,
+        target_whisker_id: whisker_id(decision.target),
+        target_length_mm: decision.target_length.mm(),
+        target_pressure_mpa: decision.target_pressure.mpa(),
+        decided_us,
+        candidates: candidates.collect(),
+    }
+}
+
+fn setpoint_row(robot_id: i64, fleet: &Name, robot: &Name, command: &Command, whisker_id: i64) -> SetpointRow {
+    SetpointRow {
+        command_id: command_id(fleet, robot, command.key),
+        robot_id,
+        whisker_id,
+        compensation_id: command.compensation.map(|number| wide_id(robot_id, number)),
+        epoch: command.key.epoch as i64,
+        version: command.key.version as i64,
+        robot_boot_id: command.robot_boot_id.clone(),
+        pressure_mpa: command.pressure.mpa(),
+        slew_mpa_per_s: command.slew_mpa_per_s,
+        issued_us: command.issued.0 as i64,
+        expires_us: command.expires.0 as i64,
+        reason: command.reason.word(),
+        gain: serde_json::to_string(&super::publication::gain(command)).ok(),
+    }
+}
+
+fn error_row(robot_id: i64, recorded_us: i64, error: &CompensationError) -> ErrorRow {
+    let bin_row = |bin: &ErrorBin| ErrorBinRow {
+        ratio: bin.ratio,
+        contacts: i64::from(bin.contacts),
+        after_per_mm: bin.after_per_mm,
+        before_per_mm: bin.before_per_mm,
+        before_origin: bin.before_origin.word(),
+        target_per_mm: bin.target_per_mm,
+        target_origin: bin.target_origin.word(),
+        error: interval(bin.error, bin.sd),
+    };
+    ErrorRow {
+        compensation_id: wide_id(robot_id, error.compensation),
+        recorded_us,
+        contacts: i64::from(error.contacts),
+        error: interval(error.mean, error.sd),
+        bins: error.bins.iter().map(bin_row).collect(),
+    }
+}
+
+fn interval(mean: f64, sd: f64) -> Interval {
+    Interval { mean, low: (mean - Z95 * sd).max(0.0), high: mean + Z95 * sd }
+}

@@ -1,0 +1,106 @@
+//! The service put together: broker, database, the two connections, the engine, HTTP.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+use uuid::Uuid;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::{BootId, Name};
+
+use crate::broker::Broker;
+use crate::engine::{Engine, wall_clock};
+use crate::metrics::Metrics;
+use crate::mqtt::{self, BrokerAddress, Connection};
+use crate::store::Store;
+
+/// Publications that wait for the broker; beyond it they are dropped and made again.
+const OUTBOX_MESSAGES: usize = 10_000;
+
+/// What to run.
+#[derive(Debug, Clone)]
+pub struct ServiceOptions {
+    /// The fleet to supervise.
+    pub fleet: Name,
+    /// The database file.
+    pub database: PathBuf,
+    /// An external broker; none starts the embedded one.
+    pub broker: Option<BrokerAddress>,
+    /// The embedded broker's port; 0 takes any free one.
+    pub mqtt_port: u16,
+    /// Where HTTP listens; port 0 takes any free one.
+    pub http: SocketAddr,
+    /// The core's parameters.
+    pub params: Params,
+}
+
+/// A running service.
+pub struct Service {
+    /// Where the broker is.
+    pub broker: BrokerAddress,
+    /// Where HTTP listens.
+    pub http: SocketAddr,
+    /// The database.
+    pub store: Store,
+    /// What it counts.
+    pub metrics: Metrics,
+    embedded: Option<Broker>,
+    stop: watch::Sender<bool>,
+    tasks: Vec<JoinHandle<()>>,
+}
+
+impl Service {
+    /// Starts everything; it serves when this returns.
+    ///
+    /// # Errors
+    /// A port is taken, or the database cannot be used.
+    pub async fn start(options: ServiceOptions) -> anyhow::Result<Self> {
+        let (embedded, broker) = match options.broker {
+            Some(address) => (None, address),
+            None => {
+                let embedded = Broker::start(options.mqtt_port).await?;
+                let address = embedded.address();
+                (Some(embedded), BrokerAddress { host: address.ip().to_string(), port: address.port() })
+            }
+        };
+        let metrics = Metrics::new().context("declaring the metrics")?;
+        let store = Store::open(&options.database).await?;
+        let boot_id = BootId::new(&format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &boot_seed()).simple()))?;
+        let engine =
+            Engine::start(options.fleet.clone(), boot_id.clone(), options.params, store.clone(), metrics.clone())
+                .await?;
+        let connection = Connection { broker: broker.clone(), fleet: options.fleet, boot_id, epoch: engine.epoch() };
+
+        let (stop, stopped) = watch::channel(false);
+        let (http, http_task) =
+            crate::http::serve(options.http, store.clone(), metrics.clone(), stopped.clone()).await?;
+        let (inbox, receiver_task) = mqtt::receive(&connection, metrics.clone(), stopped.clone());
+        let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
+        let publisher_task = mqtt::publish(&connection, publications);
+        let engine_task = tokio::spawn(engine.run(inbox, outbox, stopped));
+        // In the order in which they end: the publisher ends when the engine has let go of the outbox.
+        let tasks = vec![receiver_task, engine_task, publisher_task, http_task];
+        Ok(Self { broker, http, store, metrics, embedded, stop, tasks })
+    }
+
+    /// Stops in order: no more messages in, what is there committed, receipts and good-bye out.
+    pub async fn stop(self) {
+        let _ = self.stop.send(true);
+        for task in self.tasks {
+            let _ = task.await;
+        }
+        self.store.close().await;
+        if let Some(broker) = self.embedded {
+            broker.stop().await;
+        }
+    }
+}
+
+/// What makes a boot's name its own: the time and the process.
+fn boot_seed() -> Vec<u8> {
+    let mut seed = wall_clock().0.to_le_bytes().to_vec();
+    seed.extend(std::process::id().to_le_bytes());
+    seed
+}

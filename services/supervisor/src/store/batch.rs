@@ -1,0 +1,337 @@
+//! What one transaction writes: plain rows, in the order in which they must be written.
+
+/// Everything that a batch of messages has led to.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// New layouts; the whiskers that are on the robot now follow among `whiskers`.
+    pub layouts: Vec<LayoutRow>,
+    /// Changed robots.
+    pub robots: Vec<RobotRow>,
+    /// Changed whiskers.
+    pub whiskers: Vec<WhiskerRow>,
+    /// Contacts.
+    pub contacts: Vec<ContactRow>,
+    /// Everything else, in order.
+    pub records: Vec<Record>,
+}
+
+impl Batch {
+    /// Whether there is nothing to write.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.layouts.is_empty()
+            && self.robots.is_empty()
+            && self.whiskers.is_empty()
+            && self.contacts.is_empty()
+            && self.records.is_empty()
+    }
+}
+
+/// A factsheet with another layout.
+#[derive(Debug)]
+pub struct LayoutRow {
+    /// Whose.
+    pub robot_id: i64,
+    /// The robot's model.
+    pub model: String,
+}
+
+/// A robot as it is now.
+#[derive(Debug)]
+pub struct RobotRow {
+    /// Whose.
+    pub robot_id: i64,
+    /// Newest boot.
+    pub boot_id: Option<String>,
+    /// Connection in the contract's words.
+    pub connection: &'static str,
+    /// When.
+    pub updated_us: i64,
+    /// The core's bytes.
+    pub state: Vec<u8>,
+}
+
+/// A whisker as it is now.
+#[derive(Debug)]
+pub struct WhiskerRow {
+    /// Whose.
+    pub whisker_id: i64,
+    /// Index in the robot.
+    pub position: i64,
+    /// Estimated length.
+    pub length_mm: f64,
+    /// Its standard deviation.
+    pub length_sd_mm: f64,
+    /// Condition.
+    pub condition: &'static str,
+    /// Fault, if any.
+    pub fault: Option<&'static str>,
+    /// Measured pressure.
+    pub pressure_mpa: Option<f64>,
+    /// Pressure that the robot holds.
+    pub setpoint_mpa: f64,
+    /// Contacts that were used.
+    pub contacts: i64,
+    /// When it was last heard of.
+    pub heard_us: Option<i64>,
+    /// The core's bytes.
+    pub state: Vec<u8>,
+}
+
+/// A contact; see the table for the columns.
+#[derive(Debug)]
+pub struct ContactRow {
+    /// Whose.
+    pub whisker_id: i64,
+    /// Number of the boot.
+    pub boot: i64,
+    /// Number of the message.
+    pub seq: i64,
+    /// Position in the message.
+    pub position: i64,
+    /// The robot's clock.
+    pub t_us: i64,
+    /// The supervisor's clock.
+    pub received_us: i64,
+    /// Contact ratio.
+    pub ratio: f64,
+    /// Deflection.
+    pub deflection_mm: f64,
+    /// Strain.
+    pub strain: f64,
+    /// Pressure.
+    pub pressure_mpa: f64,
+    /// Temperature.
+    pub temperature_c: f64,
+    /// What it was used for.
+    pub used: &'static str,
+    /// Log sensitivity against the prediction.
+    pub residual: Option<f64>,
+    /// Length after it.
+    pub length_mm: f64,
+    /// Its standard deviation.
+    pub length_sd_mm: f64,
+}
+
+/// One of the rarer rows.
+#[derive(Debug)]
+pub enum Record {
+    /// A change of condition or fault.
+    Health {
+        /// Whose.
+        whisker_id: i64,
+        /// When.
+        recorded_us: i64,
+        /// `CONDITION` or `FAULT`.
+        kind: &'static str,
+        /// Before.
+        was: Option<&'static str>,
+        /// Now.
+        becomes: Option<&'static str>,
+    },
+    /// A trim.
+    Trim {
+        /// Number.
+        trim_id: i64,
+        /// Robot.
+        robot_id: i64,
+        /// Whisker.
+        whisker_id: i64,
+        /// When.
+        detected_us: i64,
+        /// Length before.
+        length_before_mm: f64,
+        /// Length after.
+        length_after_mm: f64,
+        /// Its standard deviation.
+        length_after_sd_mm: f64,
+        /// Contacts since the likeliest moment of the cut.
+        contacts_to_detect: i64,
+    },
+    /// A decision.
+    Decision(Box<DecisionRow>),
+    /// The end of a compensation.
+    Ended {
+        /// Which.
+        compensation_id: i64,
+        /// When.
+        ended_us: i64,
+        /// Why.
+        end_reason: &'static str,
+    },
+    /// A setpoint.
+    Setpoint(Box<SetpointRow>),
+    /// What became of one.
+    SetpointState {
+        /// Which.
+        command_id: String,
+        /// When.
+        recorded_us: i64,
+        /// What.
+        state: &'static str,
+        /// Why.
+        error: Option<&'static str>,
+        /// Where the pressure is.
+        pressure_mpa: Option<f64>,
+    },
+    /// The three responses at one contact.
+    Response(ResponseRow),
+    /// The compensation error.
+    Error(Box<ErrorRow>),
+    /// An alarm.
+    Alarm {
+        /// About whom.
+        whisker_id: i64,
+        /// When.
+        raised_us: i64,
+        /// What.
+        kind: &'static str,
+    },
+}
+
+/// A decision with its candidates.
+#[derive(Debug)]
+pub struct DecisionRow {
+    /// Number.
+    pub compensation_id: i64,
+    /// Robot.
+    pub robot_id: i64,
+    /// The broken whisker.
+    pub target_whisker_id: i64,
+    /// Its whole length.
+    pub target_length_mm: f64,
+    /// Its nominal pressure.
+    pub target_pressure_mpa: f64,
+    /// When.
+    pub decided_us: i64,
+    /// Everyone who was asked.
+    pub candidates: Vec<CandidateRow>,
+}
+
+/// A candidate of a decision.
+#[derive(Debug)]
+pub struct CandidateRow {
+    /// Who.
+    pub whisker_id: i64,
+    /// Case of the paper.
+    pub case: &'static str,
+    /// Length.
+    pub length_mm: f64,
+    /// Its standard deviation.
+    pub length_sd_mm: f64,
+    /// Pressure before.
+    pub pressure_before_mpa: f64,
+    /// Pressure to hold.
+    pub pressure_mpa: Option<f64>,
+    /// Predicted mean error.
+    pub predicted_error: Option<f64>,
+    /// The same by contact ratio, JSON.
+    pub predicted_error_by_ratio: Option<String>,
+    /// Whether it would give up its own role.
+    pub gives_up_own_role: bool,
+    /// Whether it was chosen.
+    pub chosen: bool,
+    /// Why not.
+    pub refused: Option<&'static str>,
+}
+
+/// A setpoint; see the table for the columns.
+#[derive(Debug)]
+pub struct SetpointRow {
+    /// Name.
+    pub command_id: String,
+    /// Robot.
+    pub robot_id: i64,
+    /// Whisker.
+    pub whisker_id: i64,
+    /// Compensation that it belongs to.
+    pub compensation_id: Option<i64>,
+    /// Epoch.
+    pub epoch: i64,
+    /// Version.
+    pub version: i64,
+    /// The only boot that may take it.
+    pub robot_boot_id: String,
+    /// Pressure.
+    pub pressure_mpa: f64,
+    /// Slew.
+    pub slew_mpa_per_s: f64,
+    /// Supervisor's clock.
+    pub issued_us: i64,
+    /// Robot's clock.
+    pub expires_us: i64,
+    /// Why.
+    pub reason: &'static str,
+    /// Residual gain, JSON.
+    pub gain: Option<String>,
+}
+
+/// The three responses at one contact.
+#[derive(Debug)]
+pub struct ResponseRow {
+    /// Compensation.
+    pub compensation_id: i64,
+    /// Robot's clock.
+    pub t_us: i64,
+    /// Contact ratio.
+    pub ratio: f64,
+    /// Deflection.
+    pub deflection_mm: f64,
+    /// Measured.
+    pub after_strain: f64,
+    /// Before the pressure changed.
+    pub before_strain: f64,
+    /// Where from.
+    pub before_origin: &'static str,
+    /// The whole target's.
+    pub target_strain: f64,
+    /// Where from.
+    pub target_origin: &'static str,
+}
+
+/// The compensation error with its bins.
+#[derive(Debug)]
+pub struct ErrorRow {
+    /// Compensation.
+    pub compensation_id: i64,
+    /// When.
+    pub recorded_us: i64,
+    /// Contacts.
+    pub contacts: i64,
+    /// Mean and 95 % interval, as ratios.
+    pub error: Interval,
+    /// Bins.
+    pub bins: Vec<ErrorBinRow>,
+}
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// Value.
+    pub mean: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// One contact-ratio bin of an error.
+#[derive(Debug)]
+pub struct ErrorBinRow {
+    /// Centre.
+    pub ratio: f64,
+    /// Contacts.
+    pub contacts: i64,
+    /// Strain per mm after.
+    pub after_per_mm: f64,
+    /// Strain per mm before.
+    pub before_per_mm: f64,
+    /// Where from.
+    pub before_origin: &'static str,
+    /// Strain per mm of the whole target.
+    pub target_per_mm: f64,
+    /// Where from.
+    pub target_origin: &'static str,
+    /// Eq. 35.
+    pub error: Interval,
+}
