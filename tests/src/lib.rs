@@ -1,1 +1,3 @@
-//! Being built.
+//! What the integration tests share.
+
+pub mod world;

@@ -1,0 +1,192 @@
+//! A simulated robot and the core face to face, in simulated time: real messages, no network, no waiting.
+
+use vibrissa::edge;
+use vibrissa::words::setpoint_reason;
+use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
+use vibrissa_core::robot::{Event, Params, Robot};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Timestamp, decode, encode};
+use vibrissa_simulator::robot::Outgoing;
+use vibrissa_simulator::{Robot as SimulatedRobot, RobotConfig, Scenario};
+
+/// The simulated start: an arbitrary moment, so that nothing depends on today.
+pub const START_US: u64 = 1_795_248_000_000_000;
+const TICK_US: u64 = 250_000;
+
+/// One robot, and the core that supervises it.
+pub struct World {
+    /// The robot with its true whiskers.
+    pub robot: SimulatedRobot,
+    /// What the core knows.
+    pub core: Robot,
+    /// The core's parameters.
+    pub params: Params,
+    /// What the core wanted done, except for single contacts and responses.
+    pub effects: Vec<(Micros, Effect)>,
+    /// Contacts that were recorded, and how many of them were used.
+    pub contacts: u64,
+    /// Contacts that entered estimation.
+    pub used: u64,
+    now_us: u64,
+    next_tick_us: u64,
+    seq: u64,
+}
+
+impl World {
+    /// The first robot of a scenario, connected.
+    pub fn new(scenario: &Scenario, params: Params) -> Self {
+        scenario.check().expect("a good scenario");
+        let config = RobotConfig::all(scenario).next().expect("a robot");
+        let robot = SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot");
+        let mut world = Self {
+            robot,
+            core: Robot::new(1),
+            params,
+            effects: Vec::new(),
+            contacts: 0,
+            used: 0,
+            now_us: START_US,
+            next_tick_us: START_US,
+            seq: 0,
+        };
+        let births = world.robot.connected(START_US);
+        world.deliver(births);
+        world
+    }
+
+    /// Runs until `seconds` after the start.
+    pub fn run_until_s(&mut self, seconds: f64) {
+        let end_us = START_US + (seconds * 1e6) as u64;
+        while self.now_us < end_us {
+            self.now_us = self.robot.next_deadline().min(self.next_tick_us).clamp(self.now_us, end_us);
+            let said = self.robot.poll(self.now_us);
+            self.deliver(said);
+            if self.now_us >= self.next_tick_us {
+                self.next_tick_us += TICK_US;
+                self.step(&Event::Tick);
+            }
+        }
+    }
+
+    fn deliver(&mut self, said: Vec<Outgoing>) {
+        for outgoing in said {
+            match outgoing {
+                Outgoing::Publish { topic, payload } => self.receive(topic, &payload),
+                Outgoing::Restart => {
+                    let births = self.robot.connected(self.now_us);
+                    self.deliver(births);
+                }
+            }
+        }
+    }
+
+    fn receive(&mut self, kind: RobotTopic, payload: &[u8]) {
+        let topic = kind.of(self.robot.fleet(), self.robot.name());
+        match decode(&topic, payload).expect("the simulator keeps the contract") {
+            Message::Connection(told) => {
+                self.step(&Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) });
+            }
+            Message::Factsheet(told) => {
+                let factsheet = edge::factsheet(&told, &["nguyen-2021"]).expect("a known model");
+                self.step(&Event::Factsheet { boot_id: told.boot_id.as_str(), factsheet: &factsheet });
+            }
+            Message::Contacts(told) => {
+                let contacts: Vec<_> = told.contacts.iter().map(|one| edge::contact(one).expect("in range")).collect();
+                self.step(&Event::Contacts { boot_id: told.boot_id.as_str(), seq: told.seq, contacts: &contacts });
+                self.receipt(&told.boot_id);
+            }
+            Message::Status(told) => {
+                let whiskers: Vec<_> = told.whiskers.iter().map(|one| edge::status(one).expect("in range")).collect();
+                let robot_time = Micros(told.t_us);
+                self.step(&Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers });
+            }
+            Message::SetpointState(told) => self.setpoint_state(&told),
+            other => panic!("a robot does not say {other:?}"),
+        }
+    }
+
+    fn setpoint_state(&mut self, told: &protocol::SetpointState) {
+        let Some((command, pressure)) = self
+            .core
+            .commands_under_way()
+            .find(|command| name_of(command.key) == told.command_id)
+            .map(|command| (command.key, command.pressure))
+        else {
+            return;
+        };
+        let report = edge::setpoint_report(told, pressure).expect("in range");
+        let robot_time = Micros(told.t_us);
+        self.step(&Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time });
+    }
+
+    /// Steps the core and carries out what it wants done.
+    pub fn step(&mut self, event: &Event<'_>) {
+        let mut effects = Vec::new();
+        self.core.step(&self.params, Micros(self.now_us), event, &mut effects);
+        for effect in effects {
+            match &effect {
+                Effect::Contact(contact) => {
+                    self.contacts += 1;
+                    self.used += u64::from(contact.residual.is_some());
+                    continue;
+                }
+                Effect::Response(_) => continue,
+                Effect::Command(command) | Effect::Resend(command) => self.send(command),
+                _ => {}
+            }
+            self.effects.push((Micros(self.now_us), effect));
+        }
+    }
+
+    fn next_seq(&mut self) -> u64 {
+        self.seq += 1;
+        self.seq - 1
+    }
+
+    fn send(&mut self, command: &Command) {
+        let whisker = self.core.whisker(command.whisker).expect("there");
+        let setpoint = protocol::Setpoint {
+            boot_id: BootId::new("s").expect("a boot id"),
+            seq: self.seq,
+            command_id: name_of(command.key),
+            epoch: command.key.epoch,
+            version: command.key.version,
+            robot_boot_id: BootId::new(&command.robot_boot_id).expect("a boot id"),
+            array: Name::new(whisker.array).expect("a name"),
+            whisker: whisker.sheet.number,
+            pressure_mpa: command.pressure.mpa(),
+            slew_mpa_per_s: command.slew_mpa_per_s,
+            issued: Timestamp(command.issued.0),
+            expires_us: command.expires.0,
+            reason: setpoint_reason(command.reason),
+            gain: command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default(),
+        };
+        self.next_seq();
+        let answers = self.robot.receive(RobotTopic::Setpoint, &encode(&setpoint), self.now_us);
+        self.deliver(answers);
+    }
+
+    fn receipt(&mut self, boot_id: &BootId) {
+        let Some(sequence) = self.core.sequence(boot_id.as_str()) else { return };
+        let receipt = protocol::Receipt {
+            boot_id: BootId::new("s").expect("a boot id"),
+            seq: self.seq,
+            robot_boot_id: boot_id.clone(),
+            next: sequence.next(),
+            held: sequence.held().to_vec(),
+        };
+        self.next_seq();
+        let answers = self.robot.receive(RobotTopic::Receipt, &encode(&receipt), self.now_us);
+        self.deliver(answers);
+    }
+
+    /// The effects of one kind, in order.
+    pub fn picked<T>(&self, pick: impl Fn(&Effect) -> Option<T>) -> Vec<T> {
+        self.effects.iter().filter_map(|(_, effect)| pick(effect)).collect()
+    }
+}
+
+fn name_of(key: CommandKey) -> String {
+    format!("{}-{}", key.epoch, key.version)
+}
