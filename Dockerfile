@@ -1,0 +1,44 @@
+# Two images from one build, which needs BuildKit:
+#
+#   docker build --target supervisor -t vibrissa .
+#   docker build --target simulator -t vibrissa-simulator .
+
+FROM rust:1.95-slim-bookworm AS build
+WORKDIR /src
+COPY . .
+# Line tables are for those who develop: the programs are several times as large with them.
+ENV CARGO_PROFILE_RELEASE_DEBUG=false
+# Dependencies stay built in the cache, which is not a layer: the programs are copied out of it.
+RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
+    --mount=type=cache,target=/src/target,sharing=locked \
+    cargo build --release --locked -p vibrissa -p vibrissa-simulator --bins \
+    && install -D -t /out target/release/vibrissa target/release/vibrissa-simulator
+
+FROM debian:bookworm-slim AS runtime
+# The folder's owner becomes that of a named volume mounted on it.
+RUN useradd --uid 10001 --user-group --no-create-home --home-dir /var/lib/vibrissa --shell /usr/sbin/nologin vibrissa \
+    && install -d -o vibrissa -g vibrissa /var/lib/vibrissa
+WORKDIR /var/lib/vibrissa
+USER 10001:10001
+
+FROM runtime AS simulator
+LABEL org.opencontainers.image.title="vibrissa-simulator" \
+      org.opencontainers.image.description="A fleet of simulated whisker robots that keep the MQTT contract" \
+      org.opencontainers.image.licenses="MIT OR Apache-2.0"
+COPY --from=build /out/vibrissa-simulator /usr/local/bin/
+COPY services/simulator/scenarios /usr/share/vibrissa/scenarios
+ENV VIBRISSA_SCENARIO=/usr/share/vibrissa/scenarios/example.toml
+ENTRYPOINT ["vibrissa-simulator"]
+
+FROM runtime AS supervisor
+LABEL org.opencontainers.image.title="vibrissa" \
+      org.opencontainers.image.description="Supervisor for fleets of robots with soft whisker arrays" \
+      org.opencontainers.image.licenses="MIT OR Apache-2.0"
+COPY --from=build /out/vibrissa /usr/local/bin/
+COPY deploy/supervisor/readyz.sh /usr/local/bin/vibrissa-readyz
+ENV VIBRISSA_DATABASE=/var/lib/vibrissa/vibrissa.sqlite3 \
+    VIBRISSA_HTTP=0.0.0.0:8080
+EXPOSE 8080
+HEALTHCHECK --interval=10s --timeout=5s --start-period=30s --retries=3 CMD ["vibrissa-readyz"]
+ENTRYPOINT ["vibrissa"]
+CMD ["run"]
