@@ -18,6 +18,9 @@ pub mod http;
 pub mod metrics;
 pub mod words;
 
+pub mod calibration_file;
+pub mod plot;
+
 pub mod demo;
 
 pub mod cli;

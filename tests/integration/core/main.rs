@@ -1,6 +1,8 @@
 //! The core against simulated robots whose truth is known.
 
+mod assignment;
 mod false_alarms;
+mod purity;
 mod trims;
 
 use vibrissa_protocol::{ArrayType, Name};

@@ -5,16 +5,13 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::length::CutIntoChamber;
 use super::model::Model;
 use super::profile::{self, ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset};
-use super::root;
+use super::{range, root};
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// To what a pressure is solved, in MPa.
 const PRESSURE_TOLERANCE_MPA: f64 = 1e-12;
 /// Log sensitivities this near are equal: at the ends of the range, rounding decides nothing.
 const EQUAL_LOG: f64 = 1e-12;
-/// Grid of the search for the least mean error: 5 kPa over the examined range.
-const CELLS: u32 = 40;
-
 /// What a setpoint is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum Objective {
@@ -68,7 +65,8 @@ pub enum Solution {
     InRange(Setpoint),
     /// Only below `pressure_min`, where the setpoint is clamped: the compensator stays too sensitive.
     NeedsBelow(Setpoint),
-    /// Only above `pressure_max`, where the setpoint is clamped: the compensator stays too insensitive.
+    /// Only above `pressure_max`, where the setpoint is clamped (or at the peak of the tip's
+    /// sensitivity): the compensator stays too insensitive.
     NeedsAbove(Setpoint),
 }
 
@@ -86,7 +84,8 @@ impl Solution {
 ///
 /// [`Objective::Tip`] finds Q with `ln s_c(1, La_c, Q) + o_c(1) = ln s_t(1, La_t, Q_t) + o_t(1)`;
 /// without offsets, that is eq. 34 at a = 1 and a deflection of 1 mm. The sensitivity rises with the
-/// pressure, so there is at most one root; it is solved to 1e-12 MPa.
+/// pressure, so there is at most one root; it is solved to 1e-12 MPa. (A short whisker's tip has a peak
+/// within the range, for nguyen-2021 below 52 mm: then the pressures up to the peak count.)
 ///
 /// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of a fortieth of the range, then by golden
 /// section to 1e-9 MPa: every term falls to its own zero and rises again, and so, but for small ripples
@@ -113,28 +112,6 @@ pub fn solve_setpoint(
         Objective::Tip => question.solve_tip(),
         Objective::Mean => question.solve_mean(),
     })
-}
-
-/// Shortest and longest compensator of a model that can stand in for a target between two pressures:
-/// at `pressure_min` the shortest is as sensitive at the tip as the target, at `pressure_max` the longest.
-///
-/// Where the model has no such length, the nearest it has (just beyond the chamber, or [`Model::longest`]).
-#[must_use]
-pub fn compensable_range(
-    model: &Model,
-    target: Target,
-    pressure_min: Megapascal,
-    pressure_max: Megapascal,
-) -> (Millimetre, Millimetre) {
-    let wanted_per_mm = model.sensitivity_per_mm(ContactRatio::TIP, target.length, &model.morphology(target.pressure));
-    let length_at = |pressure: Megapascal| match wanted_per_mm {
-        Ok(wanted) => model
-            .length_from_sensitivity(wanted, ContactRatio::TIP, &model.morphology(pressure))
-            .unwrap_or_else(|error| error.nearest().unwrap_or(target.length)),
-        // A target cut into its chamber: nothing but itself is like it.
-        Err(_) => target.length,
-    };
-    (length_at(pressure_min), length_at(pressure_max))
 }
 
 /// Both whiskers, with everything that does not depend on the pressure sought.
@@ -186,6 +163,7 @@ impl<'a> Question<'a> {
         let excess = |pressure_mpa: f64| {
             log_at_tip(self.model, self.compensator.length, Megapascal::known(pressure_mpa)) - self.wanted_log
         };
+        let high_mpa = range::peak_mpa(low_mpa, high_mpa, excess);
         let (at_low, at_high) = (excess(low_mpa), excess(high_mpa));
         if at_low.abs() <= EQUAL_LOG {
             Solution::InRange(self.setpoint(low_mpa))
@@ -218,7 +196,7 @@ impl<'a> Question<'a> {
             let after = self.after(pressure_mpa);
             weighed.iter().map(|&(k, target, weight)| weight * (after[k].unwrap_or(target) - target).abs()).sum()
         };
-        let least_mpa = root::least(low_mpa, high_mpa, CELLS, 1e-9, total_error);
+        let least_mpa = root::least(low_mpa, high_mpa, range::CELLS, range::TOLERANCE_MPA, total_error);
         let setpoint = self.setpoint(least_mpa);
         if least_mpa == low_mpa {
             Solution::NeedsBelow(setpoint)

@@ -7,7 +7,7 @@ use super::event::Contact;
 use super::params::Params;
 use super::whisker::Whisker;
 use crate::estimation::{Bin, ResponseBins};
-use crate::mechanics::{CONTACT_RATIOS, Model, Offset};
+use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
@@ -192,7 +192,11 @@ impl Robot {
 /// Eq. 35 with its standard deviation to first order in the three log responses.
 fn error_with_sd(after: LogResponse, before: LogResponse, target: LogResponse) -> Option<(f64, f64)> {
     let [ac, bc, t] = [after, before, target].map(|response| response.log_per_mm.exp());
-    let error = crate::mechanics::compensation_error(ac, bc, t)?;
+    // As in a prediction: too small a difference is nothing to divide by.
+    if (bc - t).abs() <= ErrorProfile::LEAST_DIFFERENCE * t {
+        return None;
+    }
+    let error = compensation_error(ac, bc, t)?;
     let span = bc - t;
     let by_after = ac / span;
     let by_before = (ac - t) * bc / span.powi(2);

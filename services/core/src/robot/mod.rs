@@ -107,7 +107,7 @@ impl Robot {
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
         let outcome = match *event {
             Event::Connection { boot_id, link } => self.connection(params, now, boot_id, link, effects),
-            Event::Factsheet { boot_id, factsheet } => self.factsheet(params, boot_id, factsheet, effects),
+            Event::Factsheet { boot_id, factsheet } => self.factsheet(params, now, boot_id, factsheet, effects),
             Event::Contacts { boot_id, seq, contacts } => self.contacts(params, now, boot_id, seq, contacts, effects),
             Event::Status { boot_id, robot_time, whiskers } => {
                 if self.is_old(boot_id) {
@@ -180,6 +180,7 @@ impl Robot {
     fn factsheet(
         &mut self,
         params: &Params,
+        now: Micros,
         boot_id: &str,
         factsheet: &Factsheet,
         effects: &mut Vec<Effect>,
@@ -191,6 +192,10 @@ impl Robot {
         self.changed = true;
         if !self.is_as_known(factsheet) {
             self.lay_out(params, factsheet, effects);
+        }
+        // A whisker that the robot has and that never says anything becomes stale, too.
+        for whisker in &mut self.whiskers {
+            whisker.heard.get_or_insert(now);
         }
         Outcome::Taken
     }

@@ -1,7 +1,11 @@
 //! The command line.
 
+pub mod calibrate;
+pub mod paper;
 pub mod serve;
+pub mod solve;
 
+use std::io::stdout;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -20,6 +24,12 @@ enum Command {
     Run(Box<serve::RunArgs>),
     /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
+    /// One question to the model: which pressure makes this whisker feel like that one?
+    Solve(solve::SolveArgs),
+    /// The paper's table beside ours, and its curves.
+    Paper(paper::PaperArgs),
+    /// A whisker's own calibration from measurements of its chamber.
+    Calibrate(calibrate::CalibrateArgs),
 }
 
 /// Runs a command.
@@ -32,5 +42,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Demo(args) => {
             serve::demo(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
+        Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
     }
 }

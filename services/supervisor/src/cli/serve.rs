@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
@@ -12,6 +12,7 @@ use vibrissa_core::policy::LongerForShorter;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
+use crate::calibration_file;
 use crate::demo::{self, DemoOptions};
 use crate::mqtt::BrokerAddress;
 use crate::service::{Service, ServiceOptions};
@@ -134,6 +135,13 @@ fn ratio(text: &str) -> Result<f64, String> {
 impl RunArgs {
     fn options(self) -> anyhow::Result<ServiceOptions> {
         let mut params = Params::nguyen_2021(self.core.formulation.into());
+        for path in &self.calibration {
+            let (name, model) = calibration_file::load(path, self.core.formulation.into())?;
+            if params.model(&name).is_some() {
+                bail!("calibration file {}: there is a model {name:?} already; give it another name", path.display());
+            }
+            params.models.push((name, model));
+        }
         params.policy.objective = self.core.objective.into();
         params.policy.longer_for_shorter = self.core.longer_for_shorter.into();
         params.policy.predicted_error_max = self.core.predicted_error_max;

@@ -48,7 +48,7 @@ pub(super) async fn draw(store: &Store, path: &Path) -> Result<()> {
         }
     }
     let mut errors = Vec::new();
-    for one in store.compensations().await? {
+    for one in store.compensations().await?.into_iter().map(|one| one.decision) {
         let bins = store.error_bins(one.compensation_id).await?;
         if !bins.is_empty() {
             errors.push((format!("{}/{}/{}", one.robot, one.array, one.target_whisker), bins));

@@ -66,7 +66,8 @@ fn reading<'a>(whiskers: &'a [WhiskerReading], incident: &Incident) -> Option<&'
 pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyhow::Result<Outcome> {
     let whiskers = store.whiskers().await?;
     let trims = store.trims().await?;
-    let compensations = store.compensations().await?;
+    let compensations: Vec<CompensationReading> =
+        store.compensations().await?.into_iter().map(|one| one.decision).collect();
     let mut report = Report { text: String::new(), problems: Vec::new() };
     report.header();
     for incident in &INCIDENTS {

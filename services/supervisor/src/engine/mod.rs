@@ -33,6 +33,8 @@ const GATHER: Duration = Duration::from_millis(10);
 const GATHER_MAX: usize = 4096;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
+/// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
+const ROBOTS_MAX: usize = 10_000;
 /// How often receipts are sent.
 const RECEIPTS: Duration = Duration::from_millis(100);
 
@@ -210,7 +212,9 @@ impl Engine {
     }
 
     async fn take(&mut self, name: &Name, message: &Message, now: Micros) -> Result<(), StoreError> {
-        self.know(name).await?;
+        if !self.robots.contains_key(name) && !self.make_known(name, message).await? {
+            return Ok(());
+        }
         match message {
             Message::Connection(told) => {
                 let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
@@ -236,21 +240,26 @@ impl Engine {
         Ok(())
     }
 
-    /// Makes sure that the robot has its numbers.
-    async fn know(&mut self, name: &Name) -> Result<(), StoreError> {
-        if !self.robots.contains_key(name) {
-            let robot_id = self.store.robot_id(self.fleet.as_str(), name.as_str()).await?;
-            let robot = Robot::new(self.epoch);
-            let known = Known {
-                robot_id,
-                robot,
-                whisker_ids: Vec::new(),
-                boots: BTreeMap::new(),
-                seqs: publication::Seqs::default(),
-            };
-            self.robots.insert(name.clone(), known);
+    /// A robot becomes known by its birth or factsheet, which the broker retains: what comes before is not
+    /// taken, and sent again. False if it is not taken.
+    async fn make_known(&mut self, name: &Name, message: &Message) -> Result<bool, StoreError> {
+        if !matches!(message, Message::Connection(_) | Message::Factsheet(_)) {
+            self.refuse("unknown_robot", "neither birth nor factsheet was received of this robot", name.as_str());
+            return Ok(false);
         }
-        Ok(())
+        if self.robots.len() >= ROBOTS_MAX {
+            self.refuse("too_many_robots", format!("the fleet has {ROBOTS_MAX} robots already"), name.as_str());
+            return Ok(false);
+        }
+        let known = Known {
+            robot_id: self.store.robot_id(self.fleet.as_str(), name.as_str()).await?,
+            robot: Robot::new(self.epoch),
+            whisker_ids: Vec::new(),
+            boots: BTreeMap::new(),
+            seqs: publication::Seqs::default(),
+        };
+        self.robots.insert(name.clone(), known);
+        Ok(true)
     }
 
     async fn take_factsheet(&mut self, name: &Name, told: &protocol::Factsheet, now: Micros) -> Result<(), StoreError> {

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
-use sqlx::SqlitePool;
+use sqlx::{SqlSafeStr, SqlitePool};
+use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 
 pub use batch::Batch;
@@ -47,6 +48,19 @@ pub enum StoreError {
     },
 }
 
+/// The migrations, part of the program. (The macro that would read them at build time costs a second build of
+/// the whole database library.)
+fn migrations() -> Migrator {
+    let first = Migration::new(
+        1,
+        "supervision".into(),
+        MigrationType::Simple,
+        include_str!("../../../../migrations/sqlite/0001_supervision.sql").into_sql_str(),
+        false,
+    );
+    Migrator::with_migrations(vec![first])
+}
+
 /// Names what a query is for, if it fails.
 fn failed(what: &'static str) -> impl FnOnce(sqlx::Error) -> StoreError {
     move |source| StoreError::Query { what, source }
@@ -75,7 +89,7 @@ impl Store {
             .synchronous(SqliteSynchronous::Full)
             .busy_timeout(Duration::from_secs(10));
         let pool = SqlitePoolOptions::new().max_connections(4).connect_with(options).await.map_err(open_error)?;
-        sqlx::migrate!("../../migrations/sqlite")
+        migrations()
             .run(&pool)
             .await
             .map_err(|source| StoreError::Migrate { path: path.to_owned(), source })?;

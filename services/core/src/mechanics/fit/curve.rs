@@ -7,6 +7,9 @@ use nalgebra::{Dyn, Matrix2, Matrix3, OMatrix, OVector, U3, Vector2, Vector3};
 use super::FitError;
 use super::readings::Point;
 
+/// A k2 that falls by less than this share of its limit does not fall.
+const LEAST_FALL: f64 = 1e-3;
+
 /// k2(Q) = c + a exp(-b Q).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Curve {
@@ -49,6 +52,10 @@ pub(super) fn fit_curve(points: &[Point]) -> Result<(Curve, Matrix3<f64>), FitEr
     let undetermined = FitError::NotDetermined { parameter: "b" };
     if !report.termination.was_successful() {
         return Err(undetermined);
+    }
+    let lowest_mpa = points.iter().map(|point| point.pressure_mpa).fold(f64::INFINITY, f64::min);
+    if curve.k2(lowest_mpa) < (1.0 + LEAST_FALL) * curve.c {
+        return Err(FitError::NotDetermined { parameter: "a" });
     }
     let jacobian = problem.jacobian_matrix();
     let covariance = (jacobian.transpose() * jacobian).try_inverse().ok_or(undetermined)?;

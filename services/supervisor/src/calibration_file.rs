@@ -1,0 +1,152 @@
+//! Calibration files: what `vibrissa calibrate` writes and the supervisor reads.
+//!
+//! ```toml
+//! name = "left-front"              # what factsheets call this model
+//! c = 0.4693                       # k2 = c + a exp(-b Q)
+//! a = 1.6234
+//! b_per_mpa = 9.3977
+//! youngs_modulus_mpa = 1.1134
+//! elongation_gain_mm = 8.6766      # delta_l = G Q / (k2 E)
+//! # [geometry] follows for another shape than the paper's; all its sizes must be given.
+//! ```
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, ModelError};
+use vibrissa_protocol::{BadName, Name};
+
+/// A calibration with its name, as in the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationFile {
+    /// The name that factsheets use for the model: 1 to 64 letters, digits, `_` or `-`.
+    pub name: String,
+    /// k2 that high pressures tend to.
+    pub c: f64,
+    /// Excess of k2 at zero pressure.
+    pub a: f64,
+    /// Rate of softening per MPa.
+    pub b_per_mpa: f64,
+    /// E of the rubber.
+    pub youngs_modulus_mpa: f64,
+    /// Elongation of the chamber for Q = E2.
+    pub elongation_gain_mm: f64,
+    /// The whisker's shape; the paper's (Table 1) if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<GeometrySection>,
+}
+
+/// Why a calibration file is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum CalibrationFileError {
+    /// It cannot be read.
+    #[error("calibration file {path} cannot be read: {reason}")]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// It is not TOML, or a key is missing, unknown or of the wrong type: the reason names it.
+    #[error("calibration file {path}: {reason}")]
+    Parse {
+        /// Which file.
+        path: PathBuf,
+        /// Where and what.
+        reason: Box<toml::de::Error>,
+    },
+    /// The name is no name.
+    #[error("calibration file {path}, key `name`: {reason}")]
+    Name {
+        /// Which file.
+        path: PathBuf,
+        /// What a name is.
+        reason: BadName,
+    },
+    /// The numbers make no model.
+    #[error("calibration file {path}: {reason}")]
+    Model {
+        /// Which file.
+        path: PathBuf,
+        /// The condition that fails.
+        reason: ModelError,
+    },
+}
+
+/// Reads and checks a calibration file: the model's name and the model.
+///
+/// # Errors
+/// It cannot be read, a key is wrong, or its numbers make no model.
+pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), CalibrationFileError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|reason| CalibrationFileError::Read { path: path.to_owned(), reason })?;
+    let file: CalibrationFile = toml::from_str(&text)
+        .map_err(|reason| CalibrationFileError::Parse { path: path.to_owned(), reason: Box::new(reason) })?;
+    let name = Name::new(&file.name).map_err(|reason| CalibrationFileError::Name { path: path.to_owned(), reason })?;
+    let model = Model::new(file.geometry(), file.calibration(), formulation)
+        .map_err(|reason| CalibrationFileError::Model { path: path.to_owned(), reason })?;
+    Ok((name.as_str().to_owned(), model))
+}
+
+impl CalibrationFile {
+    /// The file for a calibration. The paper's shape is left out.
+    #[must_use]
+    pub fn new(name: &Name, geometry: &Geometry, calibration: &Calibration) -> Self {
+        Self {
+            name: name.as_str().to_owned(),
+            c: calibration.c,
+            a: calibration.a,
+            b_per_mpa: calibration.b_per_mpa,
+            youngs_modulus_mpa: calibration.youngs_modulus_mpa,
+            elongation_gain_mm: calibration.elongation_gain_mm,
+            geometry: (*geometry != Geometry::nguyen_2021()).then(|| (*geometry).into()),
+        }
+    }
+
+    /// The shape: the file's, or the paper's.
+    #[must_use]
+    pub fn geometry(&self) -> Geometry {
+        self.geometry.map_or_else(Geometry::nguyen_2021, Into::into)
+    }
+
+    /// The five numbers.
+    #[must_use]
+    pub fn calibration(&self) -> Calibration {
+        Calibration {
+            c: self.c,
+            a: self.a,
+            b_per_mpa: self.b_per_mpa,
+            youngs_modulus_mpa: self.youngs_modulus_mpa,
+            elongation_gain_mm: self.elongation_gain_mm,
+        }
+    }
+}
+
+/// A section with the keys of [`Geometry`], which says what they mean, and both conversions.
+macro_rules! geometry_section {
+    ($($key:ident),+ $(,)?) => {
+        /// The sizes of [`Geometry`], by the same names.
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        #[allow(missing_docs, reason = "the fields are Geometry's, and explained there")]
+        pub struct GeometrySection { $(pub $key: f64),+ }
+
+        impl From<Geometry> for GeometrySection {
+            fn from(geometry: Geometry) -> Self {
+                Self { $($key: geometry.$key),+ }
+            }
+        }
+
+        impl From<GeometrySection> for Geometry {
+            fn from(section: GeometrySection) -> Self {
+                Self { $($key: section.$key),+ }
+            }
+        }
+    };
+}
+
+geometry_section! {
+    d1_large_mm, l1_mm, d2_large_mm, l2_mm, d3_large_mm, l3_mm, d2_mid_large_mm, d2_mid_small_mm, l2_mid_mm,
+    dm_large_mm, dm_small_mm, lm_mm, c_mm, t_mm, l_mm, e_mm, xss_mm, poisson_ratio,
+}

@@ -1,0 +1,75 @@
+//! The core is a function of its inputs.
+
+use std::process::Command;
+
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::{Params, Robot};
+use vibrissa_protocol::ArrayType;
+use vibrissa_simulator::scenario::{Change, Event, Scenario};
+use vibrissa_tests::world::World;
+
+fn eventful() -> Scenario {
+    let mut scenario = super::scenario(3, ArrayType::Type1, &[70.0, 66.0, 70.0, 68.0]);
+    let cut = |at, whisker, length_mm| Event::at_contact(at, super::name("left"), whisker, Change::Trim { length_mm });
+    scenario.robots[0].events.extend([cut(300, 0, 64.0), cut(500, 2, 55.0), cut(900, 0, 61.0)]);
+    scenario
+}
+
+fn params() -> Params {
+    Params::nguyen_2021(Formulation::Published)
+}
+
+#[test]
+fn property_the_same_events_give_the_same_effects() {
+    let [one, other] = [(); 2].map(|()| {
+        let mut world = World::new(&eventful(), params());
+        world.run_until_s(30.0);
+        world
+    });
+    assert!(one.effects.len() > 20);
+    assert_eq!(one.effects, other.effects);
+    assert_eq!(one.core.to_bytes(), other.core.to_bytes());
+}
+
+#[test]
+fn property_stored_and_taken_up_again_it_goes_on_as_if_nothing_had_happened() {
+    let mut straight = World::new(&eventful(), params());
+    let mut stored = World::new(&eventful(), params());
+    straight.run_until_s(30.0);
+    for second in 1..=30 {
+        stored.run_until_s(f64::from(second));
+        let whiskers: Vec<Vec<u8>> =
+            (0..stored.core.whisker_count()).filter_map(|index| stored.core.whisker_to_bytes(index)).collect();
+        stored.core = Robot::from_bytes(&stored.core.to_bytes(), &whiskers, 1).unwrap();
+    }
+    assert_eq!(straight.effects, stored.effects);
+}
+
+#[test]
+fn bytes_of_another_version_are_refused_by_name() {
+    let mut world = World::new(&eventful(), params());
+    world.run_until_s(1.0);
+    let head = world.core.to_bytes();
+    let problem = Robot::from_bytes(&head[..head.len() - 1], &[], 1).unwrap_err();
+    assert!(problem.to_string().contains("not of this version"), "{problem}");
+    let problem = Robot::from_bytes(&head, &[vec![1, 2, 3]], 1).unwrap_err();
+    assert!(problem.to_string().contains("whisker index 0"), "{problem}");
+}
+
+/// Clippy bans what the standard library offers (services/core/clippy.toml); this bans what crates offer.
+#[test]
+fn property_the_core_depends_on_nothing_impure() {
+    let tree = Command::new(env!("CARGO"))
+        .args(["tree", "-p", "vibrissa-core", "-e", "normal", "--prefix", "none", "--locked", "--offline"])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .output()
+        .unwrap();
+    assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
+    let tree = String::from_utf8(tree.stdout).unwrap();
+    assert!(tree.contains("nalgebra"), "{tree}");
+    let banned = ["serde", "serde_json", "tokio", "sqlx", "rand", "getrandom", "chrono", "time", "tracing", "log", "prometheus"];
+    for line in tree.lines() {
+        let name = line.split(' ').next().unwrap_or_default();
+        assert!(!banned.contains(&name), "the core depends on {name}");
+    }
+}

@@ -1,0 +1,43 @@
+//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere.
+
+mod brute_force;
+mod fit;
+mod golden;
+mod paper;
+mod properties;
+
+use vibrissa_core::mechanics::{Compensator, Target};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+
+fn mm(value: f64) -> Millimetre {
+    Millimetre::new(value).unwrap()
+}
+
+fn mpa(value: f64) -> Megapascal {
+    Megapascal::new(value).unwrap()
+}
+
+fn ratio(value: f64) -> ContactRatio {
+    ContactRatio::new(value).unwrap()
+}
+
+fn target(length_mm: f64, pressure_mpa: f64) -> Target {
+    Target { length: mm(length_mm), pressure: mpa(pressure_mpa) }
+}
+
+/// A compensator that may use every pressure the paper examined.
+fn compensator(length_mm: f64, pressure_mpa: f64) -> Compensator {
+    Compensator {
+        length: mm(length_mm),
+        pressure: mpa(pressure_mpa),
+        pressure_min: Megapascal::ZERO,
+        pressure_max: Megapascal::EXAMINED_MAX,
+    }
+}
+
+/// Equal to within a relative difference; zero must be met to within the same absolute one.
+#[track_caller]
+fn assert_close(what: &str, ours: f64, expected: f64, relative: f64) {
+    let allowed = relative * if expected == 0.0 { 1.0 } else { expected.abs() };
+    assert!((ours - expected).abs() <= allowed, "{what}: {ours} instead of {expected}");
+}
