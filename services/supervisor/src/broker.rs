@@ -41,9 +41,12 @@ impl Broker {
     pub async fn start(port: u16) -> Result<Self, BrokerError> {
         if port != 0 {
             // The broker's own error does not tell a taken port from the rest.
-            std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|problem| match problem.kind() {
-                std::io::ErrorKind::AddrInUse => BrokerError::PortTaken { port },
-                _ => BrokerError::Start(format!("127.0.0.1:{port}: {problem}")),
+            std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|problem| {
+                if problem.kind() == std::io::ErrorKind::AddrInUse {
+                    BrokerError::PortTaken { port }
+                } else {
+                    BrokerError::Start(format!("127.0.0.1:{port}: {problem}"))
+                }
             })?;
         }
         let storage = StorageConfig::new().with_backend(StorageBackend::Memory).with_persistence(false);

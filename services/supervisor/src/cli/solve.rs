@@ -160,13 +160,10 @@ impl Answer {
             longest.mm()
         )?;
         writeln!(out, "\ncontact ratio   error (%)   residual gain")?;
-        for k in 0..CONTACT_RATIOS.len() {
-            let error = if setpoint.error.used[k] {
-                format!("{:.1}", 100.0 * setpoint.error.by_ratio[k])
-            } else {
-                "-".to_owned()
-            };
-            writeln!(out, "{:>13.2}   {error:>9}   {:>13.3}", CONTACT_RATIOS[k], setpoint.gain.by_ratio[k])?;
+        for (k, a) in CONTACT_RATIOS.iter().enumerate() {
+            let error = setpoint.error.used[k].then_some(100.0 * setpoint.error.by_ratio[k]);
+            let error = error.map_or("-".to_owned(), |percent| format!("{percent:.1}"));
+            writeln!(out, "{a:>13.2}   {error:>9}   {:>13.3}", setpoint.gain.by_ratio[k])?;
         }
         if setpoint.error.ratios_used() < CONTACT_RATIOS.len() {
             writeln!(

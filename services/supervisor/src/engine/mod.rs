@@ -15,7 +15,7 @@ use tokio::sync::{mpsc, watch};
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
 use tracing::{debug, error, info, warn};
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::{Event, Outcome, Params, Robot};
+use vibrissa_core::robot::{Admission, Event, Outcome, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Topic};
 
@@ -303,8 +303,8 @@ impl Engine {
         match self.step(name, now, &event, Some(told)) {
             Some(Outcome::NotYet(admission)) => {
                 let reason = match admission {
-                    vibrissa_core::robot::Admission::TooManyGaps => "too_many_gaps",
-                    _ => "unknown_boot",
+                    Admission::TooManyGaps => "too_many_gaps",
+                    Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
                 };
                 self.refuse(reason, "contacts that cannot be taken yet", name.as_str());
                 return;
