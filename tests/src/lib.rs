@@ -1,3 +1,7 @@
 //! What the integration tests share.
 
+pub mod mosquitto;
+pub mod observer;
+pub mod robot;
+pub mod wait;
 pub mod world;

@@ -69,6 +69,17 @@ impl World {
         }
     }
 
+    /// Time passes, but nothing that the robot says arrives.
+    pub fn silent_for_s(&mut self, seconds: f64) {
+        let end_us = self.now_us + (seconds * 1e6) as u64;
+        while self.now_us < end_us {
+            self.now_us += TICK_US;
+            self.robot.poll(self.now_us);
+            self.step(&Event::Tick);
+        }
+        self.next_tick_us = self.now_us;
+    }
+
     fn deliver(&mut self, said: Vec<Outgoing>) {
         for outgoing in said {
             match outgoing {

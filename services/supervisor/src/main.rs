@@ -9,8 +9,20 @@ fn main() -> ExitCode {
     match cli::run(Cli::parse()) {
         Ok(code) => code,
         Err(problem) => {
-            eprintln!("vibrissa: {problem:#}");
+            eprintln!("vibrissa: {}", told_once(&problem));
             ExitCode::FAILURE
         }
     }
+}
+
+/// The problem and its causes; a cause that was told with what it led to is not told again.
+fn told_once(problem: &anyhow::Error) -> String {
+    let mut story = String::new();
+    for cause in problem.chain().map(ToString::to_string) {
+        if !story.contains(&cause) {
+            let colon = if story.is_empty() { "" } else { ": " };
+            story = format!("{story}{colon}{cause}");
+        }
+    }
+    story
 }

@@ -106,6 +106,7 @@ pub fn receive(
         .collect();
     let counted = bytes.clone();
     let task = tokio::spawn(async move {
+        let mut unsubscribed = filters.len();
         loop {
             let event = tokio::select! {
                 event = poll(&mut events) => event,
@@ -113,13 +114,24 @@ pub fn receive(
             };
             match event {
                 Some(Event::Incoming(Packet::ConnAck(_))) => {
-                    info!("connected to the broker");
-                    metrics.broker_connected.set(1);
+                    unsubscribed = filters.len();
                     for (filter, qos) in &filters {
                         // Fits the client's queue: it was emptied with the last connection.
                         if let Err(problem) = client.try_subscribe(filter.as_str(), *qos) {
                             warn!(%problem, filter, "cannot subscribe");
                         }
+                    }
+                }
+                Some(Event::Incoming(Packet::SubAck(ack))) => {
+                    if is_refused(&ack) {
+                        warn!(answer = ?ack.return_codes, "the broker refuses a subscription: robots are not heard");
+                        continue;
+                    }
+                    unsubscribed = unsubscribed.saturating_sub(1);
+                    // Connected means: robots are heard.
+                    if unsubscribed == 0 {
+                        info!("connected to the broker");
+                        metrics.broker_connected.set(1);
                     }
                 }
                 Some(Event::Incoming(Packet::Publish(publish))) => {
@@ -219,6 +231,10 @@ pub fn publish(connection: &Connection, mut outbox: mpsc::Receiver<Publication>)
 /// Returns when it is time to stop, or when no one is left to say so.
 pub async fn stopped(stop: &mut watch::Receiver<bool>) {
     let _ = stop.wait_for(|&stop| stop).await;
+}
+
+fn is_refused(ack: &rumqttc::SubAck) -> bool {
+    !ack.return_codes.iter().all(|code| matches!(code, rumqttc::SubscribeReasonCode::Success(_)))
 }
 
 fn is_failure(ack: &rumqttc::PubAck) -> bool {

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
+use tokio::time::{Duration, Instant, timeout_at};
+use tracing::warn;
 use uuid::Uuid;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::{BootId, Name};
@@ -18,6 +20,10 @@ use crate::store::Store;
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
 const OUTBOX_MESSAGES: usize = 10_000;
+
+/// How long everything together may take to end in good order. Cutting it off loses nothing: what is not
+/// committed is not receipted, and robots send it again.
+const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
 /// What to run.
 #[derive(Debug, Clone)]
@@ -48,7 +54,7 @@ pub struct Service {
     pub metrics: Metrics,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
-    tasks: Vec<JoinHandle<()>>,
+    tasks: [(&'static str, JoinHandle<()>); 4],
 }
 
 impl Service {
@@ -79,19 +85,29 @@ impl Service {
         let (inbox, receiver_task) = mqtt::receive(&connection, metrics.clone(), stopped.clone());
         let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
         let publisher_task = mqtt::publish(&connection, publications);
-        let engine_task = tokio::spawn(engine.run(inbox, outbox, stopped));
-        // In the order in which they end: the publisher ends when the engine has let go of the outbox.
-        let tasks = vec![receiver_task, engine_task, publisher_task, http_task];
+        let engine_task = tokio::spawn(engine.run(inbox, outbox));
+        // In the order in which they end: each of the first three lets go of what the next one waits for.
+        let tasks = [
+            ("receiver", receiver_task),
+            ("engine", engine_task),
+            ("publisher", publisher_task),
+            ("HTTP server", http_task),
+        ];
         Ok(Self { broker, http, store, metrics, embedded, stop, tasks })
     }
 
     /// Stops in order: no more messages in, what is there committed, receipts and good-bye out.
     pub async fn stop(self) {
         let _ = self.stop.send(true);
-        for task in self.tasks {
-            let _ = task.await;
+        let deadline = Instant::now() + STOP_PATIENCE;
+        for (name, mut task) in self.tasks {
+            if timeout_at(deadline, &mut task).await.is_err() {
+                warn!(task = name, "did not end in time");
+                task.abort();
+            }
         }
-        self.store.close().await;
+        // A query of a request that is still open may hold a connection.
+        let _ = tokio::time::timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(broker) = self.embedded {
             broker.stop().await;
         }

@@ -2,6 +2,8 @@
 
 mod assignment;
 mod false_alarms;
+mod faults;
+mod policy;
 mod purity;
 mod trims;
 

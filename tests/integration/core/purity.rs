@@ -67,7 +67,8 @@ fn property_the_core_depends_on_nothing_impure() {
     assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
     let tree = String::from_utf8(tree.stdout).unwrap();
     assert!(tree.contains("nalgebra"), "{tree}");
-    let banned = ["serde", "serde_json", "tokio", "sqlx", "rand", "getrandom", "chrono", "time", "tracing", "log", "prometheus"];
+    let banned =
+        ["serde", "serde_json", "tokio", "sqlx", "rand", "getrandom", "chrono", "time", "tracing", "log", "prometheus"];
     for line in tree.lines() {
         let name = line.split(' ').next().unwrap_or_default();
         assert!(!banned.contains(&name), "the core depends on {name}");

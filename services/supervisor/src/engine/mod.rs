@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::mpsc;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
 use tracing::{debug, error, info, warn};
 use vibrissa_core::robot::effect::Effect;
@@ -21,7 +21,7 @@ use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Top
 
 use crate::edge;
 use crate::metrics::Metrics;
-use crate::mqtt::{Inbox, stopped};
+use crate::mqtt::Inbox;
 use crate::store::{Batch, Store, StoreError, StoredRobot, batch::LayoutRow};
 use crate::words::Word;
 
@@ -124,8 +124,8 @@ impl Engine {
         self.epoch
     }
 
-    /// Runs until `stop` says so or no more messages can come; what was taken in is committed first.
-    pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>, mut stop: watch::Receiver<bool>) {
+    /// Runs until no more messages can come; what was taken in is committed first.
+    pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) {
         let mut ticks = interval(TICK);
         let mut receipts = interval(RECEIPTS);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -138,7 +138,6 @@ impl Engine {
                 },
                 _ = ticks.tick() => self.tick(),
                 _ = receipts.tick() => self.receipts(&outbox),
-                () = stopped(&mut stop) => break,
             }
             self.commit().await;
             self.publish(&outbox);
@@ -219,6 +218,9 @@ impl Engine {
             Message::Connection(told) => {
                 let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
                 self.step(name, now, &event, None);
+                if told.state == protocol::ConnectionState::Online {
+                    self.ask_after_setpoints(name);
+                }
             }
             Message::Factsheet(told) => self.take_factsheet(name, told, now).await?,
             Message::Contacts(told) => self.take_contacts(name, told, now),

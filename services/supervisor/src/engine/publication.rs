@@ -82,6 +82,16 @@ impl Engine {
         self.push(name, RobotTopic::Setpoint, encode(&setpoint), Some(expiry_s));
     }
 
+    /// Sends the setpoints under way again to a robot that was born or heard of anew: it may have said what
+    /// became of them while nobody listened, and to the same name it says it again.
+    pub(super) fn ask_after_setpoints(&mut self, name: &Name) {
+        let Some(known) = self.robots.get(name) else { return };
+        let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
+        for command in &under_way {
+            self.publish_setpoint(name, command);
+        }
+    }
+
     pub(super) fn publish_request(&mut self, name: &Name, request: RequestKind) {
         let Some(known) = self.robots.get_mut(name) else { return };
         let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut known.seqs.request), request };

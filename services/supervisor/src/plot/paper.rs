@@ -25,10 +25,13 @@ const MM_PER_M: f64 = 1e3;
 /// A file cannot be written.
 pub fn draw(folder: &Path) -> Result<Vec<PathBuf>> {
     let model = Model::nguyen_2021(Formulation::Published);
-    let figures: [(&str, (u32, u32), Figure); 3] = [
+    let figures: [(&str, (u32, u32), Figure); 6] = [
         ("fig-7-normal-mode.svg", (880, 640), normal_mode),
-        ("fig-8-pressure.svg", (1100, 900), pressures),
+        ("fig-8-pressure.svg", (1400, 1600), pressures),
         ("fig-9-compensation.svg", (1300, 520), compensation),
+        ("fig-9a-case-1.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[0])),
+        ("fig-9b-self.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[1])),
+        ("fig-9c-case-2.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[2])),
     ];
     let mut paths = Vec::new();
     for (name, size, figure) in figures {
@@ -66,9 +69,9 @@ fn normal_mode(root: &Panel<'_>, model: &Model) -> Result<()> {
     name_at_right_ends(root, &chart, &ends)
 }
 
-/// Fig. 8: strain against deflection under pressure, at four contact ratios.
+/// Fig. 8: strain against deflection under pressure, a panel for each contact ratio.
 fn pressures(root: &Panel<'_>, model: &Model) -> Result<()> {
-    for (panel, a) in root.split_evenly((2, 2)).iter().zip([0.45, 0.65, 0.85, 1.0]) {
+    for (panel, a) in root.split_evenly((4, 3)).iter().zip(CONTACT_RATIOS) {
         let slopes = PRESSURES_MPA
             .iter()
             .map(|&pressure_mpa| Ok(MM_PER_M * sensitivity_per_mm(model, a, LENGTH_MM, pressure_mpa)?))
@@ -92,18 +95,37 @@ fn pressures(root: &Panel<'_>, model: &Model) -> Result<()> {
     Ok(())
 }
 
-/// Fig. 9: before, target and after, by contact ratio, at the greatest deflection.
-fn compensation(root: &Panel<'_>, model: &Model) -> Result<()> {
-    let cases = [
-        ("Case 1: 65 mm for a neighbour of 70 mm", 65.0, 70.0),
-        ("Self: trimmed from 70 to 65 mm", 65.0, 70.0),
-        ("Case 2: 70 mm for a neighbour of 65 mm", 70.0, 65.0),
-    ];
-    for (panel, (title, length_mm, target_mm)) in root.split_evenly((1, 3)).iter().zip(cases) {
-        let start = Megapascal::new(0.1)?;
-        let target = Target { length: Millimetre::new(target_mm)?, pressure: start };
+/// One of the paper's compensation experiments.
+struct Case {
+    title: &'static str,
+    length_mm: f64,
+    target_mm: f64,
+}
+
+const CASES: [Case; 3] = [
+    Case { title: "Case 1: 65 mm for a neighbour of 70 mm", length_mm: 65.0, target_mm: 70.0 },
+    Case { title: "Self: trimmed from 70 to 65 mm", length_mm: 65.0, target_mm: 70.0 },
+    Case { title: "Case 2: 70 mm for a neighbour of 65 mm", length_mm: 70.0, target_mm: 65.0 },
+];
+/// Both whiskers start there.
+const START_MPA: f64 = 0.1;
+
+/// A response that a case compares.
+struct Compared {
+    name: String,
+    length_mm: f64,
+    pressure_mpa: f64,
+    colour: RGBColor,
+    mark: Mark,
+}
+
+impl Case {
+    /// Before, target and after, with the model's setpoint.
+    fn compared(&self, model: &Model) -> Result<[Compared; 3]> {
+        let start = Megapascal::new(START_MPA)?;
+        let target = Target { length: Millimetre::new(self.target_mm)?, pressure: start };
         let compensator = Compensator {
-            length: Millimetre::new(length_mm)?,
+            length: Millimetre::new(self.length_mm)?,
             pressure: start,
             pressure_min: Megapascal::ZERO,
             pressure_max: Megapascal::EXAMINED_MAX,
@@ -111,28 +133,63 @@ fn compensation(root: &Panel<'_>, model: &Model) -> Result<()> {
         let none = Offset::NONE;
         let solution = solve_setpoint(model, target, none, model, compensator, none, Objective::Tip)?;
         let setpoint_mpa = solution.setpoint().pressure.mpa();
-        let curves = [
-            (format!("before: {length_mm} mm at 0.1 MPa"), length_mm, 0.1, BLUE, Mark::Circle),
-            (format!("target: {target_mm} mm at 0.1 MPa"), target_mm, 0.1, VERMILION, Mark::Square),
-            (format!("after: {length_mm} mm at {setpoint_mpa:.3} MPa"), length_mm, setpoint_mpa, INK, Mark::Cross),
+        let whiskers = [
+            ("before", self.length_mm, START_MPA, BLUE, Mark::Circle),
+            ("target", self.target_mm, START_MPA, VERMILION, Mark::Square),
+            ("after", self.length_mm, setpoint_mpa, INK, Mark::Cross),
         ];
+        Ok(whiskers.map(|(name, length_mm, pressure_mpa, colour, mark)| {
+            let pressure = format!("{pressure_mpa:.3}");
+            let name = format!("{name}: {length_mm} mm at {} MPa", pressure.trim_end_matches('0'));
+            Compared { name, length_mm, pressure_mpa, colour, mark }
+        }))
+    }
+}
+
+/// Fig. 9 at a glance: before, target and after, by contact ratio, at the greatest deflection.
+fn compensation(root: &Panel<'_>, model: &Model) -> Result<()> {
+    for (panel, case) in root.split_evenly((1, 3)).iter().zip(&CASES) {
         let axes = Axes {
-            title,
+            title: case.title,
             x: ("contact ratio a", 0.42..1.03),
             y: ("strain at a deflection of 6 mm (mm/m)", 0.0..155.0),
         };
         let mut chart = chart(panel, &axes, 0)?;
-        for (name, length_mm, pressure_mpa, colour, mark) in curves {
+        for one in case.compared(model)? {
             let points = CONTACT_RATIOS
                 .into_iter()
                 .map(|a| {
-                    let per_mm = sensitivity_per_mm(model, a, length_mm, pressure_mpa)?;
+                    let per_mm = sensitivity_per_mm(model, a, one.length_mm, one.pressure_mpa)?;
                     Ok((a, MM_PER_M * DEFLECTION_MM * per_mm))
                 })
                 .collect::<Result<Vec<_>>>()?;
-            marked(&mut chart, points, name, colour, mark)?;
+            marked(&mut chart, points, one.name, one.colour, one.mark)?;
         }
         legend(&mut chart, SeriesLabelPosition::UpperRight)?;
+    }
+    Ok(())
+}
+
+/// Fig. 9A to C: before, target and after against deflection, a panel for each contact ratio.
+fn by_deflection(root: &Panel<'_>, model: &Model, case: &Case) -> Result<()> {
+    for (panel, a) in root.split_evenly((4, 3)).iter().zip(CONTACT_RATIOS) {
+        let compared = case.compared(model)?;
+        let mut slopes = Vec::new();
+        for one in &compared {
+            slopes.push(MM_PER_M * sensitivity_per_mm(model, a, one.length_mm, one.pressure_mpa)?);
+        }
+        let steepest = slopes.iter().copied().fold(0.0, f64::max);
+        let axes = Axes {
+            title: &format!("{}, contact ratio {a}", case.title),
+            x: ("deflection at the contact (mm)", 0.0..DEFLECTION_MM),
+            y: ("mean strain of the gauge (mm/m)", 0.0..1.1 * DEFLECTION_MM * steepest),
+        };
+        let mut chart = chart(panel, &axes, 0)?;
+        for (one, slope) in compared.into_iter().zip(slopes) {
+            let points = (0..=12).map(|half| 0.5 * f64::from(half)).map(|mm| (mm, slope * mm)).collect();
+            marked(&mut chart, points, one.name, one.colour, one.mark)?;
+        }
+        legend(&mut chart, SeriesLabelPosition::UpperLeft)?;
     }
     Ok(())
 }

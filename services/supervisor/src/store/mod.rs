@@ -22,6 +22,14 @@ pub use load::StoredRobot;
 /// Why the database cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
+    /// There is no place for it.
+    #[error("cannot make the database {path}: the folder {folder} does not exist")]
+    NoFolder {
+        /// Which database.
+        path: PathBuf,
+        /// Where it would be.
+        folder: PathBuf,
+    },
     /// It cannot be opened.
     #[error("cannot open the database {path}: {source}")]
     Open {
@@ -78,6 +86,9 @@ impl Store {
     /// # Errors
     /// The file or its folder cannot be used, or it is not ours.
     pub async fn open(path: &Path) -> Result<Self, StoreError> {
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
+            return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
+        }
         let open_error = |source| StoreError::Open { path: path.to_owned(), source };
         let options = SqliteConnectOptions::from_str("sqlite:")
             .map_err(open_error)?

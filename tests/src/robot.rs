@@ -1,0 +1,323 @@
+//! A robot made by hand: the test says what it says, and when. It sends nothing by itself and answers nothing.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::time::Duration;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+use vibrissa_core::mechanics::{Formulation, Model};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+use vibrissa_protocol::{
+    ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, Gauge, Message, Name,
+    OnSupervisorLoss, Receipt, Regulator, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, Status,
+    Timestamp, WhiskerFacts, WhiskerStatus, encode,
+};
+use vibrissa_simulator::fleet::now_us;
+
+use crate::observer::{Heard, Observer};
+use crate::wait::{self, PATIENCE};
+
+/// The array that it has.
+pub const ARRAY: &str = "left";
+/// Contacts of one message.
+const CONTACTS_PER_MESSAGE: usize = 20;
+/// From one contact to the next by the robot's clock.
+const CONTACT_US: u64 = 1_000;
+
+/// A robot of the fleet `f`.
+pub struct HandRobot {
+    /// Its connection, to say anything with it.
+    pub mqtt: Observer,
+    /// Its boot.
+    pub boot_id: BootId,
+    /// Its clock, in microseconds since 1970 UTC.
+    pub clock_us: u64,
+    /// What is on it.
+    pub array: ArrayFacts,
+    name: Name,
+    model: Model,
+    state: Vec<State>,
+    seqs: BTreeMap<RobotTopic, u64>,
+    heard: VecDeque<Heard>,
+    noise: ChaCha8Rng,
+    contacts: u64,
+}
+
+/// How a whisker is in truth.
+struct State {
+    length_mm: f64,
+    pressure_mpa: f64,
+}
+
+/// A neighbour of each beside it, at 0.1 MPa.
+#[must_use]
+pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
+    let count = lengths_mm.len() as u16;
+    let beside = |whisker: u16| [whisker.checked_sub(1), Some(whisker + 1).filter(|&right| right < count)];
+    let whiskers = lengths_mm.iter().zip(0..).map(|(&length_mm, whisker)| WhiskerFacts {
+        whisker,
+        x_mm: 25.0 * f64::from(whisker),
+        y_mm: 0.0,
+        model: "nguyen-2021".to_owned(),
+        length_mm,
+        pressure_mpa: 0.1,
+        pressure_max_mpa: 0.2,
+        neighbours: beside(whisker).into_iter().flatten().collect(),
+    });
+    ArrayFacts { array: Name::new(ARRAY).expect("a name"), array_type, whiskers: whiskers.collect() }
+}
+
+impl HandRobot {
+    /// Connects to a broker and is born; returns when the supervisor has taken its first message.
+    pub async fn born(port: u16, name: &str, array: ArrayFacts) -> Self {
+        let mut robot = Self::connect(port, name, array).await;
+        robot.birth().await;
+        robot.settle().await;
+        robot
+    }
+
+    /// Connects to a broker and says nothing yet.
+    ///
+    /// # Panics
+    /// There is no broker.
+    pub async fn connect(port: u16, name: &str, array: ArrayFacts) -> Self {
+        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request]
+            .map(|kind| format!("whisker/v1/f/{name}/{kind}"));
+        let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
+        let state = |facts: &WhiskerFacts| State { length_mm: facts.length_mm, pressure_mpa: facts.pressure_mpa };
+        Self {
+            mqtt: Observer::subscribed(port, name, &filters).await,
+            boot_id: boot_id(name, 1),
+            clock_us: now_us(),
+            state: array.whiskers.iter().map(state).collect(),
+            array,
+            name: Name::robot(name).expect("a robot's name"),
+            model: Model::nguyen_2021(Formulation::Published),
+            seqs: BTreeMap::new(),
+            heard: VecDeque::new(),
+            noise: ChaCha8Rng::seed_from_u64(2021),
+            contacts: 0,
+        }
+    }
+
+    /// One of its topics.
+    #[must_use]
+    pub fn topic(&self, kind: RobotTopic) -> String {
+        format!("whisker/v1/f/{}/{kind}", self.name)
+    }
+
+    /// The number of its next message on a topic; it counts as sent.
+    pub fn next_seq(&mut self, kind: RobotTopic) -> u64 {
+        let next = self.seqs.entry(kind).or_default();
+        *next += 1;
+        *next - 1
+    }
+
+    /// Says anything on one of its topics.
+    pub async fn say(&self, kind: RobotTopic, payload: impl Into<Vec<u8>>) {
+        self.mqtt.publish(&self.topic(kind), payload.into(), kind.is_retained()).await;
+    }
+
+    async fn tell(&self, kind: RobotTopic, message: &impl Serialize) {
+        self.say(kind, encode(message)).await;
+    }
+
+    /// Online, with its factsheet and a status.
+    pub async fn birth(&mut self) {
+        self.connection(ConnectionState::Online).await;
+        let factsheet = self.factsheet();
+        self.tell(RobotTopic::Factsheet, &factsheet).await;
+        self.status().await;
+    }
+
+    /// Says what became of its connection.
+    pub async fn connection(&mut self, state: ConnectionState) {
+        let seq = self.next_seq(RobotTopic::Connection);
+        let message = Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(self.clock_us), state };
+        self.tell(RobotTopic::Connection, &message).await;
+    }
+
+    /// Its next factsheet.
+    #[must_use]
+    pub fn factsheet(&mut self) -> Factsheet {
+        Factsheet {
+            boot_id: self.boot_id.clone(),
+            seq: self.next_seq(RobotTopic::Factsheet),
+            timestamp: Timestamp(self.clock_us),
+            model: "by-hand".to_owned(),
+            on_supervisor_loss: OnSupervisorLoss::Hold,
+            arrays: vec![self.array.clone()],
+        }
+    }
+
+    /// Says how its chambers are: each holds what it shall.
+    pub async fn status(&mut self) {
+        let whiskers = self.array.whiskers.iter().zip(&self.state).map(|(facts, state)| WhiskerStatus {
+            array: self.array.array.clone(),
+            whisker: facts.whisker,
+            pressure_mpa: state.pressure_mpa,
+            setpoint_mpa: state.pressure_mpa,
+            regulator: Regulator::Ok,
+            gauge: Gauge::Ok,
+        });
+        let whiskers = whiskers.collect();
+        let seq = self.next_seq(RobotTopic::Status);
+        let status =
+            Status { boot_id: self.boot_id.clone(), seq, t_us: self.clock_us, whiskers, contacts_dropped: None };
+        self.tell(RobotTopic::Status, &status).await;
+    }
+
+    /// A new boot, with every chamber at its nominal pressure: said or not by [`HandRobot::birth`].
+    pub fn restart(&mut self) {
+        self.boot_id = boot_id(self.name.as_str(), self.clock_us);
+        self.seqs.clear();
+        for (state, facts) in self.state.iter_mut().zip(&self.array.whiskers) {
+            state.pressure_mpa = facts.pressure_mpa;
+        }
+    }
+
+    /// Cuts a whisker.
+    pub fn cut(&mut self, whisker: u16, length_mm: f64) {
+        self.state[usize::from(whisker)].length_mm = length_mm;
+    }
+
+    /// Its next contact of a whisker.
+    pub fn contact(&mut self, whisker: u16) -> Contact {
+        let State { length_mm, pressure_mpa } = self.state[usize::from(whisker)];
+        // Every contact ratio and deflection, in an order that repeats only after long.
+        let spread = |step: f64| (self.contacts as f64 * step).fract();
+        let (ratio, deflection_mm) = (0.5 + 0.5 * spread(0.618_034), 0.5 + 4.0 * spread(0.754_878));
+        self.contacts += 1;
+        self.clock_us += CONTACT_US;
+        let morphology = self.model.morphology(Megapascal::known(pressure_mpa));
+        let per_mm = self
+            .model
+            .sensitivity_per_mm(ContactRatio::known(ratio), Millimetre::known(length_mm), &morphology)
+            .expect("beyond the chamber");
+        let error: f64 = StandardNormal.sample(&mut self.noise);
+        Contact {
+            array: self.array.array.clone(),
+            whisker,
+            t_us: self.clock_us,
+            ratio,
+            deflection_mm,
+            strain: per_mm * deflection_mm * (1.0 + 0.02 * error),
+            pressure_mpa,
+            temperature_c: 24.0,
+        }
+    }
+
+    /// A message of contacts, with the next number.
+    pub fn message(&mut self, contacts: Vec<Contact>) -> Contacts {
+        Contacts { boot_id: self.boot_id.clone(), seq: self.next_seq(RobotTopic::Contacts), contacts }
+    }
+
+    /// Sends a message of contacts; gives it back.
+    pub async fn send(&mut self, contacts: Vec<Contact>) -> Contacts {
+        let message = self.message(contacts);
+        self.tell(RobotTopic::Contacts, &message).await;
+        message
+    }
+
+    /// Touches with a whisker that many times.
+    pub async fn touch(&mut self, whisker: u16, contacts: usize) {
+        let contacts: Vec<Contact> = (0..contacts).map(|_| self.contact(whisker)).collect();
+        for some in contacts.chunks(CONTACTS_PER_MESSAGE) {
+            self.send(some.to_vec()).await;
+        }
+    }
+
+    /// The next message from the supervisor that `choose` takes; the others are kept for later.
+    ///
+    /// # Panics
+    /// None comes.
+    pub async fn hear<T>(&mut self, what: &str, mut choose: impl FnMut(&Heard) -> Option<T>) -> T {
+        if let Some((at, found)) = self.heard.iter().enumerate().find_map(|(at, one)| Some((at, choose(one)?))) {
+            self.heard.remove(at);
+            return found;
+        }
+        loop {
+            let heard = self.mqtt.next(PATIENCE).await.unwrap_or_else(|| panic!("{} did not hear: {what}", self.name));
+            match choose(&heard) {
+                Some(found) => return found,
+                None => self.heard.push_back(heard),
+            }
+        }
+    }
+
+    /// The next setpoint, and how it came.
+    pub async fn setpoint(&mut self) -> (Setpoint, Heard) {
+        let heard = self.hear("a setpoint", |heard| matches!(heard.message, Message::Setpoint(_)).then(|| heard.clone()));
+        let heard = heard.await;
+        let Message::Setpoint(setpoint) = &heard.message else { unreachable!("chosen so") };
+        (setpoint.clone(), heard)
+    }
+
+    /// The setpoints that have come and were not taken by [`HandRobot::setpoint`].
+    #[must_use]
+    pub fn setpoints_left(&self) -> Vec<&Setpoint> {
+        let mut left = Vec::new();
+        for heard in &self.heard {
+            if let Message::Setpoint(setpoint) = &heard.message {
+                left.push(setpoint);
+            }
+        }
+        left
+    }
+
+    /// Waits until every contacts message of this boot so far is receipted.
+    pub async fn receipted(&mut self) -> Receipt {
+        let next = self.seqs.get(&RobotTopic::Contacts).copied().unwrap_or_default();
+        let boot_id = self.boot_id.clone();
+        self.hear(&format!("a receipt up to {next}"), |heard| {
+            let Message::Receipt(receipt) = &heard.message else { return None };
+            (receipt.robot_boot_id == boot_id && receipt.next >= next).then(|| receipt.clone())
+        })
+        .await
+    }
+
+    /// Waits until the supervisor takes this robot's contacts: before its factsheet is known there they come
+    /// too early, and must be sent again.
+    pub async fn settle(&mut self) {
+        let message = self.message(Vec::new());
+        wait::until("a receipt for an empty message", async || {
+            self.tell(RobotTopic::Contacts, &message).await;
+            while let Some(heard) = self.mqtt.next(Duration::from_millis(500)).await {
+                if let Message::Receipt(receipt) = &heard.message
+                    && receipt.robot_boot_id == message.boot_id
+                    && receipt.covers(message.seq)
+                {
+                    return Some(());
+                }
+                self.heard.push_back(heard);
+            }
+            None
+        })
+        .await;
+    }
+
+    /// Says what became of a setpoint; the chamber has the pressure then if it was applied.
+    pub async fn answer(&mut self, setpoint: &Setpoint, state: SetpointOutcome, error: Option<SetpointError>) {
+        let whisker = &mut self.state[usize::from(setpoint.whisker)];
+        if state == SetpointOutcome::Applied {
+            whisker.pressure_mpa = setpoint.pressure_mpa;
+        }
+        let pressure_mpa = Some(whisker.pressure_mpa);
+        let message = SetpointState {
+            boot_id: self.boot_id.clone(),
+            seq: self.next_seq(RobotTopic::SetpointState),
+            command_id: setpoint.command_id.clone(),
+            state,
+            t_us: self.clock_us,
+            pressure_mpa,
+            error,
+        };
+        self.tell(RobotTopic::SetpointState, &message).await;
+    }
+}
+
+fn boot_id(robot: &str, mark: u64) -> BootId {
+    BootId::new(&format!("{robot}-{mark}")).expect("a boot id")
+}
