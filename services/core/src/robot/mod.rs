@@ -17,6 +17,8 @@ mod health;
 mod measure;
 pub mod params;
 pub mod sequence;
+mod stored;
+mod view;
 pub mod whisker;
 
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -26,13 +28,13 @@ pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;
 pub use sequence::{Admission, Sequence, Sequences};
+pub use stored::RestoreError;
+pub use view::WhiskerView;
 pub use whisker::Whisker;
 
-use crate::estimation::LengthEstimate;
-use crate::mechanics::Offset;
-use crate::units::{Megapascal, Micros};
-use effect::{Command, Condition, EndReason, Fault, Request, WhiskerIndex};
-use event::{ArrayKind, Factsheet, Link, WhiskerSheet};
+use crate::units::Micros;
+use effect::{Condition, EndReason, Request};
+use event::{ArrayKind, Factsheet, Link};
 
 /// One robot: its numbers, its whiskers, its compensations.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -272,150 +274,4 @@ impl Robot {
         }
         Outcome::Taken
     }
-
-    /// Index of a whisker.
-    #[must_use]
-    pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
-        let array = self.arrays.iter().position(|known| known.name == array)? as u16;
-        self.whiskers.iter().position(|one| one.array == array && one.sheet.number == number)
-    }
-
-    /// A whisker for people and the database.
-    #[must_use]
-    pub fn whisker(&self, index: WhiskerIndex) -> Option<WhiskerView<'_>> {
-        let whisker = self.whiskers.get(index)?;
-        let array = &self.arrays[usize::from(whisker.array)];
-        Some(WhiskerView {
-            array: &array.name,
-            kind: array.kind,
-            sheet: &whisker.sheet,
-            length: whisker.filter.length(),
-            offset: whisker.filter.offset(),
-            noise_scale: whisker.noise.variance().sqrt(),
-            contacts: whisker.contacts,
-            condition: whisker.condition,
-            fault: whisker.fault,
-            pressure: whisker.air.measured,
-            setpoint: whisker.air.setpoint,
-            heard: whisker.heard,
-        })
-    }
-
-    /// Number of whiskers; indices are below.
-    #[must_use]
-    pub fn whisker_count(&self) -> usize {
-        self.whiskers.len()
-    }
-
-    /// The newest boot and its connection.
-    #[must_use]
-    pub fn connection_state(&self) -> (Option<&str>, Link) {
-        (self.boot_id.as_deref(), self.link)
-    }
-
-    /// What a receipt says: the numbers of that boot.
-    #[must_use]
-    pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {
-        self.sequences.of(boot_id)
-    }
-
-    /// Setpoints that are not settled yet.
-    pub fn commands_under_way(&self) -> impl Iterator<Item = &Command> {
-        self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
-    }
-
-    /// Compensations in force.
-    #[must_use]
-    pub fn compensations(&self) -> &[Compensation] {
-        &self.compensations
-    }
-
-    /// The robot without its whiskers, as bytes to be stored.
-    ///
-    /// # Panics
-    /// Never: writing to memory cannot fail, and no value is a NaN.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        borsh::to_vec(self).unwrap_or_default()
-    }
-
-    /// One whisker as bytes to be stored; none beyond the last.
-    #[must_use]
-    pub fn whisker_to_bytes(&self, index: WhiskerIndex) -> Option<Vec<u8>> {
-        borsh::to_vec(self.whiskers.get(index)?).ok()
-    }
-
-    /// The robot as it was stored, under a new epoch. `whiskers` are in the order of their indices.
-    ///
-    /// # Errors
-    /// The bytes are not from this version of the program.
-    pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64) -> Result<Self, RestoreError> {
-        let mut robot: Self = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
-        for (index, bytes) in whiskers.iter().enumerate() {
-            robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
-        }
-        let within = |index: u32| (index as usize) < robot.whiskers.len();
-        if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
-            return Err(RestoreError::Layout);
-        }
-        robot.epoch = epoch;
-        Ok(robot)
-    }
-
-    /// Whether the head has changed since the last call.
-    pub fn take_changed(&mut self) -> bool {
-        std::mem::take(&mut self.changed)
-    }
-
-    /// Calls `visit` for each whisker that has changed since the last call.
-    pub fn take_changed_whiskers(&mut self, mut visit: impl FnMut(WhiskerIndex)) {
-        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
-            if std::mem::take(&mut whisker.changed) {
-                visit(index);
-            }
-        }
-    }
-}
-
-/// Why a stored robot cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum RestoreError {
-    /// The head.
-    #[error("the stored state of the robot is not of this version of the program")]
-    Head,
-    /// A whisker.
-    #[error("the stored state of whisker index {0} is not of this version of the program")]
-    Whisker(usize),
-    /// Whiskers are missing.
-    #[error("the stored state of the robot names whiskers that are not stored")]
-    Layout,
-}
-
-/// A whisker for people and the database.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WhiskerView<'a> {
-    /// Its array.
-    pub array: &'a str,
-    /// Kind of its array.
-    pub kind: ArrayKind,
-    /// What the factsheet says of it.
-    pub sheet: &'a WhiskerSheet,
-    /// Present length.
-    pub length: LengthEstimate,
-    /// Present offset from the model, log sensitivity.
-    pub offset: Offset,
-    /// Its noise against the stated one, ratio of standard deviations.
-    pub noise_scale: f64,
-    /// Contacts that were used.
-    pub contacts: u64,
-    /// Mechanical condition.
-    pub condition: Condition,
-    /// Fault, if any.
-    pub fault: Option<Fault>,
-    /// Pressure as last measured.
-    pub pressure: Option<Megapascal>,
-    /// Pressure that the robot holds or moves to.
-    pub setpoint: Megapascal,
-    /// When it was last heard of, by the supervisor's clock.
-    pub heard: Option<Micros>,
 }

@@ -1,0 +1,66 @@
+//! A robot as bytes, and back: its head and each whisker by itself, so that only what changed is written.
+
+use super::Robot;
+use super::effect::WhiskerIndex;
+
+impl Robot {
+    /// The robot without its whiskers, as bytes to be stored.
+    ///
+    /// # Panics
+    /// Never: writing to memory cannot fail, and no value is a NaN.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        borsh::to_vec(self).unwrap_or_default()
+    }
+
+    /// One whisker as bytes to be stored; none beyond the last.
+    #[must_use]
+    pub fn whisker_to_bytes(&self, index: WhiskerIndex) -> Option<Vec<u8>> {
+        borsh::to_vec(self.whiskers.get(index)?).ok()
+    }
+
+    /// The robot as it was stored, under a new epoch. `whiskers` are in the order of their indices.
+    ///
+    /// # Errors
+    /// The bytes are not from this version of the program.
+    pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64) -> Result<Self, RestoreError> {
+        let mut robot: Self = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
+        for (index, bytes) in whiskers.iter().enumerate() {
+            robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
+        }
+        let within = |index: u32| (index as usize) < robot.whiskers.len();
+        if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
+            return Err(RestoreError::Layout);
+        }
+        robot.epoch = epoch;
+        Ok(robot)
+    }
+
+    /// Whether the head has changed since the last call.
+    pub fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
+    }
+
+    /// Calls `visit` for each whisker that has changed since the last call.
+    pub fn take_changed_whiskers(&mut self, mut visit: impl FnMut(WhiskerIndex)) {
+        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
+            if std::mem::take(&mut whisker.changed) {
+                visit(index);
+            }
+        }
+    }
+}
+
+/// Why a stored robot cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RestoreError {
+    /// The head.
+    #[error("the stored state of the robot is not of this version of the program")]
+    Head,
+    /// A whisker.
+    #[error("the stored state of whisker index {0} is not of this version of the program")]
+    Whisker(usize),
+    /// Whiskers are missing.
+    #[error("the stored state of the robot names whiskers that are not stored")]
+    Layout,
+}

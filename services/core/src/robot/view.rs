@@ -1,0 +1,96 @@
+//! What can be seen of a robot from outside.
+
+use super::effect::{Command, Condition, Fault, WhiskerIndex};
+use super::event::{ArrayKind, Link, WhiskerSheet};
+use super::{Compensation, Robot, Sequence};
+use crate::estimation::LengthEstimate;
+use crate::mechanics::Offset;
+use crate::units::{Megapascal, Micros};
+
+impl Robot {
+    /// Index of a whisker.
+    #[must_use]
+    pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
+        let array = self.arrays.iter().position(|known| known.name == array)? as u16;
+        self.whiskers.iter().position(|one| one.array == array && one.sheet.number == number)
+    }
+
+    /// A whisker for people and the database.
+    #[must_use]
+    pub fn whisker(&self, index: WhiskerIndex) -> Option<WhiskerView<'_>> {
+        let whisker = self.whiskers.get(index)?;
+        let array = &self.arrays[usize::from(whisker.array)];
+        Some(WhiskerView {
+            array: &array.name,
+            kind: array.kind,
+            sheet: &whisker.sheet,
+            length: whisker.filter.length(),
+            offset: whisker.filter.offset(),
+            noise_scale: whisker.noise.variance().sqrt(),
+            contacts: whisker.contacts,
+            condition: whisker.condition,
+            fault: whisker.fault,
+            pressure: whisker.air.measured,
+            setpoint: whisker.air.setpoint,
+            heard: whisker.heard,
+        })
+    }
+
+    /// Number of whiskers; indices are below.
+    #[must_use]
+    pub fn whisker_count(&self) -> usize {
+        self.whiskers.len()
+    }
+
+    /// The newest boot and its connection.
+    #[must_use]
+    pub fn connection_state(&self) -> (Option<&str>, Link) {
+        (self.boot_id.as_deref(), self.link)
+    }
+
+    /// What a receipt says: the numbers of that boot.
+    #[must_use]
+    pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {
+        self.sequences.of(boot_id)
+    }
+
+    /// Setpoints that are not settled yet.
+    pub fn commands_under_way(&self) -> impl Iterator<Item = &Command> {
+        self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
+    }
+
+    /// Compensations in force.
+    #[must_use]
+    pub fn compensations(&self) -> &[Compensation] {
+        &self.compensations
+    }
+}
+
+/// A whisker for people and the database.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WhiskerView<'a> {
+    /// Its array.
+    pub array: &'a str,
+    /// Kind of its array.
+    pub kind: ArrayKind,
+    /// What the factsheet says of it.
+    pub sheet: &'a WhiskerSheet,
+    /// Present length.
+    pub length: LengthEstimate,
+    /// Present offset from the model, log sensitivity.
+    pub offset: Offset,
+    /// Its noise against the stated one, ratio of standard deviations.
+    pub noise_scale: f64,
+    /// Contacts that were used.
+    pub contacts: u64,
+    /// Mechanical condition.
+    pub condition: Condition,
+    /// Fault, if any.
+    pub fault: Option<Fault>,
+    /// Pressure as last measured.
+    pub pressure: Option<Megapascal>,
+    /// Pressure that the robot holds or moves to.
+    pub setpoint: Megapascal,
+    /// When it was last heard of, by the supervisor's clock.
+    pub heard: Option<Micros>,
+}
