@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         // Whoever reads has seen enough, as in `vibrissa paper | head`.
         Err(problem) if is_broken_pipe(&problem) => ExitCode::SUCCESS,
         Err(problem) => {
-            eprintln!("vibrissa: {problem:#}");
+            eprintln!("vibrissa: {}", told_once(&problem));
             ExitCode::FAILURE
         }
     }
@@ -20,4 +20,16 @@ fn main() -> ExitCode {
 
 fn is_broken_pipe(problem: &anyhow::Error) -> bool {
     problem.downcast_ref::<std::io::Error>().is_some_and(|problem| problem.kind() == ErrorKind::BrokenPipe)
+}
+
+/// The problem and its causes; a cause that was told with what it led to is not told again.
+fn told_once(problem: &anyhow::Error) -> String {
+    let mut story = String::new();
+    for cause in problem.chain().map(ToString::to_string) {
+        if !story.contains(&cause) {
+            let colon = if story.is_empty() { "" } else { ": " };
+            story = format!("{story}{colon}{cause}");
+        }
+    }
+    story
 }

@@ -10,8 +10,9 @@
 //!
 //! **What an alarm becomes.** An alarm is a suspicion. A sequential probability ratio test on the contacts
 //! that come after it (error probabilities 2 %) confirms or dismisses it: most false alarms end there, so
-//! false trims are rarer than stated. A change whose mean rate could be erosion waits until step and slope
-//! can be told apart. After a decision everything starts anew.
+//! false trims are rarer than stated. Then step and slope are told apart by how much of the data's log
+//! likelihood each gains, a slope being no faster than erosion can be: a large step at once, a small one or an
+//! erosion when the contacts allow it. After a decision everything starts anew.
 //!
 //! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts nothing is called.
 
@@ -19,7 +20,6 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::candidate::{Candidate, log_likelihood_ratio};
 use crate::estimation::Innovation;
-use crate::estimation::filter::LENGTH;
 
 /// Supposed shifts of ln length, with their weights in the mixture. 0.3 to 8.4 mm of 70 shorter; and longer,
 /// which no trim explains: a gauge that comes loose, or a whisker that was exchanged.
@@ -38,8 +38,13 @@ const SHIFTS: [(f64, f64); 9] = [
 const LEAST_SHIFT_WHILE_ERODING: f64 = 0.02;
 /// ln 50: both error probabilities of the fresh look are 2 %.
 const FRESH_LOOK_LOG_RATIO: f64 = 3.9;
-/// A slope this many of its standard deviations from zero is a slope.
-const SLOPE_SIGNIFICANCE: f64 = 3.5;
+/// How much more log likelihood than a slope a step must gain to be called one. A slope's window hardly ever
+/// begins where the slope did, so the slope's gain is understated.
+const STEP_LOG_RATIO: f64 = 8.0;
+/// How much more than a step a slope must gain.
+const SLOPE_LOG_RATIO: f64 = 4.0;
+/// They are told apart by less after this many times the contacts at the alarm, and some more.
+const PATIENCE: (u32, u32) = (3, 300);
 
 /// What the detector is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,26 +98,23 @@ pub enum Verdict {
 pub struct Change {
     /// Step or slope.
     pub kind: ChangeKind,
-    /// Change of ln length since the start; negative is shorter.
-    pub shift: f64,
-    /// Its variance.
+    /// Size: the step of ln length, or the slope of ln length per contact; negative is shorter.
+    pub size: f64,
+    /// Variance of the size.
     pub variance: f64,
-    /// How much of a unit shift the filter has absorbed.
-    pub absorbed: [f64; 3],
+    /// What the filter's state lacks by now per unit of size.
+    pub lacking: [f64; 3],
     /// Contacts since the likeliest start.
     pub contacts: u32,
 }
 
 /// What kind of change.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChangeKind {
     /// At once.
     Step,
-    /// Slowly, by this much of ln length per contact.
-    Slope {
-        /// Change of ln length per contact.
-        per_contact: f64,
-    },
+    /// Slowly, contact by contact.
+    Slope,
 }
 
 impl Detector {
@@ -162,7 +164,7 @@ impl Detector {
         }
         let likeliest = self.weighted(eroding).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
         let evidence = self.candidates[likeliest].evidence();
-        match evidence.shift() {
+        match evidence.step() {
             Some((shift, _)) => {
                 self.suspicion = Some(Suspicion {
                     candidate: likeliest as u8,
@@ -188,23 +190,18 @@ impl Detector {
         eroding: bool,
     ) -> Verdict {
         let candidate = &self.candidates[usize::from(suspicion.candidate)];
-        let evidence = *candidate.evidence();
-        let absorbed = candidate.absorbed();
-        let signature = (0..3).map(|i| seen.row[i] * (f64::from(u8::from(i == LENGTH)) - absorbed[i])).sum::<f64>();
-        let expected = signature * suspicion.shift / seen.variance.sqrt();
-        suspicion.fresh_log_ratio += log_likelihood_ratio(expected, seen.standardised);
-        let Some((shift, variance)) = evidence.shift().filter(|_| suspicion.fresh_log_ratio > -FRESH_LOOK_LOG_RATIO)
-        else {
+        let lacking = candidate.lacks_by_step();
+        let expected: f64 = (0..3).map(|i| seen.row[i] * lacking[i]).sum::<f64>() / seen.variance.sqrt();
+        suspicion.fresh_log_ratio += log_likelihood_ratio(expected * suspicion.shift, seen.standardised);
+        if suspicion.fresh_log_ratio <= -FRESH_LOOK_LOG_RATIO || candidate.evidence().step().is_none() {
             *self = Self::default();
             return Verdict::Dismissed;
-        };
-        let kind = (suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO)
-            .then(|| kind_of_change(params, &evidence, shift, suspicion.contacts_at_alarm, eroding))
-            .flatten();
-        match kind {
-            Some(kind) => {
+        }
+        let confirmed = suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO;
+        match confirmed.then(|| self.told_apart(params, &suspicion, eroding)).flatten() {
+            Some(change) => {
                 *self = Self::default();
-                Verdict::Changed(Change { kind, shift, variance, absorbed, contacts: evidence.contacts() })
+                Verdict::Changed(change)
             }
             None => {
                 self.suspicion = Some(suspicion);
@@ -212,32 +209,51 @@ impl Detector {
             }
         }
     }
-}
 
-/// Step or slope; none while they cannot be told apart.
-fn kind_of_change(
-    params: &DetectionParams,
-    evidence: &super::Evidence,
-    shift: f64,
-    contacts_at_alarm: u32,
-    eroding: bool,
-) -> Option<ChangeKind> {
-    let contacts = evidence.contacts();
-    let fast = shift.abs() / f64::from(contacts) > params.erosion_per_contact_max;
-    if fast {
-        return Some(ChangeKind::Step);
+    /// The change as a step or as a slope; none while they cannot be told apart.
+    ///
+    /// Each candidate's window began where its own size of shift is likeliest to have begun: a slope has a
+    /// long window with the smallest shift, a step a window that fits it.
+    fn told_apart(&self, params: &DetectionParams, suspicion: &Suspicion, eroding: bool) -> Option<Change> {
+        let step = self.as_step(suspicion)?;
+        if step.size > 0.0 && !eroding {
+            return Some(step);
+        }
+        let limit = params.erosion_per_contact_max.copysign(step.size);
+        let (slope, gain_of_slope) = self.as_slope(limit);
+        let gain_of_step = self.candidates.iter().map(|one| one.evidence().gain_of_step()).fold(0.0, f64::max);
+        let impatient = slope.contacts > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
+        if gain_of_step - gain_of_slope > STEP_LOG_RATIO {
+            Some(step)
+        } else if eroding || gain_of_slope - gain_of_step > SLOPE_LOG_RATIO {
+            // On a whisker that erodes, the filter lags behind or runs ahead: no new change.
+            Some(slope)
+        } else if impatient {
+            Some(if gain_of_step > gain_of_slope + SLOPE_LOG_RATIO { step } else { slope })
+        } else {
+            None
+        }
     }
-    if eroding {
-        // The filter lags behind an erosion, or runs ahead of one that has ended: no new change.
-        return Some(ChangeKind::Slope { per_contact: shift / f64::from(contacts) });
+
+    fn as_step(&self, suspicion: &Suspicion) -> Option<Change> {
+        let candidate = &self.candidates[usize::from(suspicion.candidate)];
+        let (size, variance) = candidate.evidence().step()?;
+        let contacts = candidate.evidence().contacts();
+        Some(Change { kind: ChangeKind::Step, size, variance, lacking: candidate.lacks_by_step(), contacts })
     }
-    if shift > 0.0 {
-        return Some(ChangeKind::Step);
-    }
-    let slope = evidence.slope()?;
-    if -slope.per_contact > SLOPE_SIGNIFICANCE * slope.sd {
-        Some(ChangeKind::Slope { per_contact: slope.per_contact })
-    } else {
-        (contacts > 2 * contacts_at_alarm + 50).then_some(ChangeKind::Step)
+
+    fn as_slope(&self, limit: f64) -> (Change, f64) {
+        let fits = self.candidates.iter().map(|candidate| (candidate, candidate.evidence().slope(limit)));
+        let best = fits.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
+        let (candidate, fit) =
+            best.unwrap_or_else(|| (&self.candidates[0], self.candidates[0].evidence().slope(limit)));
+        let change = Change {
+            kind: ChangeKind::Slope,
+            size: fit.per_contact,
+            variance: fit.variance,
+            lacking: candidate.lacks_by_slope(),
+            contacts: candidate.evidence().contacts(),
+        };
+        (change, fit.gain)
     }
 }

@@ -6,5 +6,5 @@
 pub mod candidate;
 pub mod detector;
 
-pub use candidate::{Candidate, Evidence};
+pub use candidate::{Candidate, Evidence, SlopeFit};
 pub use detector::{Change, ChangeKind, DetectionParams, Detector, Verdict};

@@ -50,7 +50,7 @@ impl Default for FilterParams {
             offset_slope: 0.2,
             length_mm: 0.1,
             wander_mm: 2e-4,
-            erosion_wander_mm: 0.01,
+            erosion_wander_mm: 0.03,
             offset_per_mpa: 1.0,
         }
     }
@@ -202,16 +202,15 @@ impl LengthFilter {
         self.covariance = covariance.into();
     }
 
-    /// The length jumped by `shift` in lambda, of which the filter has absorbed `absorbed` per unit so far.
+    /// The state lacks `lacking` times `size`, of which the variance is given: a change was found.
     ///
-    /// `variance` is the shift's own. The model is linearised at the old length, so a tenth of the shift is
-    /// added to its standard deviation; the contacts that follow take that away again.
-    pub fn jump(&mut self, shift: f64, variance: f64, absorbed: [f64; 3]) {
-        let mut missing = Vector3::from(absorbed) * -1.0;
-        missing[LENGTH] += 1.0;
-        let mean = Vector3::from(self.mean) + missing * shift;
-        let mut covariance = Matrix3::from(self.covariance) + missing * missing.transpose() * variance;
-        covariance[(LENGTH, LENGTH)] += (0.1 * shift).powi(2);
+    /// The model is linearised at the old length, so a tenth of the change of lambda is added to its standard
+    /// deviation; the contacts that follow take that away again.
+    pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; 3]) {
+        let lacking = Vector3::from(lacking);
+        let mean = Vector3::from(self.mean) + lacking * size;
+        let mut covariance = Matrix3::from(self.covariance) + lacking * lacking.transpose() * variance;
+        covariance[(LENGTH, LENGTH)] += (0.1 * size * lacking[LENGTH]).powi(2);
         self.mean = mean.into();
         self.covariance = covariance.into();
     }

@@ -73,7 +73,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
-            ChangeKind::Step if change.shift > 0.0 => {
+            ChangeKind::Step if change.size > 0.0 => {
                 // Not a length: the estimate stays, and the offset is learned anew.
                 whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
@@ -91,7 +91,7 @@ impl Robot {
                     contacts_since_confirmed: 0,
                 });
             }
-            ChangeKind::Slope { .. } => {
+            ChangeKind::Slope => {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
                     self.set_condition(index, Condition::Eroding, effects);

@@ -197,7 +197,7 @@ impl Whisker {
 
     /// Moves the estimate by a confirmed change.
     pub(super) fn jump(&mut self, change: &Change) {
-        self.filter.jump(change.shift, change.variance, change.absorbed);
+        self.filter.jump(change.size, change.variance, change.lacking);
     }
 
     /// Whether it is held at the factsheet's pressure, where its reference response is taken.

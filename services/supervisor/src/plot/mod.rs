@@ -9,19 +9,27 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// Blue and vermilion of Okabe and Ito's palette: told apart with any colour vision.
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const VERMILION: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+/// The palette's others, for more than two.
+const GREEN: RGBColor = RGBColor(0, 158, 115);
+const PURPLE: RGBColor = RGBColor(204, 121, 167);
+const SKY: RGBColor = RGBColor(86, 180, 233);
+const ORANGE: RGBColor = RGBColor(230, 159, 0);
 const INK: RGBColor = RGBColor(34, 34, 34);
 const GRID: RGBColor = RGBColor(225, 225, 225);
 const FONT: &str = "sans-serif";
 
-type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Colours for curves without an order.
+pub(crate) const COLOURS: [RGBColor; 7] = [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, INK];
 
 /// Title, axes and their ranges.
-struct Axes<'t> {
-    title: &'t str,
-    x: (&'t str, std::ops::Range<f64>),
-    y: (&'t str, std::ops::Range<f64>),
+pub(crate) struct Axes<'t> {
+    pub(crate) title: &'t str,
+    pub(crate) x: (&'t str, std::ops::Range<f64>),
+    pub(crate) y: (&'t str, std::ops::Range<f64>),
 }
 
 /// The plasma map without its light end: ordered, and told apart with any colour vision and in grey.
@@ -43,10 +51,10 @@ fn along_palette(index: usize, count: usize) -> RGBColor {
     RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
 }
 
-type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// A chart with grid, axis names and room at the right for names of curves.
-fn chart<'a>(panel: &Panel<'a>, axes: &Axes<'_>, room_right: u32) -> Result<Chart<'a>> {
+pub(crate) fn chart<'a>(panel: &Panel<'a>, axes: &Axes<'_>, room_right: u32) -> Result<Chart<'a>> {
     let mut chart = ChartBuilder::on(panel)
         .caption(axes.title, (FONT, 17).into_font().color(&INK))
         .margin(14)
@@ -101,7 +109,7 @@ fn name_at_right_ends(panel: &Panel<'_>, chart: &Chart<'_>, ends: &[(f64, String
 }
 
 /// The legend, in the corner where it hides least.
-fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Result<()> {
+pub(crate) fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Result<()> {
     chart
         .configure_series_labels()
         .position(position)
@@ -114,6 +122,6 @@ fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Result<()> {
 }
 
 /// plotters' errors borrow from the drawing; only their text outlives it.
-fn drawing<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> anyhow::Error {
+pub(crate) fn drawing<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> anyhow::Error {
     anyhow!("drawing: {error}")
 }
