@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::Result;
 use plotters::prelude::*;
 
-use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS, What};
+use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::plot::{Axes, COLOURS, Panel, chart, drawing, legend};
 use crate::store::Store;
-use crate::store::read::{ErrorBinReading, LengthPoint};
+use crate::store::read::{CompensationReading, ErrorBinReading, LengthPoint};
 use crate::words::Z95;
 
 /// Every so many contacts one point of a curve.
@@ -26,23 +26,22 @@ struct Curve {
 /// # Errors
 /// The database cannot be read, or the file cannot be written.
 pub(super) async fn draw(store: &Store, path: &Path) -> Result<()> {
+    let decisions: Vec<CompensationReading> =
+        store.compensations().await?.into_iter().map(|one| one.decision).collect();
     let mut curves = Vec::new();
     for incident in &INCIDENTS {
         let whisker = i64::from(incident.whisker);
         let points = store.lengths(incident.robot, incident.array, whisker, EVERY).await?;
         curves.push(Curve { label: format!("{}/{}/{}", incident.robot, incident.array, whisker), points });
-        if let What::Trim { by, .. } = incident.what
-            && by != incident.whisker
-        {
-            let points = store.lengths(incident.robot, incident.array, i64::from(by), EVERY).await?;
-            curves.push(Curve {
-                label: format!("{}/{}/{by} (serves {whisker})", incident.robot, incident.array),
-                points,
-            });
+        let of_it = decisions.iter().filter(|one| one.robot == incident.robot && one.target_whisker == whisker);
+        for by in of_it.filter_map(|one| one.compensator_whisker).filter(|&by| by != whisker) {
+            let points = store.lengths(incident.robot, incident.array, by, EVERY).await?;
+            let label = format!("{}/{}/{by} (serves {whisker})", incident.robot, incident.array);
+            curves.push(Curve { label, points });
         }
     }
     let mut errors = Vec::new();
-    for one in store.compensations().await?.into_iter().map(|one| one.decision) {
+    for one in &decisions {
         let bins = store.error_bins(one.compensation_id).await?;
         if !bins.is_empty() {
             errors.push((format!("{}/{}/{}", one.robot, one.array, one.target_whisker), bins));

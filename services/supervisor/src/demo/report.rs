@@ -238,8 +238,10 @@ impl Report {
         match incident.what {
             What::Trim { case, by: expected, .. } => {
                 let said = compensation.and_then(|one| one.compensation_case.as_deref());
-                if (said, by) != (Some(case.word()), Some(i64::from(expected))) {
-                    self.problem(incident, &format!("should be {} by {expected}, is {said:?} by {by:?}", case.word()));
+                let served = by.is_some_and(|by| expected.iter().any(|&one| i64::from(one) == by));
+                if said != Some(case.word()) || !served {
+                    let should = format!("should be {} by one of {expected:?}", case.word());
+                    self.problem(incident, &format!("{should}, is {said:?} by {by:?}"));
                 }
                 if compensation.is_none_or(|one| one.measured_error.is_none()) {
                     self.problem(incident, "the compensation error was not measured");

@@ -34,8 +34,8 @@ pub enum What {
         length_mm: f64,
         /// How.
         case: Case,
-        /// By whom.
-        by: u16,
+        /// By one of these.
+        by: &'static [u16],
     },
     /// A cut that nobody can compensate.
     TooShort {
@@ -58,21 +58,21 @@ pub const INCIDENTS: [Incident; 5] = [
         array: "left",
         whisker: 2,
         at_contact: 300,
-        what: What::Trim { length_mm: 65.0, case: Case::SelfCompensation, by: 2 },
+        what: What::Trim { length_mm: 65.0, case: Case::SelfCompensation, by: &[2] },
     },
     Incident {
         robot: "crawler-1",
         array: "left",
         whisker: 4,
         at_contact: 420,
-        what: What::Trim { length_mm: 56.0, case: Case::ShorterForLonger, by: 3 },
+        what: What::Trim { length_mm: 56.0, case: Case::ShorterForLonger, by: &[3, 5] },
     },
     Incident {
         robot: "crawler-2",
         array: "nose",
         whisker: 0,
         at_contact: 360,
-        what: What::Trim { length_mm: 66.0, case: Case::SelfCompensation, by: 0 },
+        what: What::Trim { length_mm: 66.0, case: Case::SelfCompensation, by: &[0] },
     },
     Incident {
         robot: "crawler-2",
