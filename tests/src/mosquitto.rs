@@ -80,10 +80,7 @@ impl Drop for Mosquitto {
 pub fn free_port() -> u16 {
     // The standard library's hasher starts at random: tests that run at once look at different ports.
     let any = || PORTS.start + (RandomState::new().build_hasher().finish() % PORTS.len() as u64) as u16;
-    (0..100)
-        .map(|_| any())
-        .find(|&port| TcpListener::bind(("127.0.0.1", port)).is_ok())
-        .expect("a free port")
+    (0..100).map(|_| any()).find(|&port| TcpListener::bind(("127.0.0.1", port)).is_ok()).expect("a free port")
 }
 
 fn configure(folder: &Path, port: u16) {

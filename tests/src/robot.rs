@@ -249,7 +249,8 @@ impl HandRobot {
 
     /// The next setpoint, and how it came.
     pub async fn setpoint(&mut self) -> (Setpoint, Heard) {
-        let heard = self.hear("a setpoint", |heard| matches!(heard.message, Message::Setpoint(_)).then(|| heard.clone()));
+        let heard =
+            self.hear("a setpoint", |heard| matches!(heard.message, Message::Setpoint(_)).then(|| heard.clone()));
         let heard = heard.await;
         let Message::Setpoint(setpoint) = &heard.message else { unreachable!("chosen so") };
         (setpoint.clone(), heard)

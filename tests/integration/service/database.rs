@@ -1,0 +1,70 @@
+//! The database as its readers see it, beside the service that writes it.
+
+use std::path::Path;
+
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use sqlx::{Row, SqlitePool};
+
+/// A reader.
+pub(crate) struct Database {
+    pool: SqlitePool,
+}
+
+/// A contact by its name: the robot's boot, the message's number, the position in it; and what it felt.
+#[derive(Debug)]
+pub(crate) struct Recorded {
+    pub(crate) robot: String,
+    pub(crate) boot_id: String,
+    pub(crate) seq: i64,
+    pub(crate) position: i64,
+    pub(crate) whisker: i64,
+    pub(crate) t_us: i64,
+    pub(crate) strain: f64,
+    pub(crate) length_mm: f64,
+}
+
+impl Database {
+    pub(crate) async fn open(path: &Path) -> Self {
+        let options = SqliteConnectOptions::new().filename(path).read_only(true);
+        Self { pool: SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap() }
+    }
+
+    /// One number.
+    pub(crate) async fn number(&self, sql: &'static str) -> i64 {
+        sqlx::query_scalar(sql).fetch_one(&self.pool).await.unwrap_or_else(|error| panic!("{sql}: {error}"))
+    }
+
+    /// One column of texts.
+    pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
+        sqlx::query_scalar(sql).fetch_all(&self.pool).await.unwrap_or_else(|error| panic!("{sql}: {error}"))
+    }
+
+    /// Every contact, in the order in which it was recorded.
+    pub(crate) async fn contacts(&self) -> Vec<Recorded> {
+        let rows = sqlx::query(
+            "SELECT robot, b.boot_id, seq, c.position, whisker, t_us, strain, c.length_mm FROM contacts c \
+             JOIN boots b USING (boot) JOIN robots r ON r.robot_id = b.robot_id \
+             JOIN whiskers w ON w.whisker_id = c.whisker_id ORDER BY contact_id",
+        )
+        .fetch_all(&self.pool)
+        .await
+        .unwrap();
+        let recorded = |row: &sqlx::sqlite::SqliteRow| Recorded {
+            robot: row.get("robot"),
+            boot_id: row.get("boot_id"),
+            seq: row.get("seq"),
+            position: row.get("position"),
+            whisker: row.get("whisker"),
+            t_us: row.get("t_us"),
+            strain: row.get("strain"),
+            length_mm: row.get("length_mm"),
+        };
+        rows.iter().map(recorded).collect()
+    }
+
+    /// Contacts, and how many different names they have: equal if none is there twice.
+    pub(crate) async fn counted(&self) -> (i64, i64) {
+        let sql = "SELECT count(*), count(DISTINCT boot || ' ' || seq || ' ' || position) FROM contacts";
+        sqlx::query_as(sql).fetch_one(&self.pool).await.unwrap()
+    }
+}

@@ -1,0 +1,18 @@
+//! The running service: real MQTT in, a real database, HTTP out.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "a test that cannot go on has failed, and it picks the messages that it waits for"
+)]
+
+mod database;
+mod program;
+mod running;
+mod web;
+
+mod bad_input;
+mod http;
+mod restart;
+mod setpoints;
+mod start;

@@ -1,0 +1,73 @@
+//! The program `vibrissa run` as a process of its own, so that it can be killed.
+
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+
+use vibrissa_tests::wait::{self, PATIENCE};
+
+use crate::running::LEARNED;
+
+/// The program.
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+
+/// A running program; dropped, it is killed.
+pub(crate) struct Program {
+    process: Child,
+    pub(crate) http: SocketAddr,
+}
+
+/// How a program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// SIGTERM: it may tidy up.
+    Terminated,
+    /// SIGKILL: it may not.
+    Killed,
+}
+
+impl Program {
+    /// Supervises fleet `f`; returns when it says where it serves.
+    pub(crate) fn start(database: &Path, broker_port: u16) -> Self {
+        let mut process = Command::new(PROGRAM)
+            .args(["run", "--fleet", "f", "--http", "127.0.0.1:0"])
+            .arg("--mqtt-url")
+            .arg(format!("mqtt://127.0.0.1:{broker_port}"))
+            .arg("--database")
+            .arg(database)
+            .args(["--cold-start-contacts", &LEARNED.to_string()])
+            .env("RUST_LOG", "error")
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        let (said, says) = mpsc::channel();
+        std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
+        let line = says.recv_timeout(PATIENCE).expect("the program does not say where it serves");
+        let http = line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap();
+        Self { process, http }
+    }
+
+    /// Ends it, and waits until it has.
+    pub(crate) async fn end(mut self, ending: Ending) {
+        match ending {
+            Ending::Killed => self.process.kill().unwrap(),
+            Ending::Terminated => {
+                let signal = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status();
+                assert!(signal.unwrap().success());
+            }
+        }
+        let status = wait::until("the program's end", async || self.process.try_wait().unwrap()).await;
+        assert_eq!(status.success(), ending == Ending::Terminated, "{status}");
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}

@@ -1,0 +1,103 @@
+//! The service in this process, with a database and a broker of its own.
+
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tempfile::TempDir;
+use vibrissa::mqtt::BrokerAddress;
+use vibrissa::service::{Service, ServiceOptions};
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::Name;
+use vibrissa_tests::wait::until_true;
+
+use crate::database::Database;
+use crate::web::{self, Metrics};
+
+/// Contacts until a whisker counts as learned: few, so that tests are quick.
+pub(crate) const LEARNED: usize = 60;
+
+/// A running service; its database outlives it.
+pub(crate) struct Running {
+    pub(crate) service: Service,
+    pub(crate) database: Database,
+    folder: TempDir,
+}
+
+/// Parameters that make things happen soon.
+pub(crate) fn quick() -> Params {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.detection.cold_start_contacts = LEARNED as u32;
+    params.command.resend_after = Micros::from_s(0.3);
+    params
+}
+
+impl Running {
+    /// With the embedded broker, on any free port.
+    pub(crate) async fn start() -> Self {
+        Self::with(quick(), None).await
+    }
+
+    /// With those parameters; with the broker on that port of 127.0.0.1 instead of the embedded one.
+    pub(crate) async fn with(params: Params, broker: Option<u16>) -> Self {
+        Self::on(tempfile::tempdir().unwrap(), params, broker).await
+    }
+
+    /// On the database in that folder.
+    pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
+        let path = database_in(&folder);
+        let service = Service::start(ServiceOptions {
+            fleet: Name::new("f").unwrap(),
+            database: path.clone(),
+            broker: broker.map(|port| BrokerAddress { host: "127.0.0.1".to_owned(), port }),
+            mqtt_port: 0,
+            http: "127.0.0.1:0".parse().unwrap(),
+            params,
+        })
+        .await
+        .unwrap();
+        until_true("the connection to the broker", async || service.metrics.broker_connected.get() == 1).await;
+        Self { service, database: Database::open(&path).await, folder }
+    }
+
+    /// Stops it in good order, and starts another on the same database.
+    pub(crate) async fn again(self, params: Params, broker: Option<u16>) -> Self {
+        Self::on(self.stop().await, params, broker).await
+    }
+
+    /// Stops it in good order; gives the folder with its database.
+    pub(crate) async fn stop(self) -> TempDir {
+        self.service.stop().await;
+        self.folder
+    }
+
+    /// The broker's port.
+    pub(crate) fn port(&self) -> u16 {
+        self.service.broker.port
+    }
+
+    pub(crate) async fn metrics(&self) -> Metrics {
+        Metrics::read(self.service.http).await
+    }
+
+    /// One metric, by its name with labels.
+    pub(crate) async fn metric(&self, name: &str) -> f64 {
+        self.metrics().await.get(name)
+    }
+
+    /// A list that is served under `/v1/`.
+    pub(crate) async fn list(&self, name: &str) -> Vec<Value> {
+        list(self.service.http, name).await
+    }
+}
+
+/// A list that is served under `/v1/`.
+pub(crate) async fn list(http: std::net::SocketAddr, name: &str) -> Vec<Value> {
+    web::json(http, &format!("/v1/{name}")).await[name].as_array().unwrap().clone()
+}
+
+/// Where the database is in a folder.
+pub(crate) fn database_in(folder: &TempDir) -> PathBuf {
+    folder.path().join("vibrissa.sqlite3")
+}

@@ -1,0 +1,245 @@
+//! Setpoints: sent until answered, one at a time, within limits, given up with an alarm.
+
+use rumqttc::QoS;
+use vibrissa_core::robot::Params;
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{ArrayFacts, ArrayType, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointReason};
+use vibrissa_tests::observer::Observer;
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::{until, until_true};
+
+use crate::running::{LEARNED, Running, quick};
+
+const TIME_TO_LIVE_S: f64 = 5.0;
+const SLEW_MPA_PER_S: f64 = 0.02;
+
+fn params() -> Params {
+    let mut params = quick();
+    params.command.time_to_live = Micros::from_s(TIME_TO_LIVE_S);
+    params
+}
+
+async fn start(array: ArrayFacts) -> (Running, HandRobot) {
+    let running = Running::with(params(), None).await;
+    let mut robot = HandRobot::born(running.port(), "r", array).await;
+    for whisker in 0..robot.array.whiskers.len() as u16 {
+        robot.touch(whisker, LEARNED + 20).await;
+    }
+    (running, robot)
+}
+
+/// A robot with one whisker that was cut, and the setpoint that follows from it.
+async fn cut() -> (Running, HandRobot, Setpoint) {
+    let (running, mut robot) = start(array(ArrayType::Type2, &[70.0])).await;
+    robot.cut(0, 66.0);
+    robot.touch(0, 80).await;
+    let (setpoint, _) = robot.setpoint().await;
+    (running, robot, setpoint)
+}
+
+/// Lets the supervisor's clock tick a few times more: each round needs an answer from it.
+async fn some_rounds(robot: &mut HandRobot) {
+    for _ in 0..10 {
+        robot.status().await;
+        robot.touch(0, 1).await;
+        robot.receipted().await;
+    }
+}
+
+async fn states(running: &Running) -> Vec<String> {
+    running.database.texts("SELECT state FROM setpoints ORDER BY epoch, version").await
+}
+
+async fn until_states(running: &Running, expected: &[&str]) {
+    until_true(&format!("setpoints {expected:?}"), async || states(running).await == expected).await;
+}
+
+#[tokio::test]
+async fn an_unanswered_setpoint_is_sent_again_under_its_name_with_the_next_number() {
+    let (running, mut robot) = start(array(ArrayType::Type2, &[70.0])).await;
+    robot.cut(0, 66.0);
+    robot.touch(0, 80).await;
+    let (first, _) = robot.setpoint().await;
+    for again in 1..4 {
+        let (setpoint, heard) = robot.setpoint().await;
+        assert_eq!(setpoint, Setpoint { seq: first.seq + again, ..first.clone() });
+        assert_eq!((heard.qos, heard.retained), (QoS::AtLeastOnce, false));
+        let expiry_s = heard.expiry_s.expect("a message expiry");
+        assert!((1..=15).contains(&expiry_s), "{expiry_s} s");
+    }
+    let mut late = Observer::subscribed(running.port(), "late", &["whisker/v1/f/r/#"]).await;
+    // What is retained comes before the setpoint that is sent again.
+    let retained = late.expect("a setpoint", |heard| {
+        heard.payload.windows(10).any(|part| part == b"command_id").then_some(heard.retained)
+    });
+    assert!(!retained.await);
+    robot.answer(&first, SetpointOutcome::Received, None).await;
+    until_states(&running, &["RECEIVED"]).await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_setpoint_expires_by_the_robots_clock_and_a_new_one_follows() {
+    let (running, mut robot) = start(array(ArrayType::Type2, &[70.0])).await;
+    // A robot whose clock was never set, in 2020.
+    robot.restart();
+    robot.clock_us = 1_600_000_000_000_000;
+    robot.birth().await;
+    robot.settle().await;
+    robot.cut(0, 66.0);
+    robot.touch(0, 80).await;
+    let (first, _) = robot.setpoint().await;
+    let left_s = (first.expires_us as f64 - robot.clock_us as f64) / 1e6;
+    let slewing_s = (0.1 - first.pressure_mpa) / SLEW_MPA_PER_S;
+    assert!((0.0..1.0).contains(&(TIME_TO_LIVE_S + slewing_s - left_s)), "{left_s} s left");
+
+    robot.clock_us = first.expires_us + 1;
+    robot.status().await;
+    until_true("the expiry", async || states(&running).await.first().is_some_and(|state| state == "EXPIRED")).await;
+    let second = until("another setpoint", async || {
+        Some(robot.setpoint().await.0).filter(|setpoint| setpoint.command_id != first.command_id)
+    })
+    .await;
+    assert!(second.version > first.version && second.expires_us > robot.clock_us);
+    robot.answer(&second, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["EXPIRED", "APPLIED"]).await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_setpoint_that_a_robot_is_not_ready_for_is_tried_three_times_and_then_given_up_with_an_alarm() {
+    let (running, mut robot, mut setpoint) = cut().await;
+    for _ in 0..2 {
+        robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::NotReady)).await;
+        let (next, _) = robot.setpoint().await;
+        assert!(next.version > setpoint.version && next.command_id != setpoint.command_id);
+        assert_eq!((next.pressure_mpa, next.epoch), (setpoint.pressure_mpa, setpoint.epoch));
+        setpoint = next;
+    }
+    robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::NotReady)).await;
+    until_true("the alarm", async || running.metric("vibrissa_alarms_total{kind=\"SETPOINT_FAILED\"}").await == 1.0)
+        .await;
+    some_rounds(&mut robot).await;
+    assert_eq!(robot.setpoints_left(), [&setpoint; 0]);
+    assert_eq!(states(&running).await, ["REJECTED"; 3]);
+    let alarms = running.database.texts("SELECT kind FROM alarms ORDER BY alarm_id").await;
+    assert_eq!(alarms, ["SETPOINT_FAILED", "UNCOMPENSATED"], "nobody else can serve");
+    let ended = running.database.texts("SELECT end_reason FROM compensations WHERE compensator_whisker_id IS NOT NULL");
+    assert_eq!(ended.await, ["SETPOINT_FAILED"]);
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_setpoint_that_is_stale_for_the_robot_is_not_insisted_on() {
+    let (running, mut robot, setpoint) = cut().await;
+    robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::Stale)).await;
+    until_true("the alarm", async || running.metric("vibrissa_alarms_total{kind=\"SETPOINT_FAILED\"}").await == 1.0)
+        .await;
+    some_rounds(&mut robot).await;
+    assert_eq!(robot.setpoints_left(), [&setpoint; 0]);
+    assert_eq!(states(&running).await, ["REJECTED"]);
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn there_is_one_setpoint_at_a_time_for_a_whisker() {
+    let (running, mut robot, setpoint) = cut().await;
+    robot.answer(&setpoint, SetpointOutcome::Received, None).await;
+    until_states(&running, &["RECEIVED"]).await;
+    // A second cut while the first setpoint is under way.
+    robot.cut(0, 63.0);
+    robot.touch(0, 100).await;
+    let (second, _) = robot.setpoint().await;
+    assert!(second.version > setpoint.version && second.pressure_mpa < setpoint.pressure_mpa);
+    until_states(&running, &["SUPERSEDED", "PENDING"]).await;
+    // The first one's end says nothing any more.
+    robot.answer(&setpoint, SetpointOutcome::Superseded, None).await;
+    robot.answer(&second, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["SUPERSEDED", "APPLIED"]).await;
+    running.service.stop().await;
+}
+
+/// The pressures that robots with a stretchable neighbour are told, if its chamber may have that pressure.
+async fn pressures_at_most(pressure_max_mpa: f64) -> Vec<f64> {
+    let mut array = array(ArrayType::Type1, &[66.0, 70.0]);
+    array.whiskers[1].pressure_max_mpa = pressure_max_mpa;
+    let (running, mut robot) = start(array).await;
+    // Too short to serve itself: only its longer neighbour can, with more pressure.
+    robot.cut(0, 50.0);
+    robot.touch(0, 80).await;
+    robot.receipted().await;
+    until_true("a decision", async || running.database.number("SELECT count(*) FROM compensations").await == 1).await;
+    let served = running.database.number("SELECT count(compensator_whisker_id) FROM compensations").await;
+    let mut pressures = Vec::new();
+    if served == 1 {
+        let (setpoint, _) = robot.setpoint().await;
+        assert_eq!(setpoint.reason, SetpointReason::LongerForShorter);
+        pressures.push(setpoint.pressure_mpa);
+    }
+    some_rounds(&mut robot).await;
+    pressures.extend(robot.setpoints_left().iter().map(|setpoint| setpoint.pressure_mpa));
+    running.service.stop().await;
+    pressures
+}
+
+#[tokio::test]
+async fn no_pressure_is_above_the_factsheets_highest() {
+    let free = pressures_at_most(0.2).await;
+    assert!(free.iter().all(|&mpa| mpa > 0.11 && mpa <= 0.2) && !free.is_empty(), "{free:?}");
+    let limited = pressures_at_most(0.105).await;
+    assert!(limited.iter().all(|&mpa| mpa <= 0.105), "{limited:?}");
+}
+
+#[tokio::test]
+async fn a_robot_that_restarts_is_sent_the_setpoint_of_a_compensation_in_force_again() {
+    let (running, mut robot, setpoint) = cut().await;
+    robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
+    robot.status().await;
+    robot.touch(0, 1).await;
+    until_states(&running, &["APPLIED"]).await;
+    robot.restart();
+    robot.birth().await;
+    robot.settle().await;
+    let (again, _) = robot.setpoint().await;
+    assert_eq!(again.robot_boot_id, robot.boot_id);
+    assert!(again.version > setpoint.version && again.command_id != setpoint.command_id);
+    assert_eq!((again.pressure_mpa, again.reason), (setpoint.pressure_mpa, setpoint.reason));
+    robot.answer(&again, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["APPLIED", "APPLIED"]).await;
+    assert_eq!(running.database.number("SELECT count(*) FROM compensations").await, 1, "decided once");
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_setpoint_under_way_to_a_boot_that_is_no_more_is_abandoned_and_made_anew() {
+    let (running, mut robot, setpoint) = cut().await;
+    robot.restart();
+    robot.birth().await;
+    robot.settle().await;
+    let again = until("a setpoint for the new boot", async || {
+        Some(robot.setpoint().await.0).filter(|setpoint| setpoint.robot_boot_id == robot.boot_id)
+    })
+    .await;
+    assert!(again.version > setpoint.version);
+    until_states(&running, &["ABANDONED", "PENDING"]).await;
+    // Asked for the old one, a robot can only say that it is another by now.
+    robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::WrongBoot)).await;
+    robot.answer(&again, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["ABANDONED", "APPLIED"]).await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn junk_about_a_setpoint_leaves_it_under_way() {
+    let (running, mut robot, setpoint) = cut().await;
+    robot.say(RobotTopic::SetpointState, "{}").await;
+    let mut unknown = setpoint.clone();
+    unknown.command_id = "somebody-elses".to_owned();
+    robot.answer(&unknown, SetpointOutcome::Failed, Some(SetpointError::Leak)).await;
+    robot.touch(0, 1).await;
+    robot.receipted().await;
+    assert_eq!(states(&running).await, ["PENDING"]);
+    robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["APPLIED"]).await;
+    running.service.stop().await;
+}

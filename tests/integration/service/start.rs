@@ -1,0 +1,81 @@
+//! What a person is told when the program cannot start.
+
+use std::net::TcpListener;
+use std::path::Path;
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::program::PROGRAM;
+
+/// What the program says, which must fail at once.
+fn refusal(database: &Path, arguments: &[&str]) -> String {
+    let ended = assert_cmd::Command::new(PROGRAM)
+        .args(["run", "--database"])
+        .arg(database)
+        .args(arguments)
+        .env("RUST_LOG", "off")
+        .timeout(Duration::from_secs(20))
+        .output()
+        .unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(1), "{said}");
+    assert!(ended.stdout.is_empty(), "it must not say that it serves");
+    assert!(said.starts_with("vibrissa: ") && said.trim_end().lines().count() == 1, "one line, not {said:?}");
+    said
+}
+
+fn taken() -> (TcpListener, u16) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    (listener, port)
+}
+
+fn database() -> (TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("vibrissa.sqlite3");
+    (folder, path)
+}
+
+const ANY_PORTS: [&str; 4] = ["--mqtt-port", "0", "--http", "127.0.0.1:0"];
+
+#[test]
+fn a_taken_mqtt_port_is_named_with_both_ways_out() {
+    let (_listener, port) = taken();
+    let (_folder, path) = database();
+    let said = refusal(&path, &["--mqtt-port", &port.to_string(), "--http", "127.0.0.1:0"]);
+    let url = format!("--mqtt-url mqtt://127.0.0.1:{port}");
+    for part in [&format!("port {port} on 127.0.0.1 is taken"), "--mqtt-port 0", url.as_str()] {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+}
+
+#[test]
+fn a_taken_http_port_is_named_with_the_way_out() {
+    let (_listener, port) = taken();
+    let (_folder, path) = database();
+    let said = refusal(&path, &["--mqtt-port", "0", "--http", &format!("127.0.0.1:{port}")]);
+    for part in [&format!("127.0.0.1:{port}"), "--http"] {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+    assert_eq!(said.matches("in use").count(), 1, "said once: {said}");
+}
+
+#[test]
+fn a_database_in_a_folder_that_does_not_exist_is_named_with_the_folder() {
+    let (folder, _) = database();
+    let missing = folder.path().join("nowhere");
+    let said = refusal(&missing.join("vibrissa.sqlite3"), &ANY_PORTS);
+    assert!(said.contains(&format!("the folder {} does not exist", missing.display())), "{said}");
+}
+
+#[test]
+fn a_file_that_is_no_database_is_named_and_left_alone() {
+    let (_folder, path) = database();
+    let text = "not a database, but somebody's notes\n".repeat(50);
+    std::fs::write(&path, &text).unwrap();
+    let said = refusal(&path, &ANY_PORTS);
+    assert!(said.contains(&path.display().to_string()), "{said}");
+    assert_eq!(said.matches("file is not a database").count(), 1, "said once: {said}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}

@@ -1,0 +1,56 @@
+//! Just enough of an HTTP client.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+
+use serde_json::Value;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+/// Status and body of an answer.
+pub(crate) async fn get(address: SocketAddr, path: &str) -> (u16, String) {
+    let mut stream = TcpStream::connect(address).await.unwrap();
+    let request = format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).await.unwrap();
+    let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+    let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+    (status, body.to_owned())
+}
+
+/// The JSON of a good answer.
+pub(crate) async fn json(address: SocketAddr, path: &str) -> Value {
+    let (status, body) = get(address, path).await;
+    assert_eq!(status, 200, "{path}: {body}");
+    serde_json::from_str(&body).unwrap()
+}
+
+/// Every metric by its name with labels, such as `vibrissa_refused_total{reason="not_json"}`.
+#[derive(Debug, Clone)]
+pub(crate) struct Metrics(BTreeMap<String, f64>);
+
+impl Metrics {
+    pub(crate) async fn read(address: SocketAddr) -> Self {
+        let (status, body) = get(address, "/metrics").await;
+        assert_eq!(status, 200, "{body}");
+        let sample = |line: &str| {
+            let (name, value) = line.rsplit_once(' ').unwrap_or_else(|| panic!("no sample: {line}"));
+            (name.to_owned(), value.parse().unwrap_or_else(|_| panic!("no number: {line}")))
+        };
+        let lines = body.lines().filter(|line| !line.starts_with('#') && !line.is_empty());
+        Self(lines.map(sample).collect())
+    }
+
+    /// Zero for a metric, or a label of it, that was never counted.
+    pub(crate) fn get(&self, name: &str) -> f64 {
+        self.0.get(name).copied().unwrap_or_default()
+    }
+
+    /// What was refused, by reason.
+    pub(crate) fn refused(&self) -> BTreeMap<String, f64> {
+        let reason =
+            |name: &str| Some(name.strip_prefix("vibrissa_refused_total{reason=\"")?.strip_suffix("\"}")?.to_owned());
+        self.0.iter().filter_map(|(name, &value)| Some((reason(name)?, value))).collect()
+    }
+}
