@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::plot::{Axes, COLOURS, Panel, chart, drawing, legend};
 use crate::store::Store;
-use crate::store::read::{CompensationReading, ErrorBinReading, LengthPoint};
+use crate::store::readings::{CompensationReading, ErrorBinReading, LengthPoint};
 use crate::words::Z95;
 
 /// Every so many contacts one point of a curve.

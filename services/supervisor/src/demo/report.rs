@@ -8,7 +8,7 @@ use vibrissa_simulator::Fleet;
 
 use super::scenario::{INCIDENTS, Incident, What};
 use crate::store::Store;
-use crate::store::read::{CompensationReading, TrimReading, WhiskerReading};
+use crate::store::readings::{CompensationReading, TrimReading, WhiskerReading};
 use crate::words::Word;
 
 /// The paper's measured mean error of case 1 and self-compensation.

@@ -4,6 +4,7 @@
 //! core, writes all that came of them in one transaction, and then publishes setpoints and receipts. What
 //! is published is therefore always committed; what is not committed is sent again by the robots.
 
+mod intake;
 mod publication;
 mod record;
 
@@ -13,16 +14,15 @@ use std::time::{Duration, SystemTime};
 use bytes::Bytes;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
-use tracing::{debug, error, info, warn};
+use tracing::{error, info};
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::{Admission, Event, Outcome, Params, Robot};
+use vibrissa_core::robot::{Event, Outcome, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros};
-use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Topic};
+use vibrissa_protocol::{self as protocol, BootId, Name};
 
-use crate::edge;
 use crate::metrics::Metrics;
 use crate::mqtt::Inbox;
-use crate::store::{Batch, Store, StoreError, StoredRobot, batch::LayoutRow};
+use crate::store::{Batch, Store, StoreError, StoredRobot};
 use crate::words::Word;
 
 pub use publication::Publication;
@@ -33,8 +33,6 @@ const GATHER: Duration = Duration::from_millis(10);
 const GATHER_MAX: usize = 4096;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
-/// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
-const ROBOTS_MAX: usize = 10_000;
 /// How often receipts are sent.
 const RECEIPTS: Duration = Duration::from_millis(100);
 
@@ -165,176 +163,6 @@ impl Engine {
             self.metrics.database_errors.inc();
             error!(%problem, "the database does not answer; trying again");
             backoff.wait().await;
-        }
-    }
-
-    async fn handle(&mut self, incoming: &Incoming) -> Result<(), StoreError> {
-        let Ok(text) = std::str::from_utf8(&incoming.topic) else {
-            self.refuse("unknown_topic", "a topic that is not UTF-8", "");
-            return Ok(());
-        };
-        let topic = match Topic::parse(text) {
-            Ok(topic) => topic,
-            Err(refusal) => {
-                self.refuse(refusal.label(), &refusal, text);
-                return Ok(());
-            }
-        };
-        let Topic::Robot { fleet, robot, kind } = &topic else { return Ok(()) };
-        if *fleet != self.fleet || !kind.is_from_robot() {
-            return Ok(());
-        }
-        self.metrics.messages.with_label_values(&[kind.as_str()]).inc();
-        match protocol::decode(&topic, &incoming.payload) {
-            Ok(message) => self.take(robot, &message, incoming.received).await,
-            Err(refusal) => {
-                self.refuse(refusal.label(), &refusal, text);
-                if *kind == RobotTopic::Contacts {
-                    self.account_for_refused(robot, &incoming.payload, incoming.received).await?;
-                }
-                Ok(())
-            }
-        }
-    }
-
-    /// A refused `contacts` message whose number can be read is receipted: sent again it would be refused
-    /// again, for ever, before everything that comes after it.
-    async fn account_for_refused(&mut self, robot: &Name, payload: &[u8], now: Micros) -> Result<(), StoreError> {
-        let Some(envelope) = protocol::envelope(payload) else { return Ok(()) };
-        let contacts = protocol::Contacts { boot_id: envelope.boot_id, seq: envelope.seq, contacts: Vec::new() };
-        self.take(robot, &Message::Contacts(contacts), now).await
-    }
-
-    fn refuse(&self, reason: &'static str, problem: impl std::fmt::Display, topic: &str) {
-        self.metrics.refused.with_label_values(&[reason]).inc();
-        debug!(reason, %problem, topic, "refused");
-    }
-
-    async fn take(&mut self, name: &Name, message: &Message, now: Micros) -> Result<(), StoreError> {
-        if !self.robots.contains_key(name) && !self.make_known(name, message).await? {
-            return Ok(());
-        }
-        match message {
-            Message::Connection(told) => {
-                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
-                self.step(name, now, &event, None);
-                if told.state == protocol::ConnectionState::Online {
-                    self.ask_after_setpoints(name);
-                }
-            }
-            Message::Factsheet(told) => self.take_factsheet(name, told, now).await?,
-            Message::Contacts(told) => self.take_contacts(name, told, now),
-            Message::Status(told) => {
-                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
-                match whiskers {
-                    Ok(whiskers) => {
-                        let robot_time = Micros(told.t_us);
-                        let event = Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers };
-                        self.step(name, now, &event, None);
-                    }
-                    Err(problem) => self.refuse(problem.label(), problem, "status"),
-                }
-            }
-            Message::SetpointState(told) => self.take_setpoint_state(name, told, now),
-            // Not from robots: other supervisors' messages, which the subscriptions leave out.
-            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
-        }
-        Ok(())
-    }
-
-    /// A robot becomes known by its birth or factsheet, which the broker retains: what comes before is not
-    /// taken, and sent again. False if it is not taken.
-    async fn make_known(&mut self, name: &Name, message: &Message) -> Result<bool, StoreError> {
-        if !matches!(message, Message::Connection(_) | Message::Factsheet(_)) {
-            self.refuse("unknown_robot", "neither birth nor factsheet was received of this robot", name.as_str());
-            return Ok(false);
-        }
-        if self.robots.len() >= ROBOTS_MAX {
-            self.refuse("too_many_robots", format!("the fleet has {ROBOTS_MAX} robots already"), name.as_str());
-            return Ok(false);
-        }
-        let known = Known {
-            robot_id: self.store.robot_id(self.fleet.as_str(), name.as_str()).await?,
-            robot: Robot::new(self.epoch),
-            whisker_ids: Vec::new(),
-            boots: BTreeMap::new(),
-            seqs: publication::Seqs::default(),
-        };
-        self.robots.insert(name.clone(), known);
-        Ok(true)
-    }
-
-    async fn take_factsheet(&mut self, name: &Name, told: &protocol::Factsheet, now: Micros) -> Result<(), StoreError> {
-        let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
-        let factsheet = match edge::factsheet(told, &models) {
-            Ok(factsheet) => factsheet,
-            Err(problem) => {
-                warn!(robot = %name, %problem, "factsheet refused");
-                self.refuse(problem.label(), problem, "factsheet");
-                return Ok(());
-            }
-        };
-        let Some(known) = self.robots.get_mut(name) else { return Ok(()) };
-        let boot_id = told.boot_id.as_str();
-        if !known.boots.contains_key(boot_id) {
-            let boot = self.store.boot(known.robot_id, boot_id, now.0 as i64).await?;
-            known.boots.insert(boot_id.to_owned(), boot);
-        }
-        // The layout is numbered from a copy first, so that a database that is away changes nothing.
-        let mut laid_out = known.robot.clone();
-        laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
-        let ids = self.store.whisker_ids(known.robot_id, &laid_out).await?;
-        if ids != known.whisker_ids {
-            known.whisker_ids = ids;
-            self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });
-        }
-        self.step(name, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
-        Ok(())
-    }
-
-    fn take_contacts(&mut self, name: &Name, told: &protocol::Contacts, now: Micros) {
-        let mut contacts = Vec::with_capacity(told.contacts.len());
-        for contact in &told.contacts {
-            match edge::contact(contact) {
-                Ok(contact) => contacts.push(contact),
-                Err(problem) => self.refuse(problem.label(), problem, "contacts"),
-            }
-        }
-        let boot_id = told.boot_id.as_str();
-        let event = Event::Contacts { boot_id, seq: told.seq, contacts: &contacts };
-        match self.step(name, now, &event, Some(told)) {
-            Some(Outcome::NotYet(admission)) => {
-                let reason = match admission {
-                    Admission::TooManyGaps => "too_many_gaps",
-                    Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
-                };
-                self.refuse(reason, "contacts that cannot be taken yet", name.as_str());
-                return;
-            }
-            Some(Outcome::Duplicate) => self.metrics.duplicates.inc(),
-            Some(Outcome::Taken | Outcome::OldBoot) | None => {}
-        }
-        self.receipts_due.insert((name.clone(), boot_id.to_owned()));
-    }
-
-    fn take_setpoint_state(&mut self, name: &Name, told: &protocol::SetpointState, now: Micros) {
-        let Some(known) = self.robots.get(name) else { return };
-        let found = known
-            .robot
-            .commands_under_way()
-            .find(|command| publication::command_id(&self.fleet, name, command.key) == told.command_id)
-            .map(|command| (command.key, command.pressure));
-        let Some((command, pressure)) = found else {
-            debug!(robot = %name, command_id = told.command_id, "a state of a setpoint that is not under way");
-            return;
-        };
-        match edge::setpoint_report(told, pressure) {
-            Ok(report) => {
-                let robot_time = Micros(told.t_us);
-                let event = Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time };
-                self.step(name, now, &event, None);
-            }
-            Err(problem) => self.refuse(problem.label(), problem, "setpoint_state"),
         }
     }
 

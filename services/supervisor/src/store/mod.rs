@@ -1,12 +1,12 @@
 //! The database: named queries, one transaction for each batch.
 //!
-//! [`batch`] is what is written, [`commit`] writes it, [`load`] reads back what a restart needs, [`read`]
-//! what people ask for. Nothing outside this module knows SQL.
+//! [`batch`] is what is written, [`commit`] writes it, [`load`] reads back what a restart needs, [`read`] what people ask for, as [`readings`]. Nothing outside this module knows SQL.
 
 pub mod batch;
 mod commit;
 mod load;
 pub mod read;
+pub mod readings;
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
