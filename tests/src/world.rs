@@ -4,7 +4,7 @@ use vibrissa::edge;
 use vibrissa::words::setpoint_reason;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
-use vibrissa_core::robot::{Event, Params, Robot};
+use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Timestamp, decode, encode};
 use vibrissa_simulator::robot::Outgoing;
@@ -41,7 +41,7 @@ impl World {
         let robot = SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot");
         let mut world = Self {
             robot,
-            core: Robot::new(1),
+            core: Robot::new(1, Numbers::default()),
             params,
             effects: Vec::new(),
             contacts: 0,

@@ -4,6 +4,7 @@ use std::process::Command;
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::{Params, Robot};
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event, Scenario};
 use vibrissa_tests::world::World;
@@ -40,7 +41,7 @@ fn property_stored_and_taken_up_again_it_goes_on_as_if_nothing_had_happened() {
         stored.run_until_s(f64::from(second));
         let whiskers: Vec<Vec<u8>> =
             (0..stored.core.whisker_count()).filter_map(|index| stored.core.whisker_to_bytes(index)).collect();
-        stored.core = Robot::from_bytes(&stored.core.to_bytes(), &whiskers, 1).unwrap();
+        stored.core = Robot::from_bytes(&stored.core.to_bytes().unwrap(), &whiskers, 1, Micros::default()).unwrap();
     }
     assert_eq!(straight.effects, stored.effects);
 }
@@ -49,10 +50,10 @@ fn property_stored_and_taken_up_again_it_goes_on_as_if_nothing_had_happened() {
 fn bytes_of_another_version_are_refused_by_name() {
     let mut world = World::new(&eventful(), params());
     world.run_until_s(1.0);
-    let head = world.core.to_bytes();
-    let problem = Robot::from_bytes(&head[..head.len() - 1], &[], 1).unwrap_err();
+    let head = world.core.to_bytes().unwrap();
+    let problem = Robot::from_bytes(&head[..head.len() - 1], &[], 1, Micros::default()).unwrap_err();
     assert!(problem.to_string().contains("not of this version"), "{problem}");
-    let problem = Robot::from_bytes(&head, &[vec![1, 2, 3]], 1).unwrap_err();
+    let problem = Robot::from_bytes(&head, &[vec![1, 2, 3]], 1, Micros::default()).unwrap_err();
     assert!(problem.to_string().contains("whisker index 0"), "{problem}");
 }
 

@@ -249,7 +249,6 @@ async fn spoil_the_states(path: &Path) {
 }
 
 #[tokio::test]
-#[ignore = "a robot that starts anew numbers from 0 again, and its first trim can never be committed"]
 async fn a_robot_whose_stored_state_cannot_be_read_starts_anew_and_its_trims_have_new_numbers() {
     let broker = Mosquitto::start();
     let running = Running::with(quick(), Some(broker.port())).await;

@@ -38,9 +38,9 @@ impl Robot {
         index: WhiskerIndex,
         effects: &mut Vec<Effect>,
     ) {
-        let online = self.link == Link::Online;
+        let (online, since) = (self.link == Link::Online, self.listening_since);
         let whisker = &mut self.whiskers[index];
-        let to = whisker.present_fault(params, now, online);
+        let to = whisker.present_fault(params, now, online, since);
         let from = std::mem::replace(&mut whisker.fault, to);
         if from == to {
             return;
@@ -67,8 +67,8 @@ impl Whisker {
     }
 
     /// The worst that is known now; the cause before the symptom.
-    fn present_fault(&self, params: &Params, now: Micros, online: bool) -> Option<Fault> {
-        let silent = self.heard.is_some_and(|heard| now.since(heard) > params.health.stale_after);
+    fn present_fault(&self, params: &Params, now: Micros, online: bool, listening_since: Micros) -> Option<Fault> {
+        let silent = self.heard.is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
         if silent || !online {
             return Some(Fault::Stale);
         }

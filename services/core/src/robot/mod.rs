@@ -53,6 +53,12 @@ pub struct Robot {
     next_compensation: u32,
     /// Something has changed that a decision rests on.
     undecided: bool,
+    /// Since when this program listens: silence before that is not the robot's.
+    #[borsh(skip)]
+    listening_since: Micros,
+    /// When its factsheet was asked for last.
+    #[borsh(skip)]
+    factsheet_asked: Option<Micros>,
     #[borsh(skip)]
     changed: bool,
     /// Stored one by one: see [`Robot::to_bytes`].
@@ -69,6 +75,18 @@ pub struct Array {
     pub kind: ArrayKind,
 }
 
+/// The first free numbers of a robot's trims and compensations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Numbers {
+    /// Of trims.
+    pub next_trim: u32,
+    /// Of compensations.
+    pub next_compensation: u32,
+}
+
+/// A factsheet that does not come is asked for again after this.
+const FACTSHEET_ASKED_EVERY: Micros = Micros(2_000_000);
+
 /// What was made of a message as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
@@ -83,9 +101,10 @@ pub enum Outcome {
 }
 
 impl Robot {
-    /// A robot of which nothing is known.
+    /// A robot of which nothing is known. `numbers` are the first free ones of its trims and compensations,
+    /// 0 for one that was never supervised.
     #[must_use]
-    pub fn new(epoch: u64) -> Self {
+    pub fn new(epoch: u64, numbers: Numbers) -> Self {
         Self {
             epoch,
             link: Link::Offline,
@@ -95,9 +114,11 @@ impl Robot {
             arrays: Vec::new(),
             compensations: Vec::new(),
             next_version: 0,
-            next_trim: 0,
-            next_compensation: 0,
+            next_trim: numbers.next_trim,
+            next_compensation: numbers.next_compensation,
             undecided: false,
+            listening_since: Micros::default(),
+            factsheet_asked: None,
             changed: true,
             whiskers: Vec::new(),
         }
@@ -174,9 +195,16 @@ impl Robot {
             self.refresh_fault(params, now, index, effects);
         }
         if link == Link::Online && self.sequences.of(boot_id).is_none() {
-            effects.push(Effect::Request(Request::Factsheet));
+            self.ask_for_factsheet(now, effects);
         }
         Outcome::Taken
+    }
+
+    fn ask_for_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
+        if self.factsheet_asked.is_none_or(|asked| now.since(asked) >= FACTSHEET_ASKED_EVERY) {
+            self.factsheet_asked = Some(now);
+            effects.push(Effect::Request(Request::Factsheet));
+        }
     }
 
     fn factsheet(
@@ -259,7 +287,7 @@ impl Robot {
             Admission::New => {}
             Admission::Duplicate => return Outcome::Duplicate,
             Admission::UnknownBoot => {
-                effects.push(Effect::Request(Request::Factsheet));
+                self.ask_for_factsheet(now, effects);
                 return Outcome::NotYet(Admission::UnknownBoot);
             }
             Admission::TooManyGaps => return Outcome::NotYet(Admission::TooManyGaps),

@@ -2,28 +2,28 @@
 
 use super::Robot;
 use super::effect::WhiskerIndex;
+use crate::units::Micros;
 
 impl Robot {
-    /// The robot without its whiskers, as bytes to be stored.
-    ///
-    /// # Panics
-    /// Never: writing to memory cannot fail, and no value is a NaN.
+    /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
+    /// program: then what was stored before is worth more.
     #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        borsh::to_vec(self).unwrap_or_default()
+    pub fn to_bytes(&self) -> Option<Vec<u8>> {
+        borsh::to_vec(self).ok()
     }
 
-    /// One whisker as bytes to be stored; none beyond the last.
+    /// One whisker as bytes to be stored; none beyond the last, or if it cannot be stored.
     #[must_use]
     pub fn whisker_to_bytes(&self, index: WhiskerIndex) -> Option<Vec<u8>> {
         borsh::to_vec(self.whiskers.get(index)?).ok()
     }
 
-    /// The robot as it was stored, under a new epoch. `whiskers` are in the order of their indices.
+    /// The robot as it was stored, under a new epoch, listened to from `now` on. `whiskers` are in the order of
+    /// their indices.
     ///
     /// # Errors
     /// The bytes are not from this version of the program.
-    pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64) -> Result<Self, RestoreError> {
+    pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64, now: Micros) -> Result<Self, RestoreError> {
         let mut robot: Self = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
         for (index, bytes) in whiskers.iter().enumerate() {
             robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
@@ -33,6 +33,7 @@ impl Robot {
             return Err(RestoreError::Layout);
         }
         robot.epoch = epoch;
+        robot.listening_since = now;
         Ok(robot)
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tracing::{debug, warn};
-use vibrissa_core::robot::{Admission, Event, Outcome, Robot};
+use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
@@ -103,7 +103,7 @@ impl Engine {
         }
         let known = Known {
             robot_id: self.store.robot_id(self.fleet.as_str(), name.as_str()).await?,
-            robot: Robot::new(self.epoch),
+            robot: Robot::new(self.epoch, Numbers::default()),
             whisker_ids: Vec::new(),
             boots: BTreeMap::new(),
             seqs: publication::Seqs::default(),

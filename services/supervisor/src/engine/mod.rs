@@ -243,14 +243,15 @@ impl Engine {
 
 /// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew.
 fn take_up(stored: StoredRobot, epoch: u64) -> Known {
-    let restored = stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch));
+    let restored =
+        stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch, wall_clock()));
     let (robot, whisker_ids) = match restored {
         Some(Ok(robot)) => (robot, stored.whisker_ids),
         Some(Err(problem)) => {
             error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
-            (Robot::new(epoch), Vec::new())
+            (Robot::new(epoch, stored.numbers), Vec::new())
         }
-        None => (Robot::new(epoch), Vec::new()),
+        None => (Robot::new(epoch, stored.numbers), Vec::new()),
     };
     Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs: publication::Seqs::default() }
 }

@@ -1,6 +1,6 @@
 //! Effects become rows and publications.
 
-use tracing::{info, warn};
+use tracing::{error, info, warn};
 use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin, Request};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
@@ -153,18 +153,27 @@ impl Engine {
             let Some(known) = self.robots.get_mut(&name) else { continue };
             let mut changed = Vec::new();
             known.robot.take_changed_whiskers(|index| changed.push(index));
-            if known.robot.take_changed() || !changed.is_empty() {
+            let state = (known.robot.take_changed() || !changed.is_empty()).then(|| known.robot.to_bytes());
+            if let Some(state) = state {
+                let Some(state) = state else {
+                    error!(robot = %name, "its state cannot be stored; the one stored before stays");
+                    continue;
+                };
                 let (boot_id, link) = known.robot.connection_state();
                 self.batch.robots.push(RobotRow {
                     robot_id: known.robot_id,
                     boot_id: boot_id.map(str::to_owned),
                     connection: link.word(),
                     updated_us: now_us,
-                    state: known.robot.to_bytes(),
+                    state,
                 });
             }
             for index in changed {
                 let (Some(view), Some(&whisker_id)) = (known.robot.whisker(index), known.whisker_ids.get(index)) else {
+                    continue;
+                };
+                let Some(state) = known.robot.whisker_to_bytes(index) else {
+                    error!(robot = %name, whisker = index, "its state cannot be stored; the one stored before stays");
                     continue;
                 };
                 self.batch.whiskers.push(WhiskerRow {
@@ -178,7 +187,7 @@ impl Engine {
                     setpoint_mpa: view.setpoint.mpa(),
                     contacts: view.contacts as i64,
                     heard_us: view.heard.map(|heard| heard.0 as i64),
-                    state: known.robot.whisker_to_bytes(index).unwrap_or_default(),
+                    state,
                 });
             }
         }

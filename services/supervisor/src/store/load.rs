@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use sqlx::Row;
-use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::event::{ArrayKind, WhiskerSheet};
+use vibrissa_core::robot::{Numbers, Robot};
 
 use super::{Store, StoreError, failed};
 use crate::words::Word;
@@ -26,6 +26,8 @@ pub struct StoredRobot {
     pub whisker_states: Vec<Vec<u8>>,
     /// Numbers of its boots.
     pub boots: BTreeMap<String, i64>,
+    /// The first free numbers of its trims and compensations, for when its state cannot be used.
+    pub numbers: Numbers,
 }
 
 impl Store {
@@ -49,11 +51,16 @@ impl Store {
     /// The database cannot be read.
     pub async fn robots(&self, fleet: &str) -> Result<Vec<StoredRobot>, StoreError> {
         const WHAT: &str = "load the robots";
-        let rows = sqlx::query("SELECT robot_id, fleet, robot, state FROM robots WHERE fleet = ?")
-            .bind(fleet)
-            .fetch_all(&self.pool)
-            .await
-            .map_err(failed(WHAT))?;
+        let rows = sqlx::query(
+            "SELECT robot_id, fleet, robot, state, \
+             (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
+             (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
+             FROM robots r WHERE fleet = ?",
+        )
+        .bind(fleet)
+        .fetch_all(&self.pool)
+        .await
+        .map_err(failed(WHAT))?;
         let mut robots: BTreeMap<i64, StoredRobot> = BTreeMap::new();
         for row in &rows {
             let robot = StoredRobot {
@@ -64,6 +71,10 @@ impl Store {
                 whisker_ids: Vec::new(),
                 whisker_states: Vec::new(),
                 boots: BTreeMap::new(),
+                numbers: Numbers {
+                    next_trim: next_number(row.get("last_trim")),
+                    next_compensation: next_number(row.get("last_compensation")),
+                },
             };
             robots.insert(robot.robot_id, robot);
         }
@@ -149,6 +160,11 @@ impl Store {
         transaction.commit().await.map_err(failed(WHAT))?;
         Ok(ids)
     }
+}
+
+/// The number after the last one, of which the database's number has the robot's in front.
+fn next_number(last: Option<i64>) -> u32 {
+    last.map_or(0, |last| (last as u32).wrapping_add(1))
 }
 
 async fn array_id(tx: &mut sqlx::SqliteConnection, robot_id: i64, array: &str, kind: ArrayKind) -> sqlx::Result<i64> {
