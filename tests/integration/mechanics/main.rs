@@ -1,6 +1,7 @@
 //! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere.
 
 mod brute_force;
+mod cli;
 mod fit;
 mod golden;
 mod paper;

@@ -1,0 +1,138 @@
+//! `vibrissa paper`, `solve` and `calibrate` as a person meets them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn vibrissa(arguments: &[&str], folder: &Path) -> Output {
+    let program = env!("CARGO_BIN_EXE_vibrissa-under-test");
+    Command::new(program).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    assert!(output.status.success(), "{}", err(output));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+#[test]
+fn paper_table_and_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = out(&vibrissa(&["paper", "--svg", "figures"], folder.path()));
+    let line = |part: &str, number: &str| table.lines().any(|line| line.contains(part) && line.contains(number));
+    assert!(line("case 1", "0.0480") && line("case 1", "1.5033") && line("case 1", "20.385"), "{table}");
+    assert!(line("case 2", "0.1920") && line("case 2", "0.7365") && line("case 2", "36.1837"), "{table}");
+    for name in ["fig-7-normal-mode", "fig-8-pressure", "fig-9-compensation"] {
+        let svg = std::fs::read_to_string(folder.path().join(format!("figures/{name}.svg"))).unwrap();
+        assert!(svg.contains("strain") && svg.trim_end().ends_with("</svg>"), "{name}");
+    }
+}
+
+#[test]
+fn paper_solve_answers_case_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let answer = out(&vibrissa(&["solve", "--target-mm", "70", "--length-mm", "65", "--json"], folder.path()));
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(answer["solution"], "IN_RANGE");
+    assert!((answer["setpoint_mpa"].as_f64().unwrap() - 0.048).abs() < 1e-9);
+    assert_eq!(answer["by_contact_ratio"].as_array().unwrap().len(), 12);
+}
+
+#[test]
+fn property_solve_out_of_range_is_an_answer_and_a_cut_into_the_chamber_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let solve = |length_mm: &str| vibrissa(&["solve", "--target-mm", "70", "--length-mm", length_mm], folder.path());
+    assert!(out(&solve("55")).contains("OUT OF RANGE: 55 mm stays more sensitive"));
+    assert!(out(&solve("82")).contains("OUT OF RANGE: 82 mm stays less sensitive"));
+    let refused = solve("14");
+    assert!(!refused.status.success());
+    assert!(err(&refused).contains("cut into its chamber"), "{}", err(&refused));
+}
+
+/// Readings of k2 = 0.5 + 1.4 exp(-10 Q), E = 1.2 MPa, and G = 9 mm; exact.
+fn readings(header: &str, strain_unit: f64) -> String {
+    use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model};
+    let calibration = Calibration { c: 0.5, a: 1.4, b_per_mpa: 10.0, youngs_modulus_mpa: 1.2, elongation_gain_mm: 9.0 };
+    let model = Model::new(Geometry::nguyen_2021(), calibration, Formulation::Published).unwrap();
+    let mut text = format!("# made up\npressure_mpa,{header},elongation_mm\n0,,\n");
+    for pressure in [0.002, 0.02, 0.05, 0.1, 0.15, 0.2].map(super::mpa) {
+        let (strain, stretch_mm) =
+            (model.axial_strain(pressure).ratio() / strain_unit, model.elongation(pressure).mm());
+        text += &format!("{},{strain},{stretch_mm}\n", pressure.mpa());
+    }
+    text
+}
+
+#[test]
+fn property_calibrate_finds_the_parameters_and_its_file_can_be_used() {
+    let folder = tempfile::tempdir().unwrap();
+    for (header, unit) in
+        [("strain", 1.0), ("strain_reading_um_per_m", 1e-6 / 2.21), ("strain_reading_mm_per_m", 1e-3 / 2.21)]
+    {
+        std::fs::write(folder.path().join("front.csv"), readings(header, unit)).unwrap();
+        let arguments =
+            ["calibrate", "front.csv", "--youngs-modulus-mpa", "1.2", "--out", "front.toml", "--svg", "front.svg"];
+        out(&vibrissa(&arguments, folder.path()));
+        let (name, model) = vibrissa::calibration_file::load(
+            &folder.path().join("front.toml"),
+            vibrissa_core::mechanics::Formulation::Published,
+        )
+        .unwrap();
+        assert_eq!(name, "front");
+        let found = model.calibration();
+        for (what, found, expected) in [
+            ("c", found.c, 0.5),
+            ("a", found.a, 1.4),
+            ("b", found.b_per_mpa, 10.0),
+            ("E", found.youngs_modulus_mpa, 1.2),
+            ("G", found.elongation_gain_mm, 9.0),
+        ] {
+            super::assert_close(&format!("{what} by {header}"), found, expected, 1e-6);
+        }
+    }
+    let answer =
+        vibrissa(&["solve", "--target-mm", "70", "--length-mm", "66", "--calibration", "front.toml"], folder.path());
+    assert!(out(&answer).contains("front"));
+}
+
+#[test]
+fn property_bad_readings_are_refused_with_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    for (text, expected) in [
+        ("pressure_mpa,strain\n0.1,0.05\n0.1,abc\n", "line 3: column strain: \"abc\" is not a number"),
+        ("pressure_mpa,strain\n0.1,0.05\n1.5,0.03\n", "line 3: column pressure_mpa: pressure in MPa is 1.5"),
+        ("# x\npressure_mpa,strain\n0.1,0.05\n0.05,-0.03\n", "line 4, strain: under pressure it must be above 0"),
+        ("pressure_mpa,strain\n0.1,0.05\n0.1,0.05,3\n", "line: 3"),
+        ("pressure_mpa,strain,elogation_mm\n0.1,0.05,1\n", "unknown column \"elogation_mm\""),
+        ("pressure_mpa\n0.1\n", "exactly one of the columns strain"),
+        ("pressure_mpa,strain\n0.1,0.05\n", "1 rows with a strain above zero pressure: at least 4"),
+    ] {
+        std::fs::write(folder.path().join("bad.csv"), text).unwrap();
+        let refused = vibrissa(&["calibrate", "bad.csv"], folder.path());
+        assert!(!refused.status.success());
+        assert!(err(&refused).contains(expected), "{} instead of {expected}", err(&refused));
+    }
+}
+
+#[test]
+fn property_a_bad_calibration_file_is_refused_by_file_and_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = "name = \"x\"\nc = 0.5\na = 1.4\nb_per_mpa = 10\nyoungs_modulus_mpa = 1.2\nelongation_gain_mm = 9\n";
+    for (from, to, expected) in [
+        ("c = 0.5\n", "", "missing field `c`"),
+        ("c = 0.5", "c = \"much\"", "line 2"),
+        ("c = 0.5", "c = -0.5", "calibration c must be a number above 0, not -0.5"),
+        ("c = 0.5", "c = 0.5\nd = 1", "unknown field `d`"),
+        ("\"x\"", "\"a b\"", "key `name`"),
+    ] {
+        std::fs::write(folder.path().join("x.toml"), good.replace(from, to)).unwrap();
+        let refused =
+            vibrissa(&["solve", "--target-mm", "70", "--length-mm", "66", "--calibration", "x.toml"], folder.path());
+        assert!(!refused.status.success());
+        assert!(err(&refused).contains("x.toml") && err(&refused).contains(expected), "{}", err(&refused));
+    }
+}
