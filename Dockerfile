@@ -6,8 +6,6 @@
 FROM rust:1.95-slim-bookworm AS build
 WORKDIR /src
 COPY . .
-# Line tables are for those who develop: the programs are several times as large with them.
-ENV CARGO_PROFILE_RELEASE_DEBUG=false
 # Dependencies stay built in the cache, which is not a layer: the programs are copied out of it.
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
