@@ -12,6 +12,11 @@ use crate::units::{ContactRatio, Megapascal, Millimetre};
 const PRESSURE_TOLERANCE_MPA: f64 = 1e-12;
 /// Log sensitivities this near are equal: at the ends of the range, rounding decides nothing.
 const EQUAL_LOG: f64 = 1e-12;
+/// Grid of the search for the least mean error.
+const MEAN_CELLS: u32 = 16;
+/// To what its pressure is found, in MPa.
+const MEAN_TOLERANCE_MPA: f64 = 1e-7;
+
 /// What a setpoint is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum Objective {
@@ -87,8 +92,8 @@ impl Solution {
 /// pressure, so there is at most one root; it is solved to 1e-12 MPa. (A short whisker's tip has a peak
 /// within the range, for nguyen-2021 below 52 mm: then the pressures up to the peak count.)
 ///
-/// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of a fortieth of the range, then by golden
-/// section to 1e-9 MPa: every term falls to its own zero and rises again, and so, but for small ripples
+/// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of a sixteenth of the range, then by golden
+/// section to 1e-7 MPa, a ten-thousandth of what regulators tell apart: every term falls to its own zero and rises again, and so, but for small ripples
 /// between those zeros, does the mean. Contact ratios that the highest pressure would put on the chamber
 /// are left out. A least value at an end of the range is out of range. Where no contact ratio has
 /// anything to compensate, the tip decides.
@@ -196,7 +201,7 @@ impl<'a> Question<'a> {
             let after = self.after(pressure_mpa);
             weighed.iter().map(|&(k, target, weight)| weight * (after[k].unwrap_or(target) - target).abs()).sum()
         };
-        let least_mpa = root::least(low_mpa, high_mpa, range::CELLS, range::TOLERANCE_MPA, total_error);
+        let least_mpa = root::least(low_mpa, high_mpa, MEAN_CELLS, MEAN_TOLERANCE_MPA, total_error);
         let setpoint = self.setpoint(least_mpa);
         if least_mpa == low_mpa {
             Solution::NeedsBelow(setpoint)
