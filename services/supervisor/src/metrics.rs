@@ -21,6 +21,8 @@ pub struct Metrics {
     pub duplicates: IntCounter,
     /// Contacts messages not taken in because the inbox was full; robots send them again.
     pub shed: IntCounter,
+    /// Contacts messages that are not waited for any more: their robot does not send them again.
+    pub given_up: IntCounter,
     /// Contacts taken, by what they were used for.
     pub contacts: IntCounterVec,
     /// Trims found.
@@ -64,6 +66,7 @@ impl Metrics {
             refused: counters(r, "vibrissa_refused_total", "Messages or contacts refused.", "reason")?,
             duplicates: counter(r, "vibrissa_duplicates_total", "Contacts messages that had been seen before.")?,
             shed: counter(r, "vibrissa_shed_total", "Contacts messages not taken in because the inbox was full.")?,
+            given_up: counter(r, "vibrissa_given_up_total", "Contacts messages not waited for any more.")?,
             contacts: counters(r, "vibrissa_contacts_total", "Contacts taken, by what they were used for.", "used")?,
             trims: counter(r, "vibrissa_trims_total", "Trims found.")?,
             decisions: counters_of(

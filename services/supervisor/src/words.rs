@@ -64,7 +64,6 @@ words! {
         Ineligible::Stale => "STALE",
         Ineligible::GaugeFault => "GAUGE_FAULT",
         Ineligible::Leaking => "LEAKING",
-        Ineligible::Serving => "SERVING",
         Ineligible::SetpointFailed => "SETPOINT_FAILED",
     }
     Refused {
@@ -77,8 +76,7 @@ words! {
         Refused::CostsMore => "COSTS_MORE",
     }
     EndReason {
-        EndReason::TargetReplaced => "TARGET_REPLACED",
-        EndReason::CompensatorReplaced => "COMPENSATOR_REPLACED",
+        EndReason::LayoutChanged => "LAYOUT_CHANGED",
         EndReason::TargetTrimmedAgain => "TARGET_TRIMMED_AGAIN",
         EndReason::CompensatorBroken => "COMPENSATOR_BROKEN",
         EndReason::Reassigned => "REASSIGNED",

@@ -137,12 +137,6 @@ impl Detector {
         self.suspicion.is_none() && self.candidates.iter().all(|candidate| candidate.cusum() < 3.0)
     }
 
-    /// Whether an alarm is being looked into.
-    #[must_use]
-    pub fn is_suspicious(&self) -> bool {
-        self.suspicion.is_some()
-    }
-
     /// The mixture of Shiryaev-Roberts statistics; an alarm is raised where it reaches the stated mean number
     /// of contacts between false alarms.
     #[must_use]

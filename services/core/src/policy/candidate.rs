@@ -75,8 +75,6 @@ pub enum Ineligible {
     GaugeFault,
     /// Its chamber leaks or its regulator fails.
     Leaking,
-    /// It compensates for another whisker already.
-    Serving,
     /// Its last setpoint failed for good.
     SetpointFailed,
 }

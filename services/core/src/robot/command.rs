@@ -1,7 +1,7 @@
 //! Setpoints: one at a time per whisker, sent until answered, superseded or expired.
 
 use super::Robot;
-use super::effect::{AlarmKind, Command, CommandKey, CommandState, Effect, EndReason, Reason, Request, WhiskerIndex};
+use super::effect::{AlarmKind, Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{Link, Rejection, SetpointReport};
 use super::params::Params;
 use super::whisker::{Desired, InFlight};
@@ -205,7 +205,7 @@ impl Robot {
             // Another try can succeed: with a new number, a new expiry.
             Rejection::Expired | Rejection::NotReady => {}
             // The robot is another one than we think.
-            Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::Request(Request::Factsheet)),
+            Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
             Rejection::Stale | Rejection::OutOfRange => self.give_up(index, effects),
         }

@@ -76,8 +76,8 @@ pub enum Effect {
         /// What.
         kind: AlarmKind,
     },
-    /// Ask the robot.
-    Request(Request),
+    /// Ask the robot for its factsheet.
+    AskForFactsheet,
 }
 
 /// A contact with what was made of it.
@@ -203,10 +203,8 @@ pub struct CandidateRecord {
 /// Why a compensation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum EndReason {
-    /// The target was exchanged.
-    TargetReplaced,
-    /// The compensator was exchanged or is not there any more.
-    CompensatorReplaced,
+    /// A factsheet says that something else is on the robot; what still stands is decided anew.
+    LayoutChanged,
     /// The target was trimmed again.
     TargetTrimmedAgain,
     /// The compensator is broken itself.
@@ -366,13 +364,4 @@ pub enum AlarmKind {
     Eroding,
     /// A fault.
     Fault(Fault),
-}
-
-/// What the supervisor asks a robot for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Request {
-    /// What is on it.
-    Factsheet,
-    /// Its condition.
-    Status,
 }

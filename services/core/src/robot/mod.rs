@@ -33,7 +33,7 @@ pub use view::WhiskerView;
 pub use whisker::Whisker;
 
 use crate::units::Micros;
-use effect::{Condition, EndReason, Request};
+use effect::{Condition, EndReason};
 use event::{ArrayKind, Factsheet, Link};
 
 /// One robot: its numbers, its whiskers, its compensations.
@@ -203,7 +203,7 @@ impl Robot {
     fn ask_for_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
         if self.factsheet_asked.is_none_or(|asked| now.since(asked) >= FACTSHEET_ASKED_EVERY) {
             self.factsheet_asked = Some(now);
-            effects.push(Effect::Request(Request::Factsheet));
+            effects.push(Effect::AskForFactsheet);
         }
     }
 
@@ -269,7 +269,7 @@ impl Robot {
     fn end_all(&mut self, effects: &mut Vec<Effect>) {
         let ids: Vec<u32> = self.compensations.iter().map(|one| one.id).collect();
         for id in ids {
-            self.end(id, EndReason::TargetReplaced, effects);
+            self.end(id, EndReason::LayoutChanged, effects);
         }
         self.abandon_commands(effects);
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tracing::{debug, warn};
-use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot};
+use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
@@ -150,6 +150,7 @@ impl Engine {
         }
         let boot_id = told.boot_id.as_str();
         let event = Event::Contacts { boot_id, seq: told.seq, contacts: &contacts };
+        let given_up_before = self.given_up(name, boot_id);
         match self.step(name, now, &event, Some(told)) {
             Some(Outcome::NotYet(admission)) => {
                 let reason = match admission {
@@ -162,7 +163,18 @@ impl Engine {
             Some(Outcome::Duplicate) => self.metrics.duplicates.inc(),
             Some(Outcome::Taken | Outcome::OldBoot) | None => {}
         }
+        let given_up = self.given_up(name, boot_id) - given_up_before;
+        if given_up > 0 {
+            warn!(robot = %name, messages = given_up, "lost: the robot has not sent them again");
+            self.metrics.given_up.inc_by(given_up);
+        }
         self.receipts_due.insert((name.clone(), boot_id.to_owned()));
+    }
+
+    /// Contacts messages of a boot that are not waited for any more.
+    fn given_up(&self, name: &Name, boot_id: &str) -> u64 {
+        let sequence = self.robots.get(name).and_then(|known| known.robot.sequence(boot_id));
+        sequence.map_or(0, Sequence::given_up)
     }
 
     fn take_setpoint_state(&mut self, name: &Name, told: &protocol::SetpointState, now: Micros) {

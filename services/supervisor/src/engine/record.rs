@@ -1,7 +1,7 @@
 //! Effects become rows and publications.
 
 use tracing::{error, info, warn};
-use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin, Request};
+use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
 
@@ -141,8 +141,7 @@ impl Engine {
                     kind: kind.word(),
                 });
             }
-            Effect::Request(Request::Factsheet) => self.publish_request(name, protocol::RequestKind::Factsheet),
-            Effect::Request(Request::Status) => self.publish_request(name, protocol::RequestKind::Status),
+            Effect::AskForFactsheet => self.publish_request(name, protocol::RequestKind::Factsheet),
         }
     }
 
