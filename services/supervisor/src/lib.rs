@@ -14,6 +14,8 @@ pub mod engine;
 
 pub mod store;
 
+pub mod secret;
+
 pub mod http;
 pub mod metrics;
 pub mod words;

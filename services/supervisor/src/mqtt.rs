@@ -3,6 +3,7 @@
 //! Nothing rests on the broker's sessions: each connection starts clean under a name of its own, and
 //! subscribes anew, so that retained births and factsheets come again.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -16,6 +17,7 @@ use vibrissa_protocol::{
 
 use crate::engine::{Incoming, Publication, wall_clock};
 use crate::metrics::Metrics;
+use crate::secret::Secret;
 
 /// Messages that wait to be handled; beyond it contacts are shed.
 const INBOX_MESSAGES: usize = 20_000;
@@ -34,6 +36,45 @@ pub struct BrokerAddress {
     pub host: String,
     /// Port.
     pub port: u16,
+    /// As whom to connect; none for a broker that asks nobody.
+    pub credentials: Option<Credentials>,
+    /// How to know the broker, and to be known; none speaks in plain text.
+    pub tls: Option<TlsOptions>,
+}
+
+/// A user of the broker.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Credentials {
+    /// Name.
+    pub username: String,
+    /// Password.
+    pub password: Secret,
+}
+
+/// Files in PEM.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct TlsOptions {
+    /// Certificates of the authorities that the broker's may come from; none takes the system's.
+    pub ca_file: Option<PathBuf>,
+    /// This supervisor's own certificate, with those between it and its authority, and its private key.
+    pub client: Option<ClientCertificate>,
+}
+
+/// What a supervisor shows of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClientCertificate {
+    /// The certificate, and those between it and its authority.
+    pub certificate_file: PathBuf,
+    /// Its private key.
+    pub key_file: PathBuf,
+}
+
+impl BrokerAddress {
+    /// A broker that is spoken to in plain text and asks for no password.
+    #[must_use]
+    pub fn new(host: impl Into<String>, port: u16) -> Self {
+        Self { host: host.into(), port, credentials: None, tls: None }
+    }
 }
 
 /// The text is no address of a broker.
@@ -52,7 +93,7 @@ impl std::str::FromStr for BrokerAddress {
             None => (rest, 1883),
         };
         let plain = !host.is_empty() && !host.contains(['/', '@', ' ']);
-        plain.then(|| Self { host: host.trim_matches(['[', ']']).to_owned(), port }).ok_or_else(bad)
+        plain.then(|| Self::new(host.trim_matches(['[', ']']), port)).ok_or_else(bad)
     }
 }
 
@@ -260,9 +301,9 @@ mod tests {
     #[test]
     fn a_brokers_url_has_a_host_and_perhaps_a_port() {
         let address = |text: &str| text.parse::<BrokerAddress>();
-        assert_eq!(address("mqtt://h:1884"), Ok(BrokerAddress { host: "h".into(), port: 1884 }));
-        assert_eq!(address("mqtt://h"), Ok(BrokerAddress { host: "h".into(), port: 1883 }));
-        assert_eq!(address("mqtt://[::1]:1885/"), Ok(BrokerAddress { host: "::1".into(), port: 1885 }));
+        assert_eq!(address("mqtt://h:1884"), Ok(BrokerAddress::new("h", 1884)));
+        assert_eq!(address("mqtt://h"), Ok(BrokerAddress::new("h", 1883)));
+        assert_eq!(address("mqtt://[::1]:1885/"), Ok(BrokerAddress::new("::1", 1885)));
         for bad in ["h:1883", "mqtt://", "mqtt://h:x", "http://h", "mqtt://u@h"] {
             assert!(address(bad).is_err(), "{bad}");
         }

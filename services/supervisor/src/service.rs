@@ -1,7 +1,6 @@
 //! The service put together: broker, database, the two connections, the engine, HTTP.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
 use anyhow::Context;
 use tokio::sync::{mpsc, watch};
@@ -16,7 +15,7 @@ use crate::broker::Broker;
 use crate::engine::{Engine, wall_clock};
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress, Connection};
-use crate::store::Store;
+use crate::store::{DatabaseAddress, Store};
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
 const OUTBOX_MESSAGES: usize = 10_000;
@@ -25,13 +24,20 @@ const OUTBOX_MESSAGES: usize = 10_000;
 /// committed is not receipted, and robots send it again.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
+/// How long a fleet stays a silent supervisor's, unless it is told otherwise.
+pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
+
 /// What to run.
 #[derive(Debug, Clone)]
 pub struct ServiceOptions {
-    /// The fleet to supervise.
-    pub fleet: Name,
-    /// The database file.
-    pub database: PathBuf,
+    /// What this supervisor is called, for people: in the database, in errors, in logs.
+    pub name: String,
+    /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
+    pub fleets: Vec<Name>,
+    /// The database.
+    pub database: DatabaseAddress,
+    /// How long a fleet stays this supervisor's without a word from it.
+    pub lease_time_to_live: Duration,
     /// An external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
@@ -68,16 +74,17 @@ impl Service {
             None => {
                 let embedded = Broker::start(options.mqtt_port).await?;
                 let address = embedded.address();
-                (Some(embedded), BrokerAddress { host: address.ip().to_string(), port: address.port() })
+                (Some(embedded), BrokerAddress::new(address.ip().to_string(), address.port()))
             }
         };
         let metrics = Metrics::new().context("declaring the metrics")?;
-        let store = Store::open(&options.database).await?;
+        let DatabaseAddress::Sqlite(path) = &options.database else { anyhow::bail!("only SQLite yet") };
+        let store = Store::open(path).await?;
+        let Some(fleet) = options.fleets.first().cloned() else { anyhow::bail!("no fleet") };
         let boot_id = BootId::new(&format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &boot_seed()).simple()))?;
         let engine =
-            Engine::start(options.fleet.clone(), boot_id.clone(), options.params, store.clone(), metrics.clone())
-                .await?;
-        let connection = Connection { broker: broker.clone(), fleet: options.fleet, boot_id, epoch: engine.epoch() };
+            Engine::start(fleet.clone(), boot_id.clone(), options.params, store.clone(), metrics.clone()).await?;
+        let connection = Connection { broker: broker.clone(), fleet, boot_id, epoch: engine.epoch() };
 
         let (stop, stopped) = watch::channel(false);
         let (http, http_task) =

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use serde_json::Value;
 use tempfile::TempDir;
 use vibrissa::mqtt::BrokerAddress;
-use vibrissa::service::{Service, ServiceOptions};
+use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
@@ -48,9 +49,11 @@ impl Running {
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
         let path = database_in(&folder);
         let service = Service::start(ServiceOptions {
-            fleet: Name::new("f").unwrap(),
-            database: path.clone(),
-            broker: broker.map(|port| BrokerAddress { host: "127.0.0.1".to_owned(), port }),
+            name: "s".to_owned(),
+            fleets: vec![Name::new("f").unwrap()],
+            database: DatabaseAddress::Sqlite(path.clone()),
+            lease_time_to_live: LEASE_TIME_TO_LIVE,
+            broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
             mqtt_port: 0,
             http: "127.0.0.1:0".parse().unwrap(),
             params,

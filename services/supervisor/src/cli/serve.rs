@@ -15,7 +15,8 @@ use vibrissa_protocol::Name;
 use crate::calibration_file;
 use crate::demo::{self, DemoOptions};
 use crate::mqtt::BrokerAddress;
-use crate::service::{Service, ServiceOptions};
+use crate::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use crate::store::DatabaseAddress;
 
 /// How the paper's factor of eq. 27, 29 and 31 is read.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -148,8 +149,10 @@ impl RunArgs {
         params.detection.contacts_between_false_alarms = self.core.contacts_between_false_alarms;
         params.detection.cold_start_contacts = self.core.cold_start_contacts;
         Ok(ServiceOptions {
-            fleet: self.fleet,
-            database: self.database,
+            name: "vibrissa".to_owned(),
+            fleets: vec![self.fleet],
+            database: DatabaseAddress::Sqlite(self.database),
+            lease_time_to_live: LEASE_TIME_TO_LIVE,
             broker: self.mqtt_url,
             mqtt_port: self.mqtt_port,
             http: self.http,

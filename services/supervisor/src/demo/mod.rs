@@ -16,7 +16,8 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::Fleet;
 
-use crate::service::{Service, ServiceOptions};
+use crate::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use crate::store::DatabaseAddress;
 use crate::store::Store;
 use scenario::{CONTACTS_PER_SECOND, INCIDENTS, What};
 
@@ -47,8 +48,10 @@ pub struct DemoOptions {
 pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let database = fresh_database(&options.folder)?;
     let service = Service::start(ServiceOptions {
-        fleet: Name::new(scenario::FLEET)?,
-        database: database.clone(),
+        name: "demo".to_owned(),
+        fleets: vec![Name::new(scenario::FLEET)?],
+        database: DatabaseAddress::Sqlite(database.clone()),
+        lease_time_to_live: LEASE_TIME_TO_LIVE,
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http,

@@ -2,6 +2,7 @@
 //!
 //! [`batch`] is what is written, [`commit`] writes it, [`load`] reads back what a restart needs, [`read`] what people ask for, as [`readings`]. Nothing outside this module knows SQL.
 
+pub mod address;
 pub mod batch;
 mod commit;
 mod load;
@@ -16,6 +17,7 @@ use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{SqlSafeStr, SqlitePool};
 
+pub use address::DatabaseAddress;
 pub use batch::Batch;
 pub use load::StoredRobot;
 

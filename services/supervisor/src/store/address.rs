@@ -1,0 +1,96 @@
+//! Which database.
+
+use std::path::PathBuf;
+
+use sqlx::postgres::{PgConnectOptions, PgSslMode};
+
+/// Where the database is.
+#[derive(Clone)]
+pub enum DatabaseAddress {
+    /// A file, for one supervisor.
+    Sqlite(PathBuf),
+    /// A PostgreSQL server, which several supervisors may share.
+    Postgres(Box<PgConnectOptions>),
+}
+
+/// The text is no address of a database.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not a database's address ({0}): write sqlite:FILE or postgres://USER:PASSWORD@HOST:5432/DATABASE")]
+pub struct BadDatabaseUrl(String);
+
+impl std::str::FromStr for DatabaseAddress {
+    type Err = BadDatabaseUrl;
+
+    /// The text may hold a password: no part of it comes back in the error.
+    fn from_str(text: &str) -> Result<Self, BadDatabaseUrl> {
+        let bad = |why: &str| BadDatabaseUrl(why.to_owned());
+        if let Some(path) = text.strip_prefix("sqlite:") {
+            let path = path.strip_prefix("//").unwrap_or(path);
+            return if path.is_empty() { Err(bad("no file")) } else { Ok(Self::Sqlite(PathBuf::from(path))) };
+        }
+        let url = url::Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
+        if !matches!(url.scheme(), "postgres" | "postgresql") {
+            return Err(bad("neither sqlite: nor postgres:"));
+        }
+        if url.path().trim_matches('/').is_empty() {
+            return Err(bad("no database's name"));
+        }
+        let options: PgConnectOptions = text.parse().map_err(|_| bad("a part that PostgreSQL does not know"))?;
+        Ok(Self::Postgres(Box::new(options)))
+    }
+}
+
+impl std::fmt::Display for DatabaseAddress {
+    /// For people; without the password.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Sqlite(path) => write!(f, "sqlite:{}", path.display()),
+            Self::Postgres(options) => write!(
+                f,
+                "postgres://{}@{}:{}/{}",
+                options.get_username(),
+                options.get_host(),
+                options.get_port(),
+                options.get_database().unwrap_or_default()
+            ),
+        }
+    }
+}
+
+impl std::fmt::Debug for DatabaseAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+impl DatabaseAddress {
+    /// Whether what is said to the server can be read on the way to it.
+    #[must_use]
+    pub fn is_plain_text(&self) -> bool {
+        match self {
+            Self::Sqlite(_) => false,
+            Self::Postgres(options) => {
+                matches!(options.get_ssl_mode(), PgSslMode::Disable | PgSslMode::Allow | PgSslMode::Prefer)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_is_a_file_or_a_server_and_keeps_its_password() {
+        let shown = |text: &str| text.parse::<DatabaseAddress>().map(|address| address.to_string());
+        assert_eq!(shown("sqlite:a/b.sqlite3").unwrap(), "sqlite:a/b.sqlite3");
+        assert_eq!(shown("sqlite:///var/b.sqlite3").unwrap(), "sqlite:/var/b.sqlite3");
+        assert_eq!(shown("postgres://u:secret@h:5433/d").unwrap(), "postgres://u@h:5433/d");
+        for bad in
+            ["", "sqlite:", "h:5432", "mysql://u:secret@h/d", "postgres://u:secret@h", "postgres://u:secret@h:x/d"]
+        {
+            let problem = shown(bad).unwrap_err().to_string();
+            assert!(!problem.contains("secret"), "{problem}");
+        }
+    }
+}
