@@ -13,6 +13,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use crate::metrics::Metrics;
+use crate::readiness::{Readiness, Standing};
 use crate::store::{Store, StoreError};
 
 /// What the handlers share.
@@ -20,6 +21,7 @@ use crate::store::{Store, StoreError};
 struct Shared {
     store: Store,
     metrics: Metrics,
+    readiness: Readiness,
 }
 
 /// Why HTTP is not served.
@@ -38,6 +40,7 @@ pub async fn serve(
     address: SocketAddr,
     store: Store,
     metrics: Metrics,
+    readiness: Readiness,
     mut stop: watch::Receiver<bool>,
 ) -> Result<(SocketAddr, tokio::task::JoinHandle<()>), ListenError> {
     let failed = |source| ListenError { address, source };
@@ -49,7 +52,7 @@ pub async fn serve(
         .route("/metrics", get(metrics_text))
         .route("/v1/whiskers", get(whiskers))
         .route("/v1/compensations", get(compensations))
-        .with_state(Shared { store, metrics });
+        .with_state(Shared { store, metrics, readiness });
     let task = tokio::spawn(async move {
         let stopped = async move {
             let _ = stop.wait_for(|&stop| stop).await;
@@ -65,19 +68,23 @@ async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Ready means: connected to the broker, and the database takes what is written.
+/// Ready means: every fleet that is supervised here is heard, and the database takes what is written. A supervisor
+/// that stands by for another is ready.
 async fn readyz(State(shared): State<Shared>) -> Response {
-    let mut reasons = Vec::new();
-    if shared.metrics.broker_connected.get() == 0 {
-        reasons.push("not connected to the MQTT broker".to_owned());
+    let mut reasons = shared.readiness.problems();
+    let fleets = shared.readiness.fleets();
+    for (fleet, standing) in &fleets {
+        let is_heard = shared.metrics.of_fleet(fleet).broker_connected.get() == 1;
+        if matches!(standing, Standing::Owned { .. }) && !is_heard {
+            reasons.push(format!("fleet {fleet}: not connected to the MQTT broker"));
+        }
     }
-    if !shared.metrics.is_ready() {
-        reasons.push("the database does not take what is written".to_owned());
-    } else if let Err(problem) = shared.store.ping().await {
+    if let Err(problem) = shared.store.ping().await {
         reasons.push(problem.to_string());
     }
-    let status = if reasons.is_empty() { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    (status, Json(json!({ "ready": reasons.is_empty(), "reasons": reasons }))).into_response()
+    let is_ready = reasons.is_empty();
+    let status = if is_ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
+    (status, Json(json!({ "ready": is_ready, "reasons": reasons, "fleets": fleets }))).into_response()
 }
 
 async fn metrics_text(State(shared): State<Shared>) -> Response {

@@ -1,9 +1,14 @@
 //! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] (what runs), [`mqtt`] and [`broker`], [`edge`] (messages become events),
+//! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and [`broker`], [`edge`] (messages become events),
 //! [`engine`] (one message's way), [`store`] (SQL), [`http`]; then [`demo`] and [`cli`].
 
 pub mod service;
+
+mod fleet;
+mod ownership;
+pub mod readiness;
+mod sharing;
 
 pub mod broker;
 pub mod mqtt;
@@ -14,6 +19,8 @@ pub mod engine;
 
 pub mod store;
 
+mod backoff;
+pub mod fault;
 pub mod secret;
 
 pub mod http;

@@ -1,18 +1,17 @@
 //! What the service counts, in base units; each declared once.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use prometheus::{
     Encoder, Histogram, HistogramOpts, IntCounter, IntCounterVec, IntGauge, IntGaugeVec, Opts, Registry, TextEncoder,
 };
+use vibrissa_protocol::Name;
 
-/// Every metric, and whether the database takes what is written.
+/// Every metric.
 #[derive(Debug, Clone)]
 pub struct Metrics {
     registry: Registry,
-    ready: Arc<AtomicBool>,
     /// Messages received, by topic.
     pub messages: IntCounterVec,
     /// Messages or contacts refused, by reason.
@@ -35,6 +34,15 @@ pub struct Metrics {
     pub alarms: IntCounterVec,
     /// Whiskers, by fault or else condition.
     whiskers: IntGaugeVec,
+    /// 1 for each fleet that is supervised here.
+    lease_held: IntGaugeVec,
+    /// The epoch that it was last supervised in here.
+    lease_epoch: IntGaugeVec,
+    /// 1 for each fleet while its messages are received.
+    connected: IntGaugeVec,
+    /// The fleet that [`Metrics::of_fleet`] was asked for, and the words that its whiskers had.
+    fleet: Arc<str>,
+    words: Arc<Mutex<BTreeSet<&'static str>>>,
     /// Compensation errors as they were stated.
     pub compensation_error: Histogram,
     /// Time of a commit.
@@ -45,7 +53,7 @@ pub struct Metrics {
     pub receipts: IntCounter,
     /// Publications dropped because the broker was away; they are made again.
     pub unpublished: IntCounter,
-    /// 1 while connected for receiving.
+    /// 1 while the fleet's messages are received; of no fleet in what [`Metrics::new`] gives.
     pub broker_connected: IntGauge,
 }
 
@@ -61,7 +69,6 @@ impl Metrics {
         let ratio_buckets = vec![0.02, 0.05, 0.1, 0.15, 0.20385, 0.25, 0.3, 0.3618, 0.5, 0.75, 1.0];
         let second_buckets = vec![0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 5.0];
         Ok(Self {
-            ready: Arc::new(AtomicBool::new(true)),
             messages: counters(r, "vibrissa_messages_total", "Messages received.", "topic")?,
             refused: counters(r, "vibrissa_refused_total", "Messages or contacts refused.", "reason")?,
             duplicates: counter(r, "vibrissa_duplicates_total", "Contacts messages that had been seen before.")?,
@@ -90,7 +97,22 @@ impl Metrics {
                 "kind",
                 &["UNCOMPENSATED", "SETPOINT_FAILED", "SENSITIVITY_LOSS", "ERODING"],
             )?,
-            whiskers: gauges(r, "vibrissa_whiskers", "Whiskers, by fault or else condition.", "health")?,
+            whiskers: gauges(r, "vibrissa_whiskers", "Whiskers, by fault or else condition.", &["fleet", "health"])?,
+            lease_held: gauges(r, "vibrissa_lease_held", "1 for each fleet that is supervised here.", &["fleet"])?,
+            lease_epoch: gauges(
+                r,
+                "vibrissa_lease_epoch",
+                "The epoch in which a fleet was last supervised here.",
+                &["fleet"],
+            )?,
+            connected: gauges(
+                r,
+                "vibrissa_broker_connected",
+                "1 for each fleet while connected to the broker.",
+                &["fleet"],
+            )?,
+            fleet: Arc::from(""),
+            words: Arc::default(),
             compensation_error: histogram(
                 r,
                 "vibrissa_compensation_error_ratio",
@@ -101,28 +123,44 @@ impl Metrics {
             database_errors: counter(r, "vibrissa_database_errors_total", "Failed attempts at the database.")?,
             receipts: counter(r, "vibrissa_receipts_total", "Receipts sent.")?,
             unpublished: counter(r, "vibrissa_unpublished_total", "Publications dropped with the broker away.")?,
-            broker_connected: gauge(r, "vibrissa_broker_connected", "1 while connected to the broker.")?,
+            broker_connected: IntGauge::new("vibrissa_broker_connected", "of no fleet")?,
             registry,
         })
     }
 
-    /// Says how many whiskers are in each state of health.
-    pub fn set_whiskers(&self, counts: &BTreeMap<&'static str, i64>) {
-        self.whiskers.reset();
-        for (health, count) in counts {
-            self.whiskers.with_label_values(&[*health]).set(*count);
+    /// The same metrics, where those that have a fleet are that fleet's.
+    #[must_use]
+    pub fn of_fleet(&self, fleet: &Name) -> Self {
+        Self {
+            broker_connected: self.connected.with_label_values(&[fleet.as_str()]),
+            fleet: Arc::from(fleet.as_str()),
+            words: Arc::default(),
+            ..self.clone()
         }
     }
 
-    /// Says whether the database takes what is written.
-    pub fn ready(&self, ready: bool) {
-        self.ready.store(ready, Ordering::Relaxed);
+    /// Says how many whiskers of the fleet are in each state of health.
+    pub fn set_whiskers(&self, counts: &BTreeMap<&'static str, i64>) {
+        let mut words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
+        words.extend(counts.keys());
+        for health in words.iter() {
+            let count = counts.get(health).copied().unwrap_or_default();
+            self.whiskers.with_label_values(&[&*self.fleet, *health]).set(count);
+        }
     }
 
-    /// Whether the database takes what is written.
-    #[must_use]
-    pub fn is_ready(&self) -> bool {
-        self.ready.load(Ordering::Relaxed)
+    /// Says that nothing is known of the fleet here any more.
+    pub fn forget_fleet(&self) {
+        self.set_whiskers(&BTreeMap::new());
+        self.broker_connected.set(0);
+    }
+
+    /// Says whether a fleet is supervised here, and in which epoch.
+    pub fn lease(&self, fleet: &Name, epoch: Option<u64>) {
+        self.lease_held.with_label_values(&[fleet.as_str()]).set(i64::from(epoch.is_some()));
+        if let Some(epoch) = epoch {
+            self.lease_epoch.with_label_values(&[fleet.as_str()]).set(epoch as i64);
+        }
     }
 
     /// Prometheus' text format.
@@ -164,14 +202,8 @@ fn counters_of(
     Ok(metric)
 }
 
-fn gauge(registry: &Registry, name: &str, help: &str) -> prometheus::Result<IntGauge> {
-    let metric = IntGauge::new(name, help)?;
-    registry.register(Box::new(metric.clone()))?;
-    Ok(metric)
-}
-
-fn gauges(registry: &Registry, name: &str, help: &str, label: &str) -> prometheus::Result<IntGaugeVec> {
-    let metric = IntGaugeVec::new(Opts::new(name, help), &[label])?;
+fn gauges(registry: &Registry, name: &str, help: &str, labels: &[&str]) -> prometheus::Result<IntGaugeVec> {
+    let metric = IntGaugeVec::new(Opts::new(name, help), labels)?;
     registry.register(Box::new(metric.clone()))?;
     Ok(metric)
 }

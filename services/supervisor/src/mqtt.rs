@@ -204,6 +204,14 @@ impl Inbox {
     }
 }
 
+impl Inbox {
+    /// Whether nothing waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+    }
+}
+
 /// Contacts are shed over the bound: robots send them again. Everything else is small and rare.
 fn take_in(sender: &mpsc::Sender<Incoming>, bytes: &AtomicUsize, metrics: &Metrics, incoming: Incoming) {
     let length = incoming.payload.len();

@@ -1,27 +1,27 @@
 //! The service put together: broker, database, the two connections, the engine, HTTP.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use anyhow::Context;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
-use tokio::time::{Duration, Instant, timeout_at};
-use tracing::warn;
+use tokio::time::{Duration, timeout};
+use tracing::{error, warn};
 use uuid::Uuid;
 use vibrissa_core::robot::Params;
-use vibrissa_protocol::{BootId, Name};
+use vibrissa_protocol::Name;
 
 use crate::broker::Broker;
-use crate::engine::{Engine, wall_clock};
+use crate::engine::wall_clock;
+use crate::fleet::Shared;
 use crate::metrics::Metrics;
-use crate::mqtt::{self, BrokerAddress, Connection};
-use crate::store::{DatabaseAddress, Store};
+use crate::mqtt::BrokerAddress;
+use crate::ownership::Ownership;
+use crate::readiness::Readiness;
+use crate::store::{DatabaseAddress, Store, Supervisor};
 
-/// Publications that wait for the broker; beyond it they are dropped and made again.
-const OUTBOX_MESSAGES: usize = 10_000;
-
-/// How long everything together may take to end in good order. Cutting it off loses nothing: what is not
-/// committed is not receipted, and robots send it again.
+/// How long everything that is not a fleet may take to end in good order.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
 /// How long a fleet stays a silent supervisor's, unless it is told otherwise.
@@ -58,17 +58,30 @@ pub struct Service {
     pub store: Store,
     /// What it counts.
     pub metrics: Metrics,
+    /// What keeps it from its work.
+    pub readiness: Readiness,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
-    tasks: [(&'static str, JoinHandle<()>); 4],
+    ownership: JoinHandle<()>,
+    http_task: JoinHandle<()>,
 }
 
 impl Service {
-    /// Starts everything; it serves when this returns.
+    /// Starts everything. When this returns, HTTP is served, and fleets are taken up in the background:
+    /// [`Readiness`] tells.
     ///
     /// # Errors
-    /// A port is taken, or the database cannot be used.
+    /// A port is taken, or the database cannot be used. A server that is away is no error: it is waited for.
     pub async fn start(options: ServiceOptions) -> anyhow::Result<Self> {
+        let store = Store::open(&options.database, &options.name).await?;
+        let is_prepared = match store.prepare().await {
+            Ok(()) => true,
+            Err(problem) if problem.is_passing() && store.is_shared() => {
+                warn!(%problem, "waiting for the database");
+                false
+            }
+            Err(problem) => return Err(problem.into()),
+        };
         let (embedded, broker) = match options.broker {
             Some(address) => (None, address),
             None => {
@@ -78,52 +91,52 @@ impl Service {
             }
         };
         let metrics = Metrics::new().context("declaring the metrics")?;
-        let DatabaseAddress::Sqlite(path) = &options.database else { anyhow::bail!("only SQLite yet") };
-        let store = Store::open(path).await?;
-        let Some(fleet) = options.fleets.first().cloned() else { anyhow::bail!("no fleet") };
-        let boot_id = BootId::new(&format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &boot_seed()).simple()))?;
-        let engine =
-            Engine::start(fleet.clone(), boot_id.clone(), options.params, store.clone(), metrics.clone()).await?;
-        let connection = Connection { broker: broker.clone(), fleet, boot_id, epoch: engine.epoch() };
-
+        let readiness = Readiness::default();
+        let shared = Shared {
+            store: store.clone(),
+            broker: broker.clone(),
+            metrics: metrics.clone(),
+            readiness: readiness.clone(),
+            params: Arc::new(options.params),
+            supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
+        };
+        let supervisor = Supervisor {
+            id: shared.supervisor.clone(),
+            name: options.name,
+            fleets: options.fleets,
+            time_to_live: options.lease_time_to_live,
+        };
+        let ownership = Ownership::new(supervisor, shared, is_prepared);
         let (stop, stopped) = watch::channel(false);
         let (http, http_task) =
-            crate::http::serve(options.http, store.clone(), metrics.clone(), stopped.clone()).await?;
-        let (inbox, receiver_task) = mqtt::receive(&connection, metrics.clone(), stopped.clone());
-        let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
-        let publisher_task = mqtt::publish(&connection, publications);
-        let engine_task = tokio::spawn(engine.run(inbox, outbox));
-        // In the order in which they end: each of the first three lets go of what the next one waits for.
-        let tasks = [
-            ("receiver", receiver_task),
-            ("engine", engine_task),
-            ("publisher", publisher_task),
-            ("HTTP server", http_task),
-        ];
-        Ok(Self { broker, http, store, metrics, embedded, stop, tasks })
+            crate::http::serve(options.http, store.clone(), metrics.clone(), readiness.clone(), stopped.clone())
+                .await?;
+        let ownership = tokio::spawn(ownership.run(stopped));
+        Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })
     }
 
-    /// Stops in order: no more messages in, what is there committed, receipts and good-bye out.
+    /// Stops in order: fleets are finished and given back, then everything else ends.
     pub async fn stop(self) {
         let _ = self.stop.send(true);
-        let deadline = Instant::now() + STOP_PATIENCE;
-        for (name, mut task) in self.tasks {
-            if timeout_at(deadline, &mut task).await.is_err() {
-                warn!(task = name, "did not end in time");
-                task.abort();
-            }
+        if let Err(problem) = self.ownership.await {
+            error!(%problem, "the leases were not given back");
         }
-        // A query of a request that is still open may hold a connection.
-        let _ = tokio::time::timeout(STOP_PATIENCE, self.store.close()).await;
+        // Queries of requests that are still open may hold it up.
+        let mut http_task = self.http_task;
+        if timeout(STOP_PATIENCE, &mut http_task).await.is_err() {
+            http_task.abort();
+        }
+        let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(broker) = self.embedded {
             broker.stop().await;
         }
     }
 }
 
-/// What makes a boot's name its own: the time and the process.
-fn boot_seed() -> Vec<u8> {
+/// What makes the name of a start its own: the time, the process, and where.
+fn start_seed() -> Vec<u8> {
     let mut seed = wall_clock().0.to_le_bytes().to_vec();
     seed.extend(std::process::id().to_le_bytes());
+    seed.extend(std::fs::read("/proc/sys/kernel/random/uuid").unwrap_or_default());
     seed
 }

@@ -20,7 +20,8 @@ async fn a_service_that_runs_is_alive_and_ready() {
     assert_eq!(web::get(running.service.http, "/livez").await, (200, "alive\n".to_owned()));
     until_true("ready", async || web::get(running.service.http, "/readyz").await.0 == 200).await;
     let ready = web::json(running.service.http, "/readyz").await;
-    assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [] }));
+    let fleets = serde_json::json!({ "f": { "standing": "OWNED", "epoch": 1 } });
+    assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [], "fleets": fleets }));
     assert_eq!(web::get(running.service.http, "/v1/nothing").await.0, 404);
     running.service.stop().await;
 }
@@ -34,12 +35,14 @@ async fn a_service_without_its_broker_is_alive_but_not_ready_until_the_broker_is
     broker.kill();
     let answer = until("not ready", async || Some(web::get(http, "/readyz").await).filter(|answer| answer.0 == 503));
     let said: Value = serde_json::from_str(&answer.await.1).unwrap();
-    assert_eq!(said, serde_json::json!({ "ready": false, "reasons": ["not connected to the MQTT broker"] }));
-    assert_eq!(running.metric("vibrissa_broker_connected").await, 0.0);
+    assert_eq!(said["ready"], false);
+    assert_eq!(said["reasons"], serde_json::json!(["fleet f: not connected to the MQTT broker"]));
+    assert_eq!(said["fleets"], serde_json::json!({ "f": { "standing": "OWNED", "epoch": 1 } }));
+    assert_eq!(running.metric("vibrissa_broker_connected{fleet=\"f\"}").await, 0.0);
     assert_eq!(web::get(http, "/livez").await.0, 200);
     broker.restart();
     until_true("ready again", async || web::get(http, "/readyz").await.0 == 200).await;
-    assert_eq!(running.metric("vibrissa_broker_connected").await, 1.0);
+    assert_eq!(running.metric("vibrissa_broker_connected{fleet=\"f\"}").await, 1.0);
     running.service.stop().await;
 }
 
@@ -61,7 +64,7 @@ async fn what_happens_is_counted() {
     assert_eq!(rise("vibrissa_database_errors_total"), 0.0);
     until_true("whiskers counted by health", async || {
         let metrics = running.metrics().await;
-        let count = |health: &str| metrics.get(&format!("vibrissa_whiskers{{health=\"{health}\"}}"));
+        let count = |health: &str| metrics.get(&format!("vibrissa_whiskers{{fleet=\"f\",health=\"{health}\"}}"));
         (count("HEALTHY"), count("LEARNING")) == (1.0, 1.0)
     })
     .await;

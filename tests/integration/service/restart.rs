@@ -162,7 +162,7 @@ async fn no_contact_is_missing_or_there_twice_when_the_supervisor_is_killed_agai
     let program = Program::start(&database_in(&folder), broker.port());
     let database = Database::open(&database_in(&folder)).await;
     assert_each_contact_is_there_once(&fleet, &database).await;
-    assert_eq!(database.number("SELECT max(epoch) FROM supervisors").await, 5);
+    assert_eq!(database.number("SELECT max(epoch) FROM epochs").await, 5);
     program.end(Ending::Terminated).await;
     fleet.stop().await;
 }

@@ -48,9 +48,10 @@ impl Running {
     /// On the database in that folder.
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
         let path = database_in(&folder);
+        let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
             name: "s".to_owned(),
-            fleets: vec![Name::new("f").unwrap()],
+            fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
@@ -60,7 +61,8 @@ impl Running {
         })
         .await
         .unwrap();
-        until_true("the connection to the broker", async || service.metrics.broker_connected.get() == 1).await;
+        let connected = service.metrics.of_fleet(&fleet).broker_connected;
+        until_true("the connection to the broker", async || connected.get() == 1).await;
         Self { service, database: Database::open(&path).await, folder }
     }
 

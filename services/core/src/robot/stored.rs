@@ -37,6 +37,11 @@ impl Robot {
         Ok(robot)
     }
 
+    /// Says that nothing could be heard before: whatever was silent until then was not silent by itself.
+    pub fn listen_from(&mut self, now: Micros) {
+        self.listening_since = self.listening_since.max(now);
+    }
+
     /// Whether the head has changed since the last call.
     pub fn take_changed(&mut self) -> bool {
         std::mem::take(&mut self.changed)

@@ -102,8 +102,8 @@ impl Engine {
             return Ok(false);
         }
         let known = Known {
-            robot_id: self.store.robot_id(self.fleet.as_str(), name.as_str()).await?,
-            robot: Robot::new(self.epoch, Numbers::default()),
+            robot_id: self.writer.robot_id(&self.lease, name.as_str()).await?,
+            robot: Robot::new(self.lease.epoch(), Numbers::default()),
             whisker_ids: Vec::new(),
             boots: BTreeMap::new(),
             seqs: publication::Seqs::default(),
@@ -125,13 +125,13 @@ impl Engine {
         let Some(known) = self.robots.get_mut(name) else { return Ok(()) };
         let boot_id = told.boot_id.as_str();
         if !known.boots.contains_key(boot_id) {
-            let boot = self.store.boot(known.robot_id, boot_id, now.0 as i64).await?;
+            let boot = self.writer.boot(&self.lease, known.robot_id, boot_id, now.0 as i64).await?;
             known.boots.insert(boot_id.to_owned(), boot);
         }
         // The layout is numbered from a copy first, so that a database that is away changes nothing.
         let mut laid_out = known.robot.clone();
         laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
-        let ids = self.store.whisker_ids(known.robot_id, &laid_out).await?;
+        let ids = self.writer.whisker_ids(&self.lease, known.robot_id, &laid_out).await?;
         if ids != known.whisker_ids {
             known.whisker_ids = ids;
             self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });

@@ -9,20 +9,24 @@ mod publication;
 mod record;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
-use tracing::{error, info};
+use tracing::{error, info, warn};
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::{Event, Outcome, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
+use crate::backoff::Backoff;
+use crate::fault::{self, Fault};
 use crate::metrics::Metrics;
 use crate::mqtt::Inbox;
-use crate::store::{Batch, Store, StoreError, StoredRobot};
+use crate::readiness::Readiness;
+use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
 use crate::words::Word;
 
 pub use publication::Publication;
@@ -57,14 +61,28 @@ struct Known {
     seqs: publication::Seqs,
 }
 
+/// Why an engine has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// It was told to, and everything that it had is committed.
+    Stopped,
+    /// The fleet is somebody else's.
+    LeaseLost,
+}
+
 /// The owner of a fleet's robots.
 pub struct Engine {
     fleet: Name,
     boot_id: BootId,
-    epoch: u64,
-    params: Params,
-    store: Store,
+    lease: Lease,
+    params: Arc<Params>,
+    writer: Writer,
     metrics: Metrics,
+    readiness: Readiness,
+    /// When the message was received that was handled last.
+    handled: Micros,
+    /// Messages that had been shed at the last look.
+    shed: u64,
     robots: BTreeMap<Name, Known>,
     batch: Batch,
     effects: Vec<Effect>,
@@ -81,20 +99,21 @@ pub fn wall_clock() -> Micros {
 }
 
 impl Engine {
-    /// Begins a new epoch and takes up every robot where its last commit left it.
+    /// Takes up every robot of a fleet where the last commit left it.
     ///
     /// # Errors
     /// The database cannot be used.
     pub async fn start(
-        fleet: Name,
+        lease: Lease,
         boot_id: BootId,
-        params: Params,
-        store: Store,
+        params: Arc<Params>,
+        mut writer: Writer,
         metrics: Metrics,
+        readiness: Readiness,
     ) -> Result<Self, StoreError> {
-        let epoch = store.begin_epoch(boot_id.as_str(), wall_clock().0 as i64).await?;
+        let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
         let mut robots = BTreeMap::new();
-        for stored in store.robots(fleet.as_str()).await? {
+        for stored in writer.robots(&lease).await? {
             if let Ok(name) = Name::robot(&stored.robot) {
                 robots.insert(name, take_up(stored, epoch));
             }
@@ -103,10 +122,13 @@ impl Engine {
         Ok(Self {
             fleet,
             boot_id,
-            epoch,
+            lease,
             params,
-            store,
+            writer,
+            shed: metrics.shed.get(),
             metrics,
+            readiness,
+            handled: Micros::default(),
             robots,
             batch: Batch::default(),
             effects: Vec::new(),
@@ -116,54 +138,63 @@ impl Engine {
         })
     }
 
-    /// The epoch of this start.
-    #[must_use]
-    pub fn epoch(&self) -> u64 {
-        self.epoch
-    }
-
-    /// Runs until no more messages can come; what was taken in is committed first.
-    pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) {
+    /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
+    /// else's, who has the robots send again what was not committed.
+    pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
         let mut ticks = interval(TICK);
         let mut receipts = interval(RECEIPTS);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
         receipts.set_missed_tick_behavior(MissedTickBehavior::Skip);
         loop {
-            tokio::select! {
+            let done = tokio::select! {
                 first = inbox.recv() => match first {
                     None => break,
                     Some(first) => self.gather(first, &mut inbox).await,
                 },
-                _ = ticks.tick() => self.tick(),
-                _ = receipts.tick() => self.receipts(&outbox),
+                _ = ticks.tick() => {
+                    self.tick(&inbox);
+                    Ok(())
+                }
+                _ = receipts.tick() => {
+                    self.receipts(&outbox);
+                    Ok(())
+                }
+            };
+            if fault::is(Fault::ReceiptBeforeCommit) {
+                self.receipts(&outbox);
             }
-            self.commit().await;
+            if done.is_err() || self.commit().await.is_err() {
+                return Ending::LeaseLost;
+            }
             self.publish(&outbox);
         }
         self.receipts(&outbox);
+        Ending::Stopped
     }
 
     /// Steps a message and those that come within [`GATHER`].
-    async fn gather(&mut self, first: Incoming, inbox: &mut Inbox) {
+    async fn gather(&mut self, first: Incoming, inbox: &mut Inbox) -> Result<(), LeaseLost> {
         let deadline = Instant::now() + GATHER;
-        self.handle_until_numbered(&first).await;
+        self.handle_until_numbered(&first).await?;
         for _ in 1..GATHER_MAX {
             match timeout_at(deadline, inbox.recv()).await {
-                Ok(Some(incoming)) => self.handle_until_numbered(&incoming).await,
-                Ok(None) | Err(_) => return,
+                Ok(Some(incoming)) => self.handle_until_numbered(&incoming).await?,
+                Ok(None) | Err(_) => break,
             }
         }
+        Ok(())
     }
 
     /// Handles a message; numbers for new robots, boots and whiskers come from the database, so a database
     /// that is away is waited for. Nothing is stepped before its numbers are there.
-    async fn handle_until_numbered(&mut self, incoming: &Incoming) {
-        let mut backoff = Backoff::default();
+    async fn handle_until_numbered(&mut self, incoming: &Incoming) -> Result<(), LeaseLost> {
+        self.handled = incoming.received;
+        let mut outage = Outage::default();
         while let Err(problem) = self.handle(incoming).await {
-            self.metrics.database_errors.inc();
-            error!(%problem, "the database does not answer; trying again");
-            backoff.wait().await;
+            self.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
         }
+        self.end_of(&outage);
+        Ok(())
     }
 
     /// The core's step, and what comes of it into the batch.
@@ -185,8 +216,14 @@ impl Engine {
         Some(outcome)
     }
 
-    fn tick(&mut self) {
-        let now = wall_clock();
+    /// Tells the core what time it is: not later than what it has yet to hear.
+    fn tick(&mut self, inbox: &Inbox) {
+        let now = if inbox.is_empty() { wall_clock() } else { self.handled };
+        let shed = self.metrics.shed.get();
+        if self.metrics.broker_connected.get() == 0 || shed != self.shed {
+            self.listen_anew();
+        }
+        self.shed = shed;
         let names: Vec<Name> = self.robots.keys().cloned().collect();
         for name in names {
             self.step(&name, now, &Event::Tick, None);
@@ -205,34 +242,68 @@ impl Engine {
     }
 
     /// Writes the batch; a database that is away is waited for, while the inbox fills and then sheds.
-    async fn commit(&mut self) {
+    async fn commit(&mut self) -> Result<(), LeaseLost> {
         self.snapshot();
         if self.batch.is_empty() {
-            return;
+            return Ok(());
         }
-        let mut backoff = Backoff::default();
+        let mut outage = Outage::default();
         loop {
             let begun = Instant::now();
-            match self.store.commit(&self.batch).await {
+            match self.writer.commit(&self.lease, &self.batch).await {
                 Ok(()) => {
                     self.metrics.commit_seconds.observe(begun.elapsed().as_secs_f64());
-                    self.metrics.ready(true);
                     break;
                 }
-                Err(problem) => {
-                    self.metrics.ready(false);
-                    self.metrics.database_errors.inc();
-                    error!(%problem, "commit failed; trying again");
-                    backoff.wait().await;
-                }
+                Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
             }
         }
+        self.end_of(&outage);
         self.batch = Batch::default();
+        Ok(())
+    }
+
+    /// Waits before the next attempt, and says why; a lost lease is not waited for.
+    async fn wait_out(&mut self, outage: &mut Outage, problem: StoreError, so: &str) -> Result<(), LeaseLost> {
+        if let StoreError::LeaseLost { .. } = problem {
+            warn!(%problem, "nothing more is written");
+            return Err(LeaseLost);
+        }
+        self.metrics.database_errors.inc();
+        error!(%problem, fleet = %self.fleet, "{so}; trying again");
+        self.readiness.set(self.part(), Some(format!("fleet {}: {so}: {problem}", self.fleet)));
+        outage.since.get_or_insert_with(Instant::now);
+        outage.backoff.wait().await;
+        Ok(())
+    }
+
+    /// The database answers again.
+    fn end_of(&mut self, outage: &Outage) {
+        let Some(since) = outage.since else { return };
+        info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "the database takes what is written again");
+        self.readiness.set(self.part(), None);
+        self.listen_anew();
+    }
+
+    fn part(&self) -> String {
+        format!("fleet {}, database", self.fleet)
+    }
+
+    /// No robot was silent while we were deaf.
+    fn listen_anew(&mut self) {
+        let now = wall_clock();
+        for known in self.robots.values_mut() {
+            known.robot.listen_from(now);
+        }
     }
 
     /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
-    /// until answered, receipts with the next message.
+    /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
     fn publish(&mut self, outbox: &mpsc::Sender<Publication>) {
+        if !self.lease.is_fresh() {
+            self.metrics.unpublished.inc_by(self.publications.len() as u64);
+            self.publications.clear();
+        }
         for publication in self.publications.drain(..) {
             if outbox.try_send(publication).is_err() {
                 self.metrics.unpublished.inc();
@@ -256,19 +327,16 @@ fn take_up(stored: StoredRobot, epoch: u64) -> Known {
     Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs: publication::Seqs::default() }
 }
 
-/// Waits longer each time, up to 5 s.
-#[derive(Default)]
-struct Backoff {
-    tries: u32,
+/// An outage of the database, if there is one.
+#[derive(Debug, Default)]
+struct Outage {
+    since: Option<Instant>,
+    backoff: Backoff,
 }
 
-impl Backoff {
-    async fn wait(&mut self) {
-        let wait = Duration::from_millis(100 << self.tries.min(6)).min(Duration::from_secs(5));
-        self.tries += 1;
-        tokio::time::sleep(wait).await;
-    }
-}
+/// The fleet is somebody else's.
+#[derive(Debug)]
+struct LeaseLost;
 
 /// A pressure as a bare number, if there is one.
 fn mpa(pressure: Option<Megapascal>) -> Option<f64> {

@@ -109,6 +109,9 @@ impl Engine {
 
     /// Says how far the contacts of each boot are committed; call it after a commit only.
     pub(super) fn receipts(&mut self, outbox: &mpsc::Sender<Publication>) {
+        if !self.lease.is_fresh() {
+            return;
+        }
         for (name, boot_id) in std::mem::take(&mut self.receipts_due) {
             let Some(known) = self.robots.get_mut(&name) else { continue };
             let (Some(sequence), Ok(robot_boot_id)) = (known.robot.sequence(&boot_id), BootId::new(&boot_id)) else {

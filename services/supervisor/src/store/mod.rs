@@ -1,109 +1,80 @@
 //! The database: named queries, one transaction for each batch.
 //!
-//! [`batch`] is what is written, [`commit`] writes it, [`load`] reads back what a restart needs, [`read`] what people ask for, as [`readings`]. Nothing outside this module knows SQL.
+//! [`Store`] answers what people ask ([`read`], as [`readings`]); a [`Writer`] has a connection of its own, and
+//! writes only what a [`Lease`] allows: [`batch`] is what is written, `commit` writes it, `load` reads back what
+//! taking up a fleet needs. `sqlite` and `postgres` hold what differs. Nothing outside this module knows SQL.
 
 pub mod address;
 pub mod batch;
 mod commit;
+mod database;
+mod error;
+mod lease;
 mod load;
+mod lock;
+mod postgres;
 pub mod read;
 pub mod readings;
+mod records;
+mod sqlite;
+mod writer;
 
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::time::Duration;
-
-use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{SqlSafeStr, SqlitePool};
+use std::sync::Arc;
 
 pub use address::DatabaseAddress;
 pub use batch::Batch;
+pub use error::StoreError;
+pub use lease::{FleetLease, Lease, Roll, Supervisor};
 pub use load::StoredRobot;
+pub use writer::Writer;
 
-/// Why the database cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    /// There is no place for it.
-    #[error("cannot make the database {path}: the folder {folder} does not exist")]
-    NoFolder {
-        /// Which database.
-        path: PathBuf,
-        /// Where it would be.
-        folder: PathBuf,
-    },
-    /// It cannot be opened.
-    #[error("cannot open the database {path}: {source}")]
-    Open {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: sqlx::Error,
-    },
-    /// Its tables cannot be brought up to date.
-    #[error("cannot bring the tables of {path} up to date: {source}")]
-    Migrate {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: sqlx::migrate::MigrateError,
-    },
-    /// A query failed.
-    #[error("database, while trying to {what}: {source}")]
-    Query {
-        /// What it was for.
-        what: &'static str,
-        /// Why.
-        source: sqlx::Error,
-    },
-}
+use database::{Either, Options, Pool, on};
+use error::failed;
 
-/// The migrations, part of the program. (The macro that would read them at build time costs a second build of
-/// the whole database library.)
-fn migrations() -> Migrator {
-    let first = Migration::new(
-        1,
-        "supervision".into(),
-        MigrationType::Simple,
-        include_str!("../../../../migrations/sqlite/0001_supervision.sql").into_sql_str(),
-        false,
-    );
-    Migrator::with_migrations(vec![first])
-}
-
-/// Names what a query is for, if it fails.
-fn failed(what: &'static str) -> impl FnOnce(sqlx::Error) -> StoreError {
-    move |source| StoreError::Query { what, source }
-}
-
-/// An open database.
+/// An open database, for reading.
 #[derive(Debug, Clone)]
 pub struct Store {
-    pool: SqlitePool,
+    pool: Pool,
+    options: Arc<Options>,
+    name: Arc<str>,
 }
 
 impl Store {
-    /// Opens or makes the file, and brings its tables up to date.
+    /// Opens the database for a supervisor of that name. A file is made and locked; a server is not asked
+    /// anything yet.
     ///
     /// # Errors
-    /// The file or its folder cannot be used, or it is not ours.
-    pub async fn open(path: &Path) -> Result<Self, StoreError> {
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
-            return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
+    /// The file or its folder cannot be used, or another supervisor has it.
+    pub async fn open(address: &DatabaseAddress, supervisor: &str) -> Result<Self, StoreError> {
+        let name: Arc<str> = address.to_string().into();
+        let (pool, options) = match address {
+            DatabaseAddress::Sqlite(path) => sqlite::open(path, &name, supervisor).await?,
+            DatabaseAddress::Postgres(options) => postgres::open(options, supervisor),
+        };
+        Ok(Self { pool, options: Arc::new(options), name })
+    }
+
+    /// Brings the tables up to date.
+    ///
+    /// # Errors
+    /// The database is away, too old, or not ours; [`StoreError::is_passing`] tells the first from the others.
+    pub async fn prepare(&self) -> Result<(), StoreError> {
+        if let Either::Postgres(pool) = &self.pool {
+            postgres::check_version(pool, &self.name).await?;
         }
-        let open_error = |source| StoreError::Open { path: path.to_owned(), source };
-        let options = SqliteConnectOptions::from_str("sqlite:")
-            .map_err(open_error)?
-            .filename(path)
-            .create_if_missing(true)
-            .foreign_keys(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            // A commit that was receipted must survive a loss of power.
-            .synchronous(SqliteSynchronous::Full)
-            .busy_timeout(Duration::from_secs(10));
-        let pool = SqlitePoolOptions::new().max_connections(4).connect_with(options).await.map_err(open_error)?;
-        migrations().run(&pool).await.map_err(|source| StoreError::Migrate { path: path.to_owned(), source })?;
-        Ok(Self { pool })
+        self.pool.migrate(&self.name).await
+    }
+
+    /// A writer, with a connection of its own.
+    #[must_use]
+    pub fn writer(&self) -> Writer {
+        Writer::new(self.options.clone())
+    }
+
+    /// Whether several supervisors can share it.
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
+        matches!(self.pool, Either::Postgres(_))
     }
 
     /// Whether it answers.
@@ -111,11 +82,12 @@ impl Store {
     /// # Errors
     /// It does not.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        sqlx::query("SELECT 1").execute(&self.pool).await.map(drop).map_err(failed("ask whether it is there"))
+        on!(&self.pool, |pool| sqlx::query("SELECT 1").execute(pool).await.map(drop))
+            .map_err(failed("ask whether it is there"))
     }
 
-    /// Closes all connections, so that the file is complete by itself.
+    /// Closes all connections, so that a file is complete by itself.
     pub async fn close(&self) {
-        self.pool.close().await;
+        on!(&self.pool, |pool| pool.close().await);
     }
 }

@@ -1,5 +1,6 @@
 //! What people ask for.
 
+use super::database::on;
 use super::readings::{
     CandidateReading, Compensation, CompensationReading, ErrorBinReading, HealthChangeReading, LengthPoint,
     SetpointStateReading, TrimReading, WhiskerReading,
@@ -15,19 +16,19 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn whiskers(&self) -> Result<Vec<WhiskerReading>, StoreError> {
-        sqlx::query_as(
-            "SELECT fleet, robot, array, array_type, w.whisker, whole_length_mm, length_mm, length_sd_mm, condition, \
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT fleet, robot, \"array\", array_type, w.whisker, whole_length_mm, length_mm, length_sd_mm, condition, \
              fault, pressure_mpa, setpoint_mpa, nominal_pressure_mpa, contacts, heard_us, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = w.whisker_id \
               AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL) AS compensated_by, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = w.whisker_id \
               AND c.ended_us IS NULL) AS serves_in \
              FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE position IS NOT NULL ORDER BY fleet, robot, array, w.whisker LIMIT ?",
+             WHERE position IS NOT NULL ORDER BY fleet, robot, \"array\", w.whisker LIMIT $1",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("list the whiskers"))
     }
 
@@ -37,8 +38,8 @@ impl Store {
     /// The database cannot be read.
     pub async fn compensations(&self) -> Result<Vec<Compensation>, StoreError> {
         const WHAT: &str = "list the compensations";
-        let decisions: Vec<CompensationReading> = sqlx::query_as(
-            "SELECT c.compensation_id, fleet, robot, array, t.whisker AS target_whisker, target_length_mm, \
+        let decisions: Vec<CompensationReading> = on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT c.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, target_length_mm, \
              target_pressure_mpa, k.whisker AS compensator_whisker, compensation_case, pressure_before_mpa, \
              c.pressure_mpa, predicted_error, e.error AS measured_error, e.error_low AS measured_error_low, \
              e.error_high AS measured_error_high, e.bins AS measured_bins, \
@@ -49,22 +50,24 @@ impl Store {
              LEFT JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id \
              LEFT JOIN compensation_errors e ON e.compensation_error_id = (SELECT max(compensation_error_id) \
               FROM compensation_errors n WHERE n.compensation_id = c.compensation_id) \
-             ORDER BY decided_us DESC, c.compensation_id DESC LIMIT ?",
+             ORDER BY decided_us DESC, c.compensation_id DESC LIMIT $1",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed(WHAT))?;
-        let candidates: Vec<CandidateReading> = sqlx::query_as(
+        let candidates: Vec<CandidateReading> = on!(&self.pool, |pool| {
+            sqlx::query_as(
             "SELECT compensation_id, w.whisker, compensation_case, k.length_mm, k.length_sd_mm, pressure_before_mpa, \
              k.pressure_mpa, predicted_error, gives_up_own_role, chosen, refused \
              FROM compensation_candidates k JOIN whiskers w USING (whisker_id) WHERE compensation_id IN \
-             (SELECT compensation_id FROM compensations ORDER BY decided_us DESC, compensation_id DESC LIMIT ?) \
+             (SELECT compensation_id FROM compensations ORDER BY decided_us DESC, compensation_id DESC LIMIT $1) \
              ORDER BY compensation_id, ordinal",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
+        .fetch_all(pool)
         .await
+        })
         .map_err(failed(WHAT))?;
         let with_candidates = decisions.into_iter().map(|decision| {
             let id = decision.compensation_id;
@@ -80,14 +83,14 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn trims(&self) -> Result<Vec<TrimReading>, StoreError> {
-        sqlx::query_as(
-            "SELECT robot, array, w.whisker, detected_us, length_before_mm, length_after_mm, length_after_sd_mm, \
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT robot, \"array\", w.whisker, detected_us, length_before_mm, length_after_mm, length_after_sd_mm, \
              contacts_to_detect FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = t.robot_id ORDER BY detected_us, trim_id LIMIT ?",
+             JOIN robots r ON r.robot_id = t.robot_id ORDER BY detected_us, trim_id LIMIT $1",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("list the trims"))
     }
 
@@ -96,14 +99,14 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn error_bins(&self, compensation_id: i64) -> Result<Vec<ErrorBinReading>, StoreError> {
-        sqlx::query_as(
+        on!(&self.pool, |pool| sqlx::query_as(
             "SELECT ratio, contacts, error, error_low, error_high FROM compensation_error_bins \
              WHERE compensation_error_id = (SELECT max(compensation_error_id) FROM compensation_errors \
-             WHERE compensation_id = ?) ORDER BY ratio",
+             WHERE compensation_id = $1) ORDER BY ratio",
         )
         .bind(compensation_id)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("read a compensation error"))
     }
 
@@ -118,19 +121,19 @@ impl Store {
         whisker: i64,
         every: i64,
     ) -> Result<Vec<LengthPoint>, StoreError> {
-        sqlx::query_as(
+        on!(&self.pool, |pool| sqlx::query_as(
             "SELECT t_us, c.length_mm, c.length_sd_mm, c.pressure_mpa FROM contacts c \
              JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE robot = ? AND array = ? AND whisker = ? AND contact_id % ? = 0 ORDER BY t_us LIMIT ?",
+             WHERE robot = $1 AND \"array\" = $2 AND whisker = $3 AND contact_id % $4 = 0 ORDER BY t_us LIMIT $5",
         )
         .bind(robot)
         .bind(array)
         .bind(whisker)
         .bind(every.max(1))
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("read a whisker's lengths"))
     }
 
@@ -139,9 +142,7 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn contact_count(&self) -> Result<i64, StoreError> {
-        sqlx::query_scalar("SELECT count(*) FROM contacts")
-            .fetch_one(&self.pool)
-            .await
+        on!(&self.pool, |pool| sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(pool).await)
             .map_err(failed("count the contacts"))
     }
 
@@ -150,10 +151,10 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn setpoint_states(&self) -> Result<Vec<(String, i64)>, StoreError> {
-        sqlx::query_as("SELECT state, count(*) FROM setpoints GROUP BY state ORDER BY state")
-            .fetch_all(&self.pool)
-            .await
-            .map_err(failed("count the setpoints"))
+        on!(&self.pool, |pool| sqlx::query_as("SELECT state, count(*) FROM setpoints GROUP BY state ORDER BY state")
+            .fetch_all(pool)
+            .await)
+        .map_err(failed("count the setpoints"))
     }
 
     /// Contacts of a whisker (robot, array, number) from a moment by the robot's clock on, until they were
@@ -167,18 +168,18 @@ impl Store {
         from_us: i64,
         received_us: i64,
     ) -> Result<i64, StoreError> {
-        sqlx::query_scalar(
+        on!(&self.pool, |pool| sqlx::query_scalar(
             "SELECT count(*) FROM contacts c JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE robot = ? AND array = ? AND whisker = ? AND t_us >= ? AND received_us <= ?",
+             WHERE robot = $1 AND \"array\" = $2 AND whisker = $3 AND t_us >= $4 AND received_us <= $5",
         )
         .bind(whisker.0)
         .bind(whisker.1)
         .bind(whisker.2)
         .bind(from_us)
         .bind(received_us)
-        .fetch_one(&self.pool)
-        .await
+        .fetch_one(pool)
+        .await)
         .map_err(failed("count a whisker's contacts"))
     }
 
@@ -187,12 +188,12 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn measured_contacts(&self) -> Result<Vec<i64>, StoreError> {
-        sqlx::query_scalar(
+        on!(&self.pool, |pool| sqlx::query_scalar(
             "SELECT max(e.contacts) FROM compensation_errors e JOIN compensations USING (compensation_id) \
              WHERE ended_us IS NULL GROUP BY compensation_id",
         )
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("count the measured contacts"))
     }
 
@@ -201,14 +202,14 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn health_changes(&self) -> Result<Vec<HealthChangeReading>, StoreError> {
-        sqlx::query_as(
-            "SELECT robot, array, whisker, was, becomes, recorded_us FROM health_changes h \
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT robot, \"array\", whisker, was, becomes, recorded_us FROM health_changes h \
              JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = w.robot_id ORDER BY health_change_id LIMIT ?",
+             JOIN robots r ON r.robot_id = w.robot_id ORDER BY health_change_id LIMIT $1",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("list the changes of health"))
     }
 
@@ -217,14 +218,14 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn setpoint_history(&self) -> Result<Vec<SetpointStateReading>, StoreError> {
-        sqlx::query_as(
-            "SELECT robot, array, whisker, s.pressure_mpa, reason, h.state, h.recorded_us FROM setpoint_states h \
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT robot, \"array\", whisker, s.pressure_mpa, reason, h.state, h.recorded_us FROM setpoint_states h \
              JOIN setpoints s USING (command_id) JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = w.robot_id ORDER BY setpoint_state_id LIMIT ?",
+             JOIN robots r ON r.robot_id = w.robot_id ORDER BY setpoint_state_id LIMIT $1",
         )
         .bind(ROWS_MAX)
-        .fetch_all(&self.pool)
-        .await
+        .fetch_all(pool)
+        .await)
         .map_err(failed("list what became of setpoints"))
     }
 }

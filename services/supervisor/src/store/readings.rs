@@ -1,6 +1,7 @@
 //! What queries read, as JSON in the contract's words: a struct for each, its fields the query's columns.
 
 use serde::Serialize;
+use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{FromRow, Row};
 
@@ -11,6 +12,12 @@ macro_rules! readings {
 
         impl<'r> FromRow<'r, SqliteRow> for $name {
             fn from_row(row: &'r SqliteRow) -> sqlx::Result<Self> {
+                Ok(Self { $($field: row.try_get(stringify!($field))?,)+ })
+            }
+        }
+
+        impl<'r> FromRow<'r, PgRow> for $name {
+            fn from_row(row: &'r PgRow) -> sqlx::Result<Self> {
                 Ok(Self { $($field: row.try_get(stringify!($field))?,)+ })
             }
         })+

@@ -1,0 +1,160 @@
+//! One fleet under supervision, from taking it up to giving it back: the engine and its two connections.
+
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+use tokio::time::{Duration, Instant, timeout_at};
+use tracing::{error, info, warn};
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::BootId;
+
+use crate::engine::{Ending, Engine};
+use crate::metrics::Metrics;
+use crate::mqtt::{self, BrokerAddress, Connection, stopped};
+use crate::readiness::{Readiness, Standing};
+use crate::store::{Lease, Store, StoreError};
+
+/// Publications that wait for the broker; beyond it they are dropped and made again.
+const OUTBOX_MESSAGES: usize = 10_000;
+
+/// How long a fleet may take to end in good order. Cutting it off loses nothing: what is not committed is not
+/// receipted, and robots send it again.
+const STOP_PATIENCE: Duration = Duration::from_secs(5);
+
+/// What all fleets of a supervisor share.
+#[derive(Debug, Clone)]
+pub(crate) struct Shared {
+    pub(crate) store: Store,
+    pub(crate) broker: BrokerAddress,
+    pub(crate) metrics: Metrics,
+    pub(crate) readiness: Readiness,
+    pub(crate) params: Arc<Params>,
+    /// One start of one supervisor.
+    pub(crate) supervisor: Arc<str>,
+}
+
+/// A fleet that is supervised here.
+#[derive(Debug)]
+pub(crate) struct Fleet {
+    lease: Lease,
+    stop: watch::Sender<bool>,
+    task: JoinHandle<()>,
+}
+
+impl Fleet {
+    /// Takes it up. What that needs from the database and the broker is waited for in the background, so that
+    /// the lease is kept meanwhile.
+    pub(crate) fn start(lease: Lease, shared: &Shared) -> Self {
+        let (stop, stopping) = watch::channel(false);
+        shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
+        let task = tokio::spawn(supervise(lease.clone(), shared.clone(), stopping));
+        Self { lease, stop, task }
+    }
+
+    /// The right to it.
+    pub(crate) fn lease(&self) -> &Lease {
+        &self.lease
+    }
+
+    /// Whether it has ended by itself, because it was taken over.
+    pub(crate) fn is_over(&self) -> bool {
+        self.task.is_finished()
+    }
+
+    /// Ends in order: no more messages in, what is there committed, receipts and good-bye out.
+    pub(crate) async fn stop(self) -> Lease {
+        // Without a receiver it has ended already.
+        let _ = self.stop.send(true);
+        if let Err(problem) = self.task.await {
+            error!(fleet = %self.lease.fleet(), %problem, "supervision ended abnormally");
+        }
+        self.lease
+    }
+}
+
+async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>) {
+    let fleet = lease.fleet().clone();
+    let metrics = shared.metrics.of_fleet(&fleet);
+    let part = format!("fleet {fleet}, taking up");
+    let engine = tokio::select! {
+        engine = take_up(&lease, &shared, &metrics, &part) => engine,
+        () = stopped(&mut stop) => None,
+    };
+    shared.readiness.set(&part, None);
+    if let Some((engine, boot_id)) = engine {
+        let connection =
+            Connection { broker: shared.broker.clone(), fleet: fleet.clone(), boot_id, epoch: lease.epoch() };
+        run(engine, &connection, &metrics, stop).await;
+    }
+    metrics.forget_fleet();
+    info!(%fleet, epoch = lease.epoch(), "supervised here no more");
+}
+
+/// Loads the fleet; waits for a database that is away.
+async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics, part: &str) -> Option<(Engine, BootId)> {
+    // New with each epoch: its numbers of messages begin anew.
+    let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
+        Ok(boot_id) => boot_id,
+        Err(problem) => {
+            error!(%problem, "no boot id");
+            return None;
+        }
+    };
+    let mut backoff = crate::backoff::Backoff::default();
+    loop {
+        let started = Engine::start(
+            lease.clone(),
+            boot_id.clone(),
+            shared.params.clone(),
+            shared.store.writer(),
+            metrics.clone(),
+            shared.readiness.clone(),
+        );
+        match started.await {
+            Ok(engine) => return Some((engine, boot_id)),
+            Err(problem @ StoreError::LeaseLost { .. }) => {
+                warn!(%problem, "not taken up");
+                return None;
+            }
+            Err(problem) => {
+                shared.metrics.database_errors.inc();
+                error!(%problem, fleet = %lease.fleet(), "cannot take the fleet up; trying again");
+                shared.readiness.set(part, Some(problem.to_string()));
+                backoff.wait().await;
+            }
+        }
+    }
+}
+
+/// Runs until told to stop, or until the fleet is somebody else's.
+async fn run(engine: Engine, connection: &Connection, metrics: &Metrics, mut stop: watch::Receiver<bool>) {
+    let (hang_up, hanging_up) = watch::channel(false);
+    let (inbox, mut receiver) = mqtt::receive(connection, metrics.clone(), hanging_up);
+    let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
+    let mut publisher = mqtt::publish(connection, publications);
+    let mut engine = tokio::spawn(engine.run(inbox, outbox));
+    tokio::select! {
+        () = stopped(&mut stop) => {}
+        ended = &mut engine => {
+            if let Ok(Ending::LeaseLost) = ended {
+                warn!(fleet = %connection.fleet, epoch = connection.epoch, "taken over by another supervisor");
+            }
+        }
+    }
+    let _ = hang_up.send(true);
+    let deadline = Instant::now() + STOP_PATIENCE;
+    // In the order in which they end: each of the first two lets go of what the next one waits for.
+    end_by(deadline, "receiver", &mut receiver).await;
+    if !engine.is_finished() {
+        end_by(deadline, "engine", &mut engine).await;
+    }
+    end_by(deadline, "publisher", &mut publisher).await;
+}
+
+async fn end_by<T>(deadline: Instant, name: &str, task: &mut JoinHandle<T>) {
+    if timeout_at(deadline, &mut *task).await.is_err() {
+        warn!(task = name, "did not end in time");
+        task.abort();
+    }
+}

@@ -1,0 +1,173 @@
+//! Which fleets this supervisor has: keeps its leases, takes its share, gives back what is too much.
+
+use std::collections::BTreeMap;
+
+use tokio::sync::watch;
+use tokio::task::{AbortHandle, JoinSet};
+use tokio::time::{MissedTickBehavior, interval};
+use tracing::{error, info, warn};
+use vibrissa_protocol::Name;
+
+use crate::fleet::{Fleet, Shared};
+use crate::mqtt::stopped;
+use crate::readiness::Standing;
+use crate::sharing::shares;
+use crate::store::{Roll, StoreError, Supervisor, Writer};
+
+/// Turns in a time to live: each renews the leases and looks for free ones.
+const TURNS_A_TIME_TO_LIVE: u32 = 8;
+
+/// The part of readiness that is kept here.
+const PART: &str = "ownership";
+
+/// The keeper of the leases.
+pub(crate) struct Ownership {
+    supervisor: Supervisor,
+    shared: Shared,
+    writer: Writer,
+    fleets: BTreeMap<Name, Fleet>,
+    /// Fleets that are ending, which must be over before they can be taken again.
+    ending: JoinSet<()>,
+    ending_names: BTreeMap<Name, AbortHandle>,
+    is_prepared: bool,
+}
+
+impl Ownership {
+    /// Nothing is owned yet. The database counts as prepared if its tables are up to date.
+    pub(crate) fn new(supervisor: Supervisor, shared: Shared, is_prepared: bool) -> Self {
+        shared.readiness.set(PART, Some("starting: not known yet whose the fleets are".to_owned()));
+        let writer = shared.store.writer();
+        Self {
+            supervisor,
+            shared,
+            writer,
+            fleets: BTreeMap::new(),
+            ending: JoinSet::new(),
+            ending_names: BTreeMap::new(),
+            is_prepared,
+        }
+    }
+
+    /// Keeps at it until told to stop, then gives everything back.
+    pub(crate) async fn run(mut self, mut stop: watch::Receiver<bool>) {
+        let mut turns = interval(self.supervisor.time_to_live / TURNS_A_TIME_TO_LIVE);
+        turns.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                _ = turns.tick() => {}
+                () = stopped(&mut stop) => break,
+            }
+            let turn = tokio::select! {
+                turn = self.turn() => turn,
+                () = stopped(&mut stop) => break,
+            };
+            if let Err(problem) = &turn {
+                self.shared.metrics.database_errors.inc();
+                warn!(%problem, "cannot keep the leases; trying again");
+            }
+            self.shared.readiness.set(PART, turn.err().map(|problem| problem.to_string()));
+        }
+        self.leave().await;
+    }
+
+    /// One turn: renew, look, give back, take.
+    async fn turn(&mut self) -> Result<(), StoreError> {
+        if !self.is_prepared {
+            self.shared.store.prepare().await?;
+            self.is_prepared = true;
+        }
+        self.bury();
+        let held: Vec<_> = self.fleets.values().map(|fleet| fleet.lease().clone()).collect();
+        let roll = self.writer.sign_in(&self.supervisor, &held).await?;
+        self.drop_lost(&roll);
+        let shares = shares(&roll);
+        let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
+        let too_many: Vec<Name> = self.fleets.keys().filter(|fleet| !mine(fleet)).cloned().collect();
+        let missing: Vec<Name> = roll
+            .leases
+            .iter()
+            .filter(|lease| mine(&lease.fleet))
+            .filter(|lease| !self.fleets.contains_key(&lease.fleet) && !self.ending_names.contains_key(&lease.fleet))
+            .map(|lease| lease.fleet.clone())
+            .collect();
+        for fleet in too_many {
+            info!(%fleet, "handing over");
+            self.end(&fleet);
+        }
+        for fleet in missing {
+            if let Some(lease) = self.writer.acquire(&self.supervisor, &fleet).await? {
+                info!(%fleet, epoch = lease.epoch(), "taken");
+                self.shared.metrics.lease(&fleet, Some(lease.epoch()));
+                self.fleets.insert(fleet, Fleet::start(lease, &self.shared));
+            }
+        }
+        for lease in roll.leases.iter().filter(|lease| !self.fleets.contains_key(&lease.fleet)) {
+            let holder = lease.holder.clone().filter(|_| !lease.free);
+            self.shared.readiness.stands(&lease.fleet, Standing::Standby { holder });
+        }
+        Ok(())
+    }
+
+    /// Fleets whose supervision has ended by itself, and those whose end is through.
+    fn bury(&mut self) {
+        let over: Vec<Name> =
+            self.fleets.iter().filter(|(_, fleet)| fleet.is_over()).map(|(name, _)| name.clone()).collect();
+        for name in over {
+            self.end(&name);
+        }
+        while let Some(ended) = self.ending.try_join_next() {
+            if let Err(problem) = ended {
+                error!(%problem, "a fleet ended abnormally");
+            }
+        }
+        self.ending_names.retain(|_, task| !task.is_finished());
+    }
+
+    /// Fleets that somebody else has by now: it would be a fault to go on, even without writing.
+    fn drop_lost(&mut self, roll: &Roll) {
+        let is_ours = |fleet: &Fleet| {
+            roll.leases.iter().any(|row| {
+                row.fleet == *fleet.lease().fleet()
+                    && row.epoch == fleet.lease().epoch()
+                    && row.owner.as_deref() == Some(&*self.supervisor.id)
+            })
+        };
+        let lost: Vec<Name> =
+            self.fleets.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(name, _)| name.clone()).collect();
+        for name in lost {
+            warn!(fleet = %name, "its lease was taken over");
+            self.end(&name);
+        }
+    }
+
+    /// Ends the supervision of a fleet and gives its lease back, if it is still ours; in the background, because
+    /// the leases of the others must be kept meanwhile.
+    fn end(&mut self, name: &Name) {
+        let Some(fleet) = self.fleets.remove(name) else { return };
+        self.shared.metrics.lease(name, None);
+        let mut writer = self.shared.store.writer();
+        let task = self.ending.spawn(async move {
+            let lease = fleet.stop().await;
+            if let Err(problem) = writer.release(&lease).await {
+                warn!(%problem, "not given back: its lease expires by itself");
+            }
+        });
+        self.ending_names.insert(name.clone(), task);
+    }
+
+    /// Ends everything at once, and says that it can be had.
+    async fn leave(mut self) {
+        let names: Vec<Name> = self.fleets.keys().cloned().collect();
+        for name in names {
+            self.end(&name);
+        }
+        while let Some(ended) = self.ending.join_next().await {
+            if let Err(problem) = ended {
+                error!(%problem, "a fleet ended abnormally");
+            }
+        }
+        if let Err(problem) = self.writer.sign_out(&self.supervisor).await {
+            warn!(%problem, "not signed out");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! One supervisor for a SQLite file: the operating system's lock on a file beside it, which ends with the process.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::StoreError;
+
+/// Held as long as a clone of it lives.
+#[derive(Debug, Clone)]
+pub(super) struct FileLock {
+    _file: Arc<File>,
+}
+
+impl FileLock {
+    /// Takes the lock of a database for a supervisor of that name.
+    ///
+    /// # Errors
+    /// Another has it, or the file beside the database cannot be written.
+    pub(super) fn take(database: &Path, name: &str) -> Result<Self, StoreError> {
+        let path = beside(database);
+        let failed = |source| StoreError::Lock { path: path.clone(), source };
+        let mut file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut holder = String::new();
+                // Who holds it may be just about to write its name.
+                let _ = file.take(1000).read_to_string(&mut holder);
+                let holder = if holder.is_empty() { "another supervisor".to_owned() } else { holder };
+                return Err(StoreError::InUse { path: database.to_owned(), holder });
+            }
+            Err(TryLockError::Error(source)) => return Err(failed(source)),
+        }
+        file.set_len(0).and_then(|()| file.rewind()).map_err(failed)?;
+        write!(file, "supervisor {name:?} (process {})", std::process::id()).map_err(failed)?;
+        Ok(Self { _file: Arc::new(file) })
+    }
+}
+
+fn beside(database: &Path) -> PathBuf {
+    let mut path = database.as_os_str().to_owned();
+    path.push(".lock");
+    PathBuf::from(path)
+}

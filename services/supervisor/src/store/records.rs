@@ -1,0 +1,267 @@
+//! The rarer rows: the same statements for both databases.
+
+use sqlx::QueryBuilder;
+
+use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, SetpointRow};
+use super::database::{Tx, on};
+use super::{StoreError, failed};
+
+/// Takes everything off a robot; what is on it now follows.
+pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| sqlx::query("UPDATE robots SET model = $1 WHERE robot_id = $2")
+        .bind(&layout.model)
+        .bind(layout.robot_id)
+        .execute(&mut **tx)
+        .await
+        .map(drop))?;
+    on!(&mut *tx, |tx| sqlx::query("UPDATE whiskers SET position = NULL, state = NULL WHERE robot_id = $1")
+        .bind(layout.robot_id)
+        .execute(&mut **tx)
+        .await
+        .map(drop))
+}
+
+/// One of the rarer rows.
+pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(), StoreError> {
+    match record {
+        Record::Decision(decision) => write_decision(tx, decision).await.map_err(failed("write a decision")),
+        Record::Setpoint(setpoint) => write_setpoint(tx, setpoint).await.map_err(failed("write a setpoint")),
+        Record::Error(error) => write_error(tx, error).await.map_err(failed("write a compensation error")),
+        Record::SetpointState { command_id, recorded_us, state, error, pressure_mpa } => {
+            write_setpoint_state(tx, command_id, *recorded_us, state, *error, *pressure_mpa)
+                .await
+                .map_err(failed("write what became of a setpoint"))
+        }
+        Record::Health { .. }
+        | Record::Trim { .. }
+        | Record::Ended { .. }
+        | Record::Response(_)
+        | Record::Alarm { .. } => write_simple(tx, record).await.map_err(failed("write a record")),
+    }
+}
+
+/// Records of one statement each.
+async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
+    match record {
+        Record::Health { whisker_id, recorded_us, kind, was, becomes } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "INSERT INTO health_changes (whisker_id, recorded_us, kind, was, becomes) VALUES ($1, $2, $3, $4, $5)",
+            )
+            .bind(whisker_id)
+            .bind(recorded_us)
+            .bind(*kind)
+            .bind(*was)
+            .bind(*becomes)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
+        Record::Trim {
+            trim_id,
+            robot_id,
+            whisker_id,
+            detected_us,
+            length_before_mm,
+            length_after_mm,
+            length_after_sd_mm,
+            contacts_to_detect,
+        } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "INSERT INTO trims (trim_id, robot_id, whisker_id, detected_us, length_before_mm, \
+                 length_after_mm, length_after_sd_mm, contacts_to_detect) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
+            )
+            .bind(trim_id)
+            .bind(robot_id)
+            .bind(whisker_id)
+            .bind(detected_us)
+            .bind(length_before_mm)
+            .bind(length_after_mm)
+            .bind(length_after_sd_mm)
+            .bind(contacts_to_detect)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
+        Record::Ended { compensation_id, ended_us, end_reason } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "UPDATE compensations SET ended_us = $1, end_reason = $2 WHERE compensation_id = $3"
+            )
+            .bind(ended_us)
+            .bind(*end_reason)
+            .bind(compensation_id)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
+        Record::Response(response) => {
+            on!(&mut *tx, |tx| {
+                sqlx::query(
+                "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, \
+                 before_strain, before_origin, target_strain, target_origin) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)",
+            )
+            .bind(response.compensation_id)
+            .bind(response.t_us)
+            .bind(response.ratio)
+            .bind(response.deflection_mm)
+            .bind(response.after_strain)
+            .bind(response.before_strain)
+            .bind(response.before_origin)
+            .bind(response.target_strain)
+            .bind(response.target_origin)
+            .execute(&mut **tx)
+            .await.map(drop)
+            })?;
+        }
+        Record::Alarm { whisker_id, raised_us, kind } => {
+            on!(&mut *tx, |tx| sqlx::query("INSERT INTO alarms (whisker_id, raised_us, kind) VALUES ($1, $2, $3)")
+                .bind(whisker_id)
+                .bind(raised_us)
+                .bind(*kind)
+                .execute(&mut **tx)
+                .await
+                .map(drop))?;
+        }
+        Record::Decision(_) | Record::Setpoint(_) | Record::SetpointState { .. } | Record::Error(_) => {}
+    }
+    Ok(())
+}
+
+async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result<()> {
+    let chosen = decision.candidates.iter().find(|candidate| candidate.chosen);
+    on!(&mut *tx, |tx| sqlx::query(
+        "INSERT INTO compensations (compensation_id, robot_id, target_whisker_id, target_length_mm, \
+         target_pressure_mpa, compensator_whisker_id, compensation_case, pressure_before_mpa, pressure_mpa, \
+         predicted_error, decided_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+    )
+    .bind(decision.compensation_id)
+    .bind(decision.robot_id)
+    .bind(decision.target_whisker_id)
+    .bind(decision.target_length_mm)
+    .bind(decision.target_pressure_mpa)
+    .bind(chosen.map(|candidate| candidate.whisker_id))
+    .bind(chosen.map(|candidate| candidate.case))
+    .bind(chosen.map(|candidate| candidate.pressure_before_mpa))
+    .bind(chosen.and_then(|candidate| candidate.pressure_mpa))
+    .bind(chosen.and_then(|candidate| candidate.predicted_error))
+    .bind(decision.decided_us)
+    .execute(&mut **tx)
+    .await
+    .map(drop))?;
+    for (ordinal, candidate) in decision.candidates.iter().enumerate() {
+        on!(&mut *tx, |tx| sqlx::query(
+            "INSERT INTO compensation_candidates (compensation_id, ordinal, whisker_id, compensation_case, \
+             length_mm, length_sd_mm, pressure_before_mpa, pressure_mpa, predicted_error, \
+             predicted_error_by_ratio, gives_up_own_role, chosen, refused) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+        )
+        .bind(decision.compensation_id)
+        .bind(ordinal as i64)
+        .bind(candidate.whisker_id)
+        .bind(candidate.case)
+        .bind(candidate.length_mm)
+        .bind(candidate.length_sd_mm)
+        .bind(candidate.pressure_before_mpa)
+        .bind(candidate.pressure_mpa)
+        .bind(candidate.predicted_error)
+        .bind(&candidate.predicted_error_by_ratio)
+        .bind(candidate.gives_up_own_role)
+        .bind(candidate.chosen)
+        .bind(candidate.refused)
+        .execute(&mut **tx)
+        .await
+        .map(drop))?;
+    }
+    Ok(())
+}
+
+async fn write_setpoint(tx: &mut Tx<'_>, setpoint: &SetpointRow) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| sqlx::query(
+        "INSERT INTO setpoints (command_id, robot_id, whisker_id, compensation_id, epoch, version, robot_boot_id, \
+         pressure_mpa, slew_mpa_per_s, issued_us, expires_us, reason, gain, state) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, 'PENDING')",
+    )
+    .bind(&setpoint.command_id)
+    .bind(setpoint.robot_id)
+    .bind(setpoint.whisker_id)
+    .bind(setpoint.compensation_id)
+    .bind(setpoint.epoch)
+    .bind(setpoint.version)
+    .bind(&setpoint.robot_boot_id)
+    .bind(setpoint.pressure_mpa)
+    .bind(setpoint.slew_mpa_per_s)
+    .bind(setpoint.issued_us)
+    .bind(setpoint.expires_us)
+    .bind(setpoint.reason)
+    .bind(&setpoint.gain)
+    .execute(&mut **tx)
+    .await
+    .map(drop))?;
+    write_setpoint_state(tx, &setpoint.command_id, setpoint.issued_us, "PENDING", None, None).await
+}
+
+async fn write_setpoint_state(
+    tx: &mut Tx<'_>,
+    command_id: &str,
+    recorded_us: i64,
+    state: &'static str,
+    error: Option<&'static str>,
+    pressure_mpa: Option<f64>,
+) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| sqlx::query(
+        "UPDATE setpoints SET state = $1, error = $2, reached_mpa = COALESCE($3, reached_mpa) WHERE command_id = $4",
+    )
+    .bind(state)
+    .bind(error)
+    .bind(pressure_mpa)
+    .bind(command_id)
+    .execute(&mut **tx)
+    .await
+    .map(drop))?;
+    on!(&mut *tx, |tx| sqlx::query(
+        "INSERT INTO setpoint_states (command_id, recorded_us, state, error, pressure_mpa) VALUES ($1, $2, $3, $4, $5)",
+    )
+    .bind(command_id)
+    .bind(recorded_us)
+    .bind(state)
+    .bind(error)
+    .bind(pressure_mpa)
+    .execute(&mut **tx)
+    .await
+    .map(drop))
+}
+
+async fn write_error(tx: &mut Tx<'_>, error: &ErrorRow) -> sqlx::Result<()> {
+    let written: i64 = on!(&mut *tx, |tx| sqlx::query_scalar(
+        "INSERT INTO compensation_errors (compensation_id, recorded_us, contacts, bins, error, error_low, \
+         error_high) VALUES ($1, $2, $3, $4, $5, $6, $7) RETURNING compensation_error_id",
+    )
+    .bind(error.compensation_id)
+    .bind(error.recorded_us)
+    .bind(error.contacts)
+    .bind(error.bins.len() as i64)
+    .bind(error.error.mean)
+    .bind(error.error.low)
+    .bind(error.error.high)
+    .fetch_one(&mut **tx)
+    .await)?;
+    on!(tx, |tx| {
+        let mut insert = QueryBuilder::new(
+            "INSERT INTO compensation_error_bins (compensation_error_id, ratio, contacts, after_per_mm, \
+             before_per_mm, before_origin, target_per_mm, target_origin, error, error_low, error_high) ",
+        );
+        insert.push_values(&error.bins, |mut row, bin| {
+            row.push_bind(written)
+                .push_bind(bin.ratio)
+                .push_bind(bin.contacts)
+                .push_bind(bin.after_per_mm)
+                .push_bind(bin.before_per_mm)
+                .push_bind(bin.before_origin)
+                .push_bind(bin.target_per_mm)
+                .push_bind(bin.target_origin)
+                .push_bind(bin.error.mean)
+                .push_bind(bin.error.low)
+                .push_bind(bin.error.high);
+        });
+        insert.build().persistent(false).execute(&mut **tx).await.map(drop)
+    })
+}

@@ -1,0 +1,106 @@
+//! What is SQLite's own: the file, and how many rows go into a statement.
+
+use std::path::Path;
+use std::time::Duration;
+
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
+
+use super::batch::{ContactRow, RobotRow, WhiskerRow};
+use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
+use super::lock::FileLock;
+use super::{StoreError, database};
+
+/// Rows of one statement: 15 values each, SQLite takes 32,766.
+const CONTACTS_A_STATEMENT: usize = 1000;
+
+/// Opens or makes the file.
+pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
+        return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
+    }
+    let lock = FileLock::take(path, supervisor)?;
+    let options = SqliteConnectOptions::new()
+        .filename(path)
+        .create_if_missing(true)
+        .foreign_keys(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        // A commit that was receipted must survive a loss of power.
+        .synchronous(SqliteSynchronous::Full)
+        .busy_timeout(Duration::from_secs(10));
+    let pool = SqlitePoolOptions::new()
+        .max_connections(4)
+        .acquire_timeout(ACQUIRE_PATIENCE)
+        .connect_with(options.clone())
+        .await
+        .map_err(|source| StoreError::Open { database: name.to_owned(), source })?;
+    Ok((database::Pool::Sqlite(pool), Either::Sqlite((options, lock))))
+}
+
+/// Brings robots up to date.
+pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
+    for robot in robots {
+        sqlx::query("UPDATE robots SET boot_id = ?, connection = ?, updated_us = ?, state = ? WHERE robot_id = ?")
+            .bind(&robot.boot_id)
+            .bind(robot.connection)
+            .bind(robot.updated_us)
+            .bind(&robot.state)
+            .bind(robot.robot_id)
+            .execute(&mut *tx)
+            .await?;
+    }
+    Ok(())
+}
+
+/// Brings whiskers up to date.
+pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[WhiskerRow]) -> sqlx::Result<()> {
+    for whisker in whiskers {
+        sqlx::query(
+            "UPDATE whiskers SET position = ?, length_mm = ?, length_sd_mm = ?, condition = ?, fault = ?, \
+             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, state = ? WHERE whisker_id = ?",
+        )
+        .bind(whisker.position)
+        .bind(whisker.length_mm)
+        .bind(whisker.length_sd_mm)
+        .bind(whisker.condition)
+        .bind(whisker.fault)
+        .bind(whisker.pressure_mpa)
+        .bind(whisker.setpoint_mpa)
+        .bind(whisker.contacts)
+        .bind(whisker.heard_us)
+        .bind(&whisker.state)
+        .bind(whisker.whisker_id)
+        .execute(&mut *tx)
+        .await?;
+    }
+    Ok(())
+}
+
+/// Appends contacts.
+pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
+    for contacts in contacts.chunks(CONTACTS_A_STATEMENT) {
+        let mut insert = QueryBuilder::<Sqlite>::new(
+            "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
+             pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) ",
+        );
+        insert.push_values(contacts, |mut row, contact| {
+            row.push_bind(contact.whisker_id)
+                .push_bind(contact.boot)
+                .push_bind(contact.seq)
+                .push_bind(contact.position)
+                .push_bind(contact.t_us)
+                .push_bind(contact.received_us)
+                .push_bind(contact.ratio)
+                .push_bind(contact.deflection_mm)
+                .push_bind(contact.strain)
+                .push_bind(contact.pressure_mpa)
+                .push_bind(contact.temperature_c)
+                .push_bind(contact.used)
+                .push_bind(contact.residual)
+                .push_bind(contact.length_mm)
+                .push_bind(contact.length_sd_mm);
+        });
+        insert.build().persistent(false).execute(&mut *tx).await?;
+    }
+    Ok(())
+}
