@@ -34,8 +34,8 @@ LABEL org.opencontainers.image.title="vibrissa" \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
 COPY --from=build /out/vibrissa /usr/local/bin/
 COPY deploy/supervisor/readyz.sh /usr/local/bin/vibrissa-readyz
-ENV VIBRISSA_DATABASE=/var/lib/vibrissa/vibrissa.sqlite3 \
-    VIBRISSA_HTTP=0.0.0.0:8080
+ENV VIBRISSA_DATABASE_URL=sqlite:/var/lib/vibrissa/vibrissa.sqlite3 \
+    VIBRISSA_HTTP_LISTEN=0.0.0.0:8080
 EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=5s --start-period=30s --retries=3 CMD ["vibrissa-readyz"]
 ENTRYPOINT ["vibrissa"]

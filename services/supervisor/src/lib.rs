@@ -1,7 +1,8 @@
 //! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and [`broker`], [`edge`] (messages become events),
-//! [`engine`] (one message's way), [`store`] (SQL), [`http`]; then [`demo`] and [`cli`].
+//! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
+//! [`broker`], [`edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
+//! [`config`], [`demo`] and [`cli`].
 
 pub mod service;
 
@@ -31,5 +32,7 @@ pub mod calibration_file;
 pub mod plot;
 
 pub mod demo;
+
+pub mod config;
 
 pub mod cli;

@@ -12,6 +12,7 @@ mod running;
 mod web;
 
 mod bad_input;
+mod config;
 mod http;
 mod restart;
 mod setpoints;

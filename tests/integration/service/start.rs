@@ -11,8 +11,8 @@ use crate::program::PROGRAM;
 /// What the program says, which must fail at once.
 fn refusal(database: &Path, arguments: &[&str]) -> String {
     let ended = assert_cmd::Command::new(PROGRAM)
-        .args(["run", "--database"])
-        .arg(database)
+        .args(["run", "--database-url"])
+        .arg(format!("sqlite:{}", database.display()))
         .args(arguments)
         .env("RUST_LOG", "off")
         .timeout(Duration::from_secs(20))

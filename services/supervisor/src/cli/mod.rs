@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod calibrate;
+pub mod config;
 pub mod paper;
 pub mod serve;
 pub mod solve;
@@ -21,7 +22,9 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Supervise a fleet: MQTT in, setpoints out, everything recorded.
-    Run(Box<serve::RunArgs>),
+    Run(config::ConfigArgs),
+    /// The configuration in effect: every key, with where its value came from. Passwords are hidden.
+    Config(config::ConfigArgs),
     /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
     /// One question to the model: which pressure makes this whisker feel like that one?
@@ -38,7 +41,8 @@ enum Command {
 /// What went wrong, for the person who called it.
 pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     match cli.command {
-        Command::Run(args) => serve::run(*args).map(|()| ExitCode::SUCCESS),
+        Command::Run(args) => serve::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Config(args) => config::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Demo(args) => {
             serve::demo(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }

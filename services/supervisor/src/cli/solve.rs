@@ -11,8 +11,8 @@ use vibrissa_core::mechanics::{
 };
 use vibrissa_core::units::{Megapascal, Millimetre};
 
-use super::serve::{FormulationArg, ObjectiveArg};
 use crate::calibration_file;
+use crate::config::choices::{FormulationArg, ObjectiveArg};
 
 /// Arguments of `vibrissa solve`.
 #[derive(Debug, Args)]

@@ -1,0 +1,62 @@
+//! Words that can be chosen, in the configuration and in commands.
+
+use clap::ValueEnum;
+use vibrissa_core::mechanics::{Formulation, Objective};
+use vibrissa_core::policy::LongerForShorter;
+
+/// How the paper's factor of eq. 27, 29 and 31 is read.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum FormulationArg {
+    /// As printed; gives the paper's setpoints.
+    Published,
+    /// As Table 2 would have it.
+    Consistent,
+}
+
+impl From<FormulationArg> for Formulation {
+    fn from(arg: FormulationArg) -> Self {
+        match arg {
+            FormulationArg::Published => Self::Published,
+            FormulationArg::Consistent => Self::Consistent,
+        }
+    }
+}
+
+/// What a setpoint is solved for.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ObjectiveArg {
+    /// Equal sensitivity at the tip, as in the paper.
+    Tip,
+    /// Least mean error over the contact ratios.
+    Mean,
+}
+
+impl From<ObjectiveArg> for Objective {
+    fn from(arg: ObjectiveArg) -> Self {
+        match arg {
+            ObjectiveArg::Tip => Self::Tip,
+            ObjectiveArg::Mean => Self::Mean,
+        }
+    }
+}
+
+/// Whether a longer whisker may stand in for a shorter one.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum LongerForShorterArg {
+    /// Never.
+    Never,
+    /// Only where nothing else serves.
+    LastResort,
+    /// Like the others.
+    Allowed,
+}
+
+impl From<LongerForShorterArg> for LongerForShorter {
+    fn from(arg: LongerForShorterArg) -> Self {
+        match arg {
+            LongerForShorterArg::Never => Self::Never,
+            LongerForShorterArg::LastResort => Self::LastResort,
+            LongerForShorterArg::Allowed => Self::Allowed,
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The four layers over each other: defaults, the file, the environment, flags. Each value keeps where it came from.
+
+use std::path::{Path, PathBuf};
+
+use figment::providers::{Format, Toml};
+use figment::value::{Dict, Map, Value};
+use figment::{Figment, Metadata, Profile, Provider};
+
+use super::keys::{ENVIRONMENT_PREFIX, Key, Kind};
+use super::problem::{Origin, Problem, did_you_mean};
+
+/// The largest configuration file, bytes: far above any real one.
+pub const FILE_MAX_BYTES: usize = 64 * 1024;
+
+/// Variables that others read: the file's name, the simulator's scenario, the tests' faults.
+const KNOWN_ELSEWHERE: [&str; 3] = ["VIBRISSA_CONFIG", "VIBRISSA_SCENARIO", "VIBRISSA_TEST_FAULT"];
+
+/// What people have set, as they wrote it.
+#[derive(Clone, Default)]
+pub struct Sources {
+    /// The configuration file and its text.
+    pub file: Option<(PathBuf, String)>,
+    /// Environment variables; those of others may be among them.
+    pub environment: Vec<(String, String)>,
+    /// Flags; a list's may be there several times.
+    pub flags: Vec<(Key, Vec<String>)>,
+}
+
+/// The layers put over each other, and what was wrong already.
+pub(super) struct Layers {
+    figment: Figment,
+    file: Option<PathBuf>,
+    /// Unknown keys of the file, or why the file cannot be read.
+    pub(super) problems: Vec<Problem>,
+    /// Environment variables that look like ours and are not.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Layers {
+    pub(super) fn new(sources: &Sources) -> Self {
+        let mut problems = Vec::new();
+        let mut figment = Figment::new().merge(Layer { metadata: Metadata::named(DEFAULT), values: defaults() });
+        if let Some((path, text)) = &sources.file {
+            let values = file(path, text, &mut problems);
+            figment = figment.merge(Layer { metadata: Metadata::named(FILE), values });
+        }
+        let environment = environment(&sources.environment);
+        let metadata = Metadata::named(ENVIRONMENT).interpolater(|_, keys| name(keys, |key| key.environment()));
+        figment = figment.merge(Layer { metadata, values: environment });
+        let metadata = Metadata::named(FLAG).interpolater(|_, keys| name(keys, |key| key.flag()));
+        figment = figment.merge(Layer { metadata, values: flags(&sources.flags) });
+        let file = sources.file.as_ref().map(|(path, _)| path.clone());
+        Self { figment, file, problems, warnings: unknown_variables(&sources.environment) }
+    }
+
+    /// A key's value, if it is set, and where it came from.
+    pub(super) fn find(&self, key: Key) -> (Option<Value>, Origin) {
+        let Ok(value) = self.figment.find_value(key.path()) else { return (None, Origin::Default) };
+        let origin = self.figment.get_metadata(value.tag()).map_or(Origin::Default, |metadata| {
+            let keys: Vec<&str> = key.path().split('.').collect();
+            let name = || metadata.interpolate(&Profile::Default, &keys);
+            match (&*metadata.name, &self.file) {
+                (FILE, Some(path)) => Origin::File(path.clone()),
+                (ENVIRONMENT, _) => Origin::Environment(name()),
+                (FLAG, _) => Origin::Flag(name()),
+                _ => Origin::Default,
+            }
+        });
+        (Some(value), origin)
+    }
+}
+
+const DEFAULT: &str = "default";
+const FILE: &str = "file";
+const ENVIRONMENT: &str = "environment";
+const FLAG: &str = "flag";
+
+/// Values with what to call their source.
+struct Layer {
+    metadata: Metadata,
+    values: Dict,
+}
+
+impl Provider for Layer {
+    fn metadata(&self) -> Metadata {
+        self.metadata.clone()
+    }
+
+    fn data(&self) -> Result<Map<Profile, Dict>, figment::Error> {
+        Ok(Profile::Default.collect(self.values.clone()))
+    }
+}
+
+fn name(keys: &[&str], of: fn(Key) -> &'static str) -> String {
+    Key::at(&keys.join(".")).map_or_else(|| keys.join("."), |key| of(key).to_owned())
+}
+
+fn put(values: &mut Dict, key: Key, value: Value) {
+    match key.section() {
+        (None, name) => {
+            values.insert(name.to_owned(), value);
+        }
+        (Some(section), name) => {
+            let section = values.entry(section.to_owned()).or_insert_with(|| Dict::new().into());
+            if let Value::Dict(_, section) = section {
+                section.insert(name.to_owned(), value);
+            }
+        }
+    }
+}
+
+fn defaults() -> Dict {
+    let mut values = Dict::new();
+    for &key in Key::ALL {
+        let default = key.default().and_then(|text| {
+            let line: Dict = Toml::from_str(&format!("value = {text}")).ok()?;
+            line.get("value").cloned()
+        });
+        if let Some(value) = default {
+            put(&mut values, key, value);
+        }
+    }
+    let name = host_name().unwrap_or_else(|| "vibrissa".to_owned());
+    put(&mut values, Key::Name, name.into());
+    values
+}
+
+fn host_name() -> Option<String> {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").ok()?;
+    Some(name.trim().to_owned()).filter(|name| !name.is_empty())
+}
+
+/// The file's values. The parser's own message would show the line, and with it a password.
+fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Dict {
+    let mut whole = |what: String| {
+        problems.push(Problem { key: String::new(), origin: Origin::File(path.to_owned()), what });
+        Dict::new()
+    };
+    if text.len() > FILE_MAX_BYTES {
+        return whole(format!("is larger than {} KiB: name the configuration file", FILE_MAX_BYTES / 1024));
+    }
+    match Toml::from_str::<Dict>(text) {
+        Ok(values) => {
+            unknown_keys(path, "", &values, problems);
+            values
+        }
+        Err(problem) => {
+            let before = problem.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            whole(format!("line {line}: {}; correct the TOML there", problem.message()))
+        }
+    }
+}
+
+fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Problem>) {
+    for (name, value) in values {
+        let key = if parent.is_empty() { name.clone() } else { format!("{parent}.{name}") };
+        if Key::at(&key).is_some() {
+            continue;
+        }
+        let is_section = parent.is_empty() && Key::ALL.iter().any(|known| known.section().0 == Some(name.as_str()));
+        let what = match value {
+            Value::Dict(_, values) if is_section => {
+                unknown_keys(path, &key, values, problems);
+                continue;
+            }
+            _ if is_section => format!("is a section: write [{name}] and its keys below it"),
+            Value::Dict(..) => {
+                let sections = Key::ALL.iter().filter_map(|key| key.section().0);
+                format!("no such section{}", did_you_mean(&key, sections))
+            }
+            Value::String(..)
+            | Value::Char(..)
+            | Value::Bool(..)
+            | Value::Num(..)
+            | Value::Empty(..)
+            | Value::Array(..) => {
+                format!("no such key{}", did_you_mean(&key, Key::ALL.iter().map(|key| key.path())))
+            }
+        };
+        let key = if key.chars().count() > 100 { key.chars().take(100).chain("...".chars()).collect() } else { key };
+        problems.push(Problem { key, origin: Origin::File(path.to_owned()), what });
+    }
+}
+
+/// A variable that is set to nothing is not set.
+fn environment(variables: &[(String, String)]) -> Dict {
+    let mut values = Dict::new();
+    for &key in Key::ALL {
+        let named = |&&(ref name, ref text): &&(String, String)| name == key.environment() && !text.is_empty();
+        if let Some((_, text)) = variables.iter().find(named) {
+            put(&mut values, key, written(key.kind(), std::slice::from_ref(text)));
+        }
+    }
+    values
+}
+
+fn flags(flags: &[(Key, Vec<String>)]) -> Dict {
+    let mut values = Dict::new();
+    for (key, texts) in flags {
+        put(&mut values, *key, written(key.kind(), texts));
+    }
+    values
+}
+
+/// The value that a text stands for. One that stands for none stays a text, and is refused as such.
+fn written(kind: Kind, texts: &[String]) -> Value {
+    let text = texts.last().map(String::as_str).unwrap_or_default();
+    match kind {
+        Kind::Text | Kind::Secret | Kind::DatabaseUrl | Kind::File => text.into(),
+        Kind::Texts | Kind::Files => {
+            let items = texts.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|text| !text.is_empty());
+            items.map(str::to_owned).collect::<Vec<String>>().into()
+        }
+        Kind::Number { .. } => text.parse::<f64>().map_or_else(|_| text.into(), Into::into),
+        Kind::Whole { .. } => text.parse::<i64>().map_or_else(|_| text.into(), Into::into),
+    }
+}
+
+/// They are only told: Kubernetes sets some for every service of a namespace.
+fn unknown_variables(variables: &[(String, String)]) -> Vec<String> {
+    let is_known = |name: &str| Key::ALL.iter().any(|key| key.environment() == name) || KNOWN_ELSEWHERE.contains(&name);
+    let foreign = variables.iter().map(|(name, _)| name.as_str());
+    let foreign = foreign.filter(|name| name.starts_with(ENVIRONMENT_PREFIX) && !is_known(name));
+    let told = foreign.map(|name| {
+        let meant = did_you_mean(name, Key::ALL.iter().map(|key| key.environment()));
+        format!("the environment variable {} is not known and ignored{meant}", name.escape_debug())
+    });
+    told.collect()
+}

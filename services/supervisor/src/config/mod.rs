@@ -1,0 +1,209 @@
+//! The configuration: one TOML file, the environment over it, flags over both.
+//!
+//! Everything that can be set is a [`Key`] of one table, under one name in all three places. It is checked as a
+//! whole before anything connects, and everything that is wrong is told at once ([`Problems`]). Read in this
+//! order: [`keys`], [`layers`], [`problem`]; then [`show`], which tells what is in effect and why.
+
+pub mod choices;
+pub mod keys;
+pub mod layers;
+pub mod problem;
+pub mod show;
+
+mod database;
+mod mqtt;
+mod reader;
+
+use std::collections::BTreeSet;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::time::Duration;
+
+use tracing_subscriber::EnvFilter;
+use vibrissa_core::mechanics::{Formulation, Model, Objective};
+use vibrissa_core::policy::LongerForShorter;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
+
+pub use keys::Key;
+pub use layers::Sources;
+pub use problem::{Origin, Problem, Problems};
+
+use self::layers::Layers;
+use self::reader::Reader;
+use crate::calibration_file::{self, CalibrationFileError};
+use crate::mqtt::BrokerAddress;
+use crate::service::ServiceOptions;
+use crate::store::DatabaseAddress;
+use choices::{FormulationArg, LongerForShorterArg, ObjectiveArg};
+
+/// A configuration that was checked as a whole. `Debug` shows no secret.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// What this supervisor is called.
+    pub name: String,
+    /// At least one, none twice.
+    pub fleets: Vec<Name>,
+    /// Whisker models beyond the paper's, by the names that factsheets use.
+    pub models: Vec<(String, Model)>,
+    /// What is logged, as a filter of `tracing`.
+    pub log: String,
+    /// The database.
+    pub database: DatabaseAddress,
+    /// How long a fleet stays this supervisor's without a word from it.
+    pub lease_time_to_live: Duration,
+    /// The external broker; none starts the embedded one.
+    pub broker: Option<BrokerAddress>,
+    /// The embedded broker's port; 0 takes any free one.
+    pub mqtt_port: u16,
+    /// Where HTTP listens.
+    pub http: SocketAddr,
+    /// How the paper's equations are read.
+    pub formulation: Formulation,
+    /// What a setpoint is solved for.
+    pub objective: Objective,
+    /// Whether a longer whisker may stand in for a shorter one.
+    pub longer_for_shorter: LongerForShorter,
+    /// Highest mean predicted error of a compensation, as a ratio.
+    pub predicted_error_max: f64,
+    /// Mean number of contacts of a healthy whisker between false alarms.
+    pub contacts_between_false_alarms: f64,
+    /// Contacts in which a whisker is learned.
+    pub cold_start_contacts: u32,
+}
+
+/// What came of reading a configuration.
+pub struct Reading {
+    /// The configuration, or everything that is wrong with it.
+    pub config: Result<Config, Problems>,
+    /// What is odd and does not stop anything, for standard error.
+    pub warnings: Vec<String>,
+}
+
+/// Puts the layers over each other and checks the whole. Reads the files that are named, connects to nothing.
+#[must_use]
+pub fn read(sources: &Sources) -> Reading {
+    let mut layers = Layers::new(sources);
+    let warnings = std::mem::take(&mut layers.warnings);
+    let mut reader = Reader::new(layers);
+    let config = config(&mut reader);
+    let config = match (config, reader.problems.is_empty()) {
+        (Some(config), true) => Ok(config),
+        _ => Err(Problems(reader.problems)),
+    };
+    Reading { config, warnings }
+}
+
+/// Looks at every key before it gives up, so that all problems are told.
+fn config(reader: &mut Reader) -> Option<Config> {
+    let name = reader.parsed(Key::Name, supervisor_name);
+    let fleets = fleets(reader);
+    let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
+    let models = models(reader, formulation.unwrap_or_default());
+    let log = reader.parsed(Key::Log, |text| {
+        EnvFilter::try_new(text)
+            .map(|_| text.to_owned())
+            .map_err(|problem| format!("not a filter ({problem}): write a level such as info, or info,vibrissa=debug"))
+    });
+    let database = database::database(reader);
+    let lease = reader.number(Key::LeaseTimeToLiveS);
+    let broker = mqtt::broker(reader);
+    let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
+    let http = reader.parsed(Key::HttpListen, |text| {
+        text.parse().map_err(|_| format!("must be an address and a port such as 127.0.0.1:8080, not {text:?}"))
+    });
+    let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
+    let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
+    let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
+    let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
+    let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
+    Some(Config {
+        name: name?,
+        fleets: fleets?,
+        models: models?,
+        log: log?,
+        database: database?,
+        lease_time_to_live: Duration::from_secs_f64(lease?),
+        broker,
+        mqtt_port: mqtt_port?,
+        http: http?,
+        formulation: formulation?,
+        objective: objective?.into(),
+        longer_for_shorter: longer_for_shorter?.into(),
+        predicted_error_max: predicted_error_max?,
+        contacts_between_false_alarms: contacts_between_false_alarms?,
+        cold_start_contacts: cold_start_contacts?,
+    })
+}
+
+fn supervisor_name(text: &str) -> Result<String, &'static str> {
+    let good = text.chars().count() <= 255 && !text.contains(char::is_control);
+    good.then(|| text.to_owned()).ok_or("must have at most 255 characters, none of them a control character")
+}
+
+fn fleets(reader: &mut Reader) -> Option<Vec<Name>> {
+    let texts = reader.texts(Key::Fleets)?;
+    if texts.is_empty() {
+        reader.refuse(Key::Fleets, "must name at least one fleet");
+    }
+    let mut seen = BTreeSet::new();
+    let mut fleets = Vec::new();
+    for text in texts {
+        match Name::new(&text) {
+            Ok(fleet) if seen.insert(fleet.clone()) => fleets.push(fleet),
+            Ok(fleet) => reader.refuse(Key::Fleets, format!("names the fleet {fleet} twice: leave one out")),
+            Err(problem) => reader.refuse(Key::Fleets, problem.to_string()),
+        }
+    }
+    Some(fleets)
+}
+
+fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, Model)>> {
+    let mut models = Params::nguyen_2021(formulation).models;
+    let built_in = models.len();
+    for text in reader.texts(Key::Calibrations)? {
+        let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
+            // The whole would show a line of a file that may be another than was meant.
+            CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {}", reason.message()),
+            problem => problem.to_string(),
+        });
+        let unique = loaded.and_then(|(name, model)| {
+            if models.iter().any(|(taken, _)| *taken == name) {
+                return Err(format!(
+                    "calibration file {text}: there is a model {name:?} already; give it another name"
+                ));
+            }
+            Ok((name, model))
+        });
+        match unique {
+            Ok(model) => models.push(model),
+            Err(problem) => reader.refuse(Key::Calibrations, problem),
+        }
+    }
+    Some(models.split_off(built_in))
+}
+
+impl From<Config> for ServiceOptions {
+    fn from(config: Config) -> Self {
+        let mut params = Params::nguyen_2021(config.formulation);
+        params.models.extend(config.models);
+        params.policy.objective = config.objective;
+        params.policy.longer_for_shorter = config.longer_for_shorter;
+        params.policy.predicted_error_max = config.predicted_error_max;
+        params.detection.contacts_between_false_alarms = config.contacts_between_false_alarms;
+        params.detection.cold_start_contacts = config.cold_start_contacts;
+        Self {
+            name: config.name,
+            fleets: config.fleets,
+            database: config.database,
+            lease_time_to_live: config.lease_time_to_live,
+            broker: config.broker,
+            mqtt_port: config.mqtt_port,
+            http: config.http,
+            params,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+//! What is in effect and where each value came from, as a configuration file; and the example of one.
+
+use std::fmt::Write;
+
+use figment::value::Value;
+
+use super::database::masked;
+use super::keys::{Key, Kind};
+use super::layers::{Layers, Sources};
+use super::reader::MASK;
+
+/// The configuration in effect, in TOML. Secrets are hidden; a comment at each line tells where it came from.
+///
+/// `rust_log` is what the variable `RUST_LOG` says, which wins over the key `log`.
+#[must_use]
+pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
+    let layers = Layers::new(sources);
+    let is_external = layers.find(Key::MqttUrl).1.is_explicit();
+    document(|text, key| {
+        let (value, origin) = layers.find(key);
+        let name = key.section().1;
+        let line = match (value, key.kind()) {
+            (None, _) => format!("# {name} is not set"),
+            // A file that is made of this must not have a password of asterisks.
+            (Some(_), Kind::Secret) => format!("# {name} = \"{MASK}\"  # {origin}"),
+            // Written out beside mqtt.url, it would contradict it.
+            (Some(_), _) if key == Key::MqttPort && !origin.is_explicit() && is_external => {
+                format!("# {name} is of no use with mqtt.url")
+            }
+            (Some(value), kind) => format!("{name} = {}  # {origin}", toml_value(&value, kind)),
+        };
+        // A file's name may hold a line's end.
+        let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let _ = writeln!(text, "{line}");
+        if let (Key::Log, Some(rust_log)) = (key, rust_log) {
+            let _ = writeln!(text, "# RUST_LOG wins over it: {}", rust_log.escape_debug());
+        }
+    })
+}
+
+/// A file with every key, its meaning and its default, all of it commented out.
+#[must_use]
+pub fn example() -> String {
+    let head = "# Every key of vibrissa with its default. `vibrissa config` shows what is in effect and why.\n#\n\
+                # Each can also be set by the environment and by a flag, which win in this order: mqtt.ca_file is\n\
+                # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. Files are looked for from where the program is started.\n\n";
+    let keys = document(|text, key| {
+        let name = key.section().1;
+        let _ = match key.default() {
+            Some(default) => writeln!(text, "# {}.\n#{name} = {default}", key.help()),
+            None => writeln!(text, "# {}. Not set.\n#{name} = \"\"", key.help()),
+        };
+    });
+    format!("{head}{keys}")
+}
+
+/// Every key under its section.
+fn document(write: impl Fn(&mut String, Key)) -> String {
+    let mut text = String::new();
+    let mut open = None;
+    for &key in Key::ALL {
+        let section = key.section().0;
+        if let Some(name) = section.filter(|_| section != open) {
+            let _ = writeln!(text, "\n[{name}]");
+            open = section;
+        }
+        write(&mut text, key);
+    }
+    text
+}
+
+fn toml_value(value: &Value, kind: Kind) -> String {
+    // JSON's escapes are TOML's, but for one character.
+    let quoted = |text: &str| serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F");
+    match value {
+        Value::String(_, text) if kind == Kind::DatabaseUrl => quoted(&masked(text)),
+        Value::String(_, text) => quoted(text),
+        Value::Array(_, items) => {
+            let items: Vec<String> = items.iter().map(|item| toml_value(item, kind)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Value::Num(_, number) => match (number.to_f64(), number.to_i128()) {
+            (Some(number), _) => format!("{number:?}"),
+            (None, number) => number.unwrap_or_default().to_string(),
+        },
+        Value::Char(_, character) => quoted(&character.to_string()),
+        Value::Bool(_, truth) => truth.to_string(),
+        // No key of a good configuration has such a value.
+        Value::Empty(..) | Value::Dict(..) => "\"\"".to_owned(),
+    }
+}
