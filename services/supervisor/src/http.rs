@@ -13,6 +13,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 use crate::metrics::Metrics;
+use crate::mqtt::LinkState;
 use crate::store::{Store, StoreError};
 
 /// What the handlers share.
@@ -20,6 +21,7 @@ use crate::store::{Store, StoreError};
 struct Shared {
     store: Store,
     metrics: Metrics,
+    link: LinkState,
 }
 
 /// Why HTTP is not served.
@@ -38,6 +40,7 @@ pub async fn serve(
     address: SocketAddr,
     store: Store,
     metrics: Metrics,
+    link: LinkState,
     mut stop: watch::Receiver<bool>,
 ) -> Result<(SocketAddr, tokio::task::JoinHandle<()>), ListenError> {
     let failed = |source| ListenError { address, source };
@@ -49,7 +52,7 @@ pub async fn serve(
         .route("/metrics", get(metrics_text))
         .route("/v1/whiskers", get(whiskers))
         .route("/v1/compensations", get(compensations))
-        .with_state(Shared { store, metrics });
+        .with_state(Shared { store, metrics, link });
     let task = tokio::spawn(async move {
         let stopped = async move {
             let _ = stop.wait_for(|&stop| stop).await;
@@ -68,9 +71,7 @@ async fn livez() -> &'static str {
 /// Ready means: connected to the broker, and the database takes what is written.
 async fn readyz(State(shared): State<Shared>) -> Response {
     let mut reasons = Vec::new();
-    if shared.metrics.broker_connected.get() == 0 {
-        reasons.push("not connected to the MQTT broker".to_owned());
-    }
+    reasons.extend(shared.link.problem());
     if !shared.metrics.is_ready() {
         reasons.push("the database does not take what is written".to_owned());
     } else if let Err(problem) = shared.store.ping().await {

@@ -14,7 +14,7 @@ use vibrissa_protocol::{BootId, Name};
 use crate::broker::Broker;
 use crate::engine::{Engine, wall_clock};
 use crate::metrics::Metrics;
-use crate::mqtt::{self, BrokerAddress, Connection};
+use crate::mqtt::{self, BrokerAddress, Connection, LinkState};
 use crate::store::{DatabaseAddress, Store};
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
@@ -77,6 +77,7 @@ impl Service {
                 (Some(embedded), BrokerAddress::new(address.ip().to_string(), address.port()))
             }
         };
+        let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let DatabaseAddress::Sqlite(path) = &options.database else { anyhow::bail!("only SQLite yet") };
         let store = Store::open(path).await?;
@@ -84,11 +85,13 @@ impl Service {
         let boot_id = BootId::new(&format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &boot_seed()).simple()))?;
         let engine =
             Engine::start(fleet.clone(), boot_id.clone(), options.params, store.clone(), metrics.clone()).await?;
-        let connection = Connection { broker: broker.clone(), fleet, boot_id, epoch: engine.epoch() };
+        let link = LinkState::default();
+        let connection =
+            Connection { broker: broker.clone(), prepared, fleet, boot_id, epoch: engine.epoch(), link: link.clone() };
 
         let (stop, stopped) = watch::channel(false);
         let (http, http_task) =
-            crate::http::serve(options.http, store.clone(), metrics.clone(), stopped.clone()).await?;
+            crate::http::serve(options.http, store.clone(), metrics.clone(), link, stopped.clone()).await?;
         let (inbox, receiver_task) = mqtt::receive(&connection, metrics.clone(), stopped.clone());
         let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
         let publisher_task = mqtt::publish(&connection, publications);
