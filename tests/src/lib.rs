@@ -1,5 +1,6 @@
 //! What the integration tests share.
 
+pub mod certificates;
 pub mod mosquitto;
 pub mod observer;
 pub mod robot;

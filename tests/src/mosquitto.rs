@@ -9,6 +9,8 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
+use crate::certificates::{Authority, Identity, write};
+
 /// Below the ports that systems give to outgoing connections: none of those can take a broker's port while
 /// it is down.
 const PORTS: std::ops::Range<u16> = 12_000..30_000;
@@ -21,23 +23,191 @@ pub struct Mosquitto {
     folder: TempDir,
 }
 
+/// What a broker is told beside its port.
+#[derive(Debug, Default)]
+pub struct Builder {
+    tls: Option<Tls>,
+    users: Vec<(String, String)>,
+    acl: Option<String>,
+    lines: Vec<String>,
+    has_default_limits: bool,
+    file: Option<String>,
+}
+
+/// What a listener shows of itself, and wants to see.
+#[derive(Debug)]
+struct Tls {
+    server: Identity,
+    clients: Option<String>,
+}
+
+impl Builder {
+    /// Its port speaks TLS.
+    #[must_use]
+    pub fn tls(mut self, server: Identity) -> Self {
+        self.tls = Some(Tls { server, clients: None });
+        self
+    }
+
+    /// Its port speaks TLS, and wants certificates that come from that authority.
+    #[must_use]
+    pub fn tls_with_clients_of(mut self, server: Identity, authority: &Authority) -> Self {
+        self.tls = Some(Tls { server, clients: Some(authority.certificate()) });
+        self
+    }
+
+    /// A user with a password; with any, nobody else may connect.
+    #[must_use]
+    pub fn user(mut self, name: &str, password: &str) -> Self {
+        self.users.push((name.to_owned(), password.to_owned()));
+        self
+    }
+
+    /// Who may read and write what: the text of an `acl_file`.
+    #[must_use]
+    pub fn acl(mut self, text: &str) -> Self {
+        self.acl = Some(text.to_owned());
+        self
+    }
+
+    /// A further line of its configuration.
+    #[must_use]
+    pub fn line(mut self, line: &str) -> Self {
+        self.lines.push(line.to_owned());
+        self
+    }
+
+    /// Mosquitto's own limits and defaults: queues of 1,000 messages, and small packets that wait.
+    #[must_use]
+    pub fn default_limits(mut self) -> Self {
+        self.has_default_limits = true;
+        self
+    }
+
+    /// Takes the configuration from that text, such as a file that is shipped: the first listener's port, the
+    /// paths of files and the user that it runs as are put in.
+    #[must_use]
+    pub fn file(mut self, text: &str) -> Self {
+        self.file = Some(text.to_owned());
+        self
+    }
+
+    /// Starts the broker and waits until it says that it runs.
+    ///
+    /// # Panics
+    /// Mosquitto is not installed, or does not start.
+    #[must_use]
+    pub fn start(&self) -> Mosquitto {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        // Between the look at a port and the broker's start another test may take it.
+        for _ in 0..5 {
+            let port = free_port();
+            self.configure(folder.path(), port);
+            if let Some(process) = run(folder.path()) {
+                return Mosquitto { process, port, folder };
+            }
+        }
+        panic!("Mosquitto did not start");
+    }
+
+    fn configure(&self, folder: &Path, port: u16) {
+        let mut settings = match &self.file {
+            Some(text) => substituted(text, folder, port),
+            None => self.settings(folder, port),
+        };
+        // As root it would change to a user that cannot read the folder.
+        settings.push("user root".to_owned());
+        settings.extend(self.lines.iter().cloned());
+        write(folder, "mosquitto.conf", &(settings.join("\n") + "\n"));
+        if let Some(acl) = &self.acl {
+            write(folder, "acl", acl);
+        }
+        if let Some(tls) = &self.tls {
+            write(folder, "server.crt", &tls.server.certificate);
+            write(folder, "server.key", &tls.server.key);
+            write(folder, "ca.crt", tls.clients.as_deref().unwrap_or_default());
+        }
+        for (name, password) in &self.users {
+            add_user(&folder.join("passwords"), name, password);
+        }
+    }
+
+    fn settings(&self, folder: &Path, port: u16) -> Vec<String> {
+        let path = |name: &str| folder.join(name).display().to_string();
+        let mut settings = vec![format!("listener {port} 127.0.0.1"), "log_dest stderr".to_owned()];
+        settings.push(format!("allow_anonymous {}", self.users.is_empty()));
+        if let Some(tls) = &self.tls {
+            settings.push(format!("certfile {}", path("server.crt")));
+            settings.push(format!("keyfile {}", path("server.key")));
+            if tls.clients.is_some() {
+                settings.push(format!("cafile {}", path("ca.crt")));
+                settings.push("require_certificate true".to_owned());
+            }
+        }
+        if !self.users.is_empty() {
+            settings.push(format!("password_file {}", path("passwords")));
+        }
+        if self.acl.is_some() {
+            settings.push(format!("acl_file {}", path("acl")));
+        }
+        if !self.has_default_limits {
+            settings.push("set_tcp_nodelay true".to_owned());
+            settings.push("max_queued_messages 100000".to_owned());
+        }
+        settings
+    }
+}
+
+/// A shipped configuration with what must differ in a test: port, paths and where the log goes.
+fn substituted(text: &str, folder: &Path, port: u16) -> Vec<String> {
+    let line = |line: &str| {
+        let Some((setting, value)) = line.split_once(' ') else { return line.to_owned() };
+        let file = || Path::new(value).file_name().expect("a file").to_string_lossy().into_owned();
+        match setting {
+            "listener" => format!("listener {port} 127.0.0.1"),
+            "log_dest" => "log_dest stderr".to_owned(),
+            "password_file" | "acl_file" | "certfile" | "keyfile" | "cafile" => {
+                format!("{setting} {}", folder.join(file()).display())
+            }
+            _ => line.to_owned(),
+        }
+    };
+    text.lines().map(line).collect()
+}
+
+/// Adds a user to a password file, which is made if it is not there.
+///
+/// # Panics
+/// Mosquitto's program for that is not installed, or fails.
+pub fn add_user(passwords: &Path, name: &str, password: &str) {
+    let mut command = Command::new("mosquitto_passwd");
+    if !passwords.exists() {
+        command.arg("-c");
+    }
+    let status = command.arg("-b").arg(passwords).args([name, password]).status();
+    assert!(status.expect("mosquitto_passwd must be installed for this test").success());
+}
+
 impl Mosquitto {
-    /// Starts a broker and waits until it says that it runs.
+    /// Starts a broker that asks nobody anything, and waits until it says that it runs.
     ///
     /// # Panics
     /// Mosquitto is not installed, or does not start.
     #[must_use]
     pub fn start() -> Self {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        // Between the look at a port and the broker's start another test may take it.
-        for _ in 0..5 {
-            let port = free_port();
-            configure(folder.path(), port);
-            if let Some(process) = run(folder.path()) {
-                return Self { process, port, folder };
-            }
-        }
-        panic!("Mosquitto did not start");
+        Builder::default().start()
+    }
+
+    /// A broker that is told more.
+    #[must_use]
+    pub fn builder() -> Builder {
+        Builder::default()
+    }
+
+    /// The folder with its files: `mosquitto.conf`, and `passwords`, `acl`, `server.crt` and others as told.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     /// Where it listens, on 127.0.0.1.
@@ -46,7 +216,7 @@ impl Mosquitto {
         self.port
     }
 
-    /// Kills the broker: connections break, and everything that it had is gone.
+    /// Kills the broker (SIGKILL): connections break, and everything that it had is gone.
     ///
     /// # Panics
     /// Its process is not ours any more.
@@ -81,15 +251,6 @@ pub fn free_port() -> u16 {
     // The standard library's hasher starts at random: tests that run at once look at different ports.
     let any = || PORTS.start + (RandomState::new().build_hasher().finish() % PORTS.len() as u64) as u16;
     (0..100).map(|_| any()).find(|&port| TcpListener::bind(("127.0.0.1", port)).is_ok()).expect("a free port")
-}
-
-fn configure(folder: &Path, port: u16) {
-    // As root it would change to a user that cannot read the folder.
-    let settings = format!(
-        "listener {port} 127.0.0.1\nallow_anonymous true\nuser root\nset_tcp_nodelay true\n\
-         max_queued_messages 100000\nlog_dest stderr\n"
-    );
-    std::fs::write(folder.join("mosquitto.conf"), settings).expect("a writable temporary folder");
 }
 
 /// The process, once it runs; none if it has ended instead.

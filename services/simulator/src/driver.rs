@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use rumqttc::{
     AsyncClient, Event, EventLoop, LastWill, MqttOptions, NetworkOptions, Packet, PublishOptions, QoS,
-    SubscribeFilterInput,
+    SubscribeFilterInput, Transport,
 };
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
@@ -56,8 +56,8 @@ impl Drop for Connection {
 }
 
 /// Runs a robot until it is told to stop.
-pub(crate) async fn run(robot: RobotHandle, broker: Broker, mut stopping: watch::Receiver<bool>) {
-    let mut driver = Driver::new(robot, broker);
+pub(crate) async fn run(robot: RobotHandle, broker: Broker, transport: Transport, mut stopping: watch::Receiver<bool>) {
+    let mut driver = Driver::new(robot, broker, transport);
     loop {
         tokio::select! {
             _ = stopping.changed() => break,
@@ -81,6 +81,7 @@ async fn next_report(connection: &mut Option<Connection>) -> Report {
 struct Driver {
     robot: RobotHandle,
     broker: Broker,
+    transport: Transport,
     fleet: Name,
     connection: Option<Connection>,
     connect_at: Instant,
@@ -89,10 +90,19 @@ struct Driver {
 }
 
 impl Driver {
-    fn new(robot: RobotHandle, broker: Broker) -> Self {
+    fn new(robot: RobotHandle, broker: Broker, transport: Transport) -> Self {
         let now = Instant::now();
         let fleet = robot.with(|robot| robot.fleet().clone());
-        Self { robot, broker, fleet, connection: None, connect_at: now, reconnect_pause: RECONNECT_START, wake_at: now }
+        Self {
+            robot,
+            broker,
+            transport,
+            fleet,
+            connection: None,
+            connect_at: now,
+            reconnect_pause: RECONNECT_START,
+            wake_at: now,
+        }
     }
 
     fn topic(&self, kind: RobotTopic) -> String {
@@ -121,9 +131,13 @@ impl Driver {
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_max_packet_size(u32::try_from(PAYLOAD_MAX_BYTES + 1024).ok())
             .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, true, None));
-        if let Some((user, password)) = &self.broker.credentials {
-            options.set_credentials(user.clone(), password.clone().into_bytes());
+        if let Some((user, password)) = self.broker.credentials_of(&self.fleet, self.robot.name()) {
+            options.set_credentials(user, password.into_bytes());
         }
+        options.set_transport(self.transport.clone());
+        // The library's own address has no brackets around IPv6.
+        let address = self.broker.address();
+        options.set_socket_connector(move |_, network| rumqttc::default_socket_connect(address.clone(), network));
         let mut network = NetworkOptions::new();
         network.set_tcp_nodelay(true);
         options.set_network_options(network);

@@ -1,11 +1,14 @@
 //! A fleet over real MQTT, by the wall clock.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use rumqttc::Transport;
 use tokio::sync::{Notify, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
+use url::Url;
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::Name;
 
@@ -19,20 +22,34 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 /// Where the broker is, and as whom to connect.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Broker {
-    /// Its host name or address.
+    /// Its host name or address; IPv6 without brackets.
     pub host: String,
     /// Its port.
     pub port: u16,
-    /// User name and password, if it asks for them.
+    /// User name and password, if it asks for them. In the name `{fleet}` and `{robot}` stand for each robot's.
     pub credentials: Option<(String, String)>,
+    /// Who its certificate may come from; none speaks in plain text.
+    pub tls: Option<Authorities>,
+}
+
+/// Where the certificates of authorities are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Authorities {
+    /// The system's.
+    System,
+    /// Those in a file, in PEM.
+    File(PathBuf),
 }
 
 /// Why a fleet cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum CannotStart {
-    /// The broker's address cannot be read.
-    #[error("{0:?} is no broker's address: expected mqtt://host, mqtt://host:port or mqtt://user:password@host:port")]
+    /// The broker's address cannot be read. It is not repeated: it may hold a password by mistake.
+    #[error("not a broker's URL ({0}): expected mqtt://host[:1883], or mqtts://host[:8883] for TLS")]
     Address(String),
+    /// The broker's certificate could not be checked.
+    #[error("the certificates of authorities in {0} cannot be used: {1}")]
+    Authorities(String, String),
     /// The scenario cannot be simulated.
     #[error(transparent)]
     Scenario(#[from] BadScenario),
@@ -44,36 +61,74 @@ pub enum CannotStart {
 impl std::fmt::Debug for Broker {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // Passwords stay out of logs.
-        write!(f, "mqtt://{}:{}", self.host, self.port)
+        let scheme = if self.tls.is_some() { "mqtts" } else { "mqtt" };
+        write!(f, "{scheme}://{}", self.address())
     }
 }
 
 impl Broker {
-    /// A broker that asks for no credentials.
+    /// A broker that asks for no credentials, in plain text.
     pub fn new(host: impl Into<String>, port: u16) -> Self {
-        Self { host: host.into(), port, credentials: None }
+        Self { host: host.into(), port, credentials: None, tls: None }
     }
 
-    /// Reads `mqtt://[user:password@]host[:port]`; the port is 1883 unless given.
+    /// Reads `mqtt://host[:port]` or `mqtts://host[:port]`; the port is 1883 or 8883 unless given.
     ///
     /// # Errors
     /// [`CannotStart::Address`] for anything else.
-    pub fn from_url(url: &str) -> Result<Self, CannotStart> {
-        let read = || {
-            let rest = url.strip_prefix("mqtt://")?;
-            let rest = rest.strip_suffix('/').unwrap_or(rest);
-            let (credentials, address) = match rest.rsplit_once('@') {
-                Some((credentials, address)) => (Some(credentials.split_once(':')?), address),
-                None => (None, rest),
-            };
-            let (host, port) = match address.rsplit_once(':') {
-                Some((host, port)) => (host, port.parse().ok()?),
-                None => (address, 1883),
-            };
-            let credentials = credentials.map(|(user, password)| (user.to_owned(), password.to_owned()));
-            (!host.is_empty()).then(|| Self { host: host.to_owned(), port, credentials })
+    pub fn from_url(text: &str) -> Result<Self, CannotStart> {
+        let bad = |why: &str| CannotStart::Address(why.to_owned());
+        let url = Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
+        let (tls, usual_port) = match url.scheme() {
+            "mqtt" => (None, 1883),
+            "mqtts" => (Some(Authorities::System), 8883),
+            _ => return Err(bad("neither mqtt:// nor mqtts://")),
         };
-        read().ok_or_else(|| CannotStart::Address(url.to_owned()))
+        if !url.username().is_empty() || url.password().is_some() {
+            return Err(bad("user and password belong into --mqtt-username and --mqtt-password-file"));
+        }
+        if !matches!(url.path(), "" | "/") {
+            return Err(bad("something follows the port"));
+        }
+        let host = url.host_str().unwrap_or_default().trim_matches(['[', ']']).to_owned();
+        if host.is_empty() {
+            return Err(bad("no host"));
+        }
+        Ok(Self { host, port: url.port().unwrap_or(usual_port), credentials: None, tls })
+    }
+
+    /// Host and port as the network wants them: `h:1883`, `[::1]:1883`.
+    pub(crate) fn address(&self) -> String {
+        if self.host.contains(':') {
+            format!("[{}]:{}", self.host, self.port)
+        } else {
+            format!("{}:{}", self.host, self.port)
+        }
+    }
+
+    /// The user of a robot, and its password.
+    pub(crate) fn credentials_of(&self, fleet: &Name, robot: &Name) -> Option<(String, String)> {
+        let (user, password) = self.credentials.as_ref()?;
+        let user = user.replace("{fleet}", fleet.as_str()).replace("{robot}", robot.as_str());
+        Some((user, password.clone()))
+    }
+
+    /// How its certificate is checked; none in plain text.
+    fn transport(&self) -> Result<Transport, CannotStart> {
+        let refused = |whose: String, why: String| CannotStart::Authorities(whose, why);
+        match &self.tls {
+            None => Ok(Transport::tcp()),
+            Some(Authorities::System) => Transport::try_tls_with_default_config()
+                .map_err(|why| refused("the system".to_owned(), why.to_string())),
+            Some(Authorities::File(path)) => {
+                let whose = || path.display().to_string();
+                let certificates = std::fs::read(path).map_err(|why| refused(whose(), why.to_string()))?;
+                if !String::from_utf8_lossy(&certificates).contains("-----BEGIN CERTIFICATE-----") {
+                    return Err(refused(whose(), "there is no certificate in PEM".to_owned()));
+                }
+                Ok(Transport::tls(certificates, None, None))
+            }
+        }
     }
 }
 
@@ -91,9 +146,10 @@ impl Fleet {
     /// Must be called within a tokio runtime.
     ///
     /// # Errors
-    /// The scenario cannot be simulated. A broker that is not there is no error: robots keep trying.
+    /// The scenario cannot be simulated, or the authorities' file cannot be read. A broker that is not there is no error: robots keep trying.
     pub fn start(scenario: &Scenario, broker: &Broker) -> Result<Self, CannotStart> {
         scenario.check()?;
+        let transport = broker.transport()?;
         let (stop, stopping) = watch::channel(false);
         let start_us = now_us();
         let mut robots = Vec::with_capacity(scenario.robots.len());
@@ -102,7 +158,7 @@ impl Fleet {
         }
         let tasks = robots
             .iter()
-            .map(|robot| tokio::spawn(driver::run(robot.clone(), broker.clone(), stopping.clone())))
+            .map(|robot| tokio::spawn(driver::run(robot.clone(), broker.clone(), transport.clone(), stopping.clone())))
             .collect();
         Ok(Self { robots, stop, tasks })
     }
@@ -194,14 +250,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_address_has_a_host_and_may_have_a_port_and_credentials() {
+    fn an_address_has_a_host_and_may_have_a_port() {
         assert_eq!(Broker::from_url("mqtt://broker").unwrap(), Broker::new("broker", 1883));
         assert_eq!(Broker::from_url("mqtt://127.0.0.1:1884/").unwrap(), Broker::new("127.0.0.1", 1884));
-        let with = Broker::from_url("mqtt://u:p:x@h:1").unwrap();
-        assert_eq!(with.credentials, Some(("u".to_owned(), "p:x".to_owned())));
-        assert_eq!(format!("{with:?}"), "mqtt://h:1", "no password in logs");
-        for bad in ["", "127.0.0.1", "http://h", "mqtt://", "mqtt://h:x", "mqtt://u@h"] {
+        let tls = Broker { tls: Some(Authorities::System), ..Broker::new("::1", 8883) };
+        assert_eq!(Broker::from_url("mqtts://[::1]").unwrap(), tls);
+        assert_eq!(format!("{tls:?}"), "mqtts://[::1]:8883");
+        for bad in ["", "127.0.0.1", "http://h", "mqtt://", "mqtt://h:x", "mqtt://u@h", "mqtt://u:p@h", "mqtt://h/t"] {
             assert!(Broker::from_url(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn each_robot_has_a_user_of_its_own_and_no_password_is_shown() {
+        let credentials = Some(("{fleet}/{robot}".to_owned(), "hunter2".to_owned()));
+        let broker = Broker { credentials, ..Broker::new("h", 1) };
+        let name = |text| Name::new(text).unwrap();
+        let of = broker.credentials_of(&name("lab"), &name("crawler-1"));
+        assert_eq!(of, Some(("lab/crawler-1".to_owned(), "hunter2".to_owned())));
+        assert_eq!(format!("{broker:?}"), "mqtt://h:1");
+        assert!(!format!("{:?}", Broker::from_url("mqtt://u:hunter2@h")).contains("hunter2"));
     }
 }

@@ -18,7 +18,7 @@ pub mod regulator;
 pub mod robot;
 pub mod scenario;
 
-pub use fleet::{Broker, CannotStart, Fleet, RobotHandle};
+pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle};
 pub use plant::LengthChange;
 pub use robot::{Outgoing, Robot, RobotConfig, Whisker};
 pub use scenario::Scenario;

@@ -6,15 +6,24 @@ use anyhow::Context;
 use clap::Parser;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
-use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 
 /// A fleet of simulated robots with soft whisker arrays, over MQTT 5.
 #[derive(Debug, Parser)]
 #[command(name = "vibrissa-simulator", version)]
 struct Arguments {
-    /// The broker: mqtt://[user:password@]host[:port]
+    /// The broker: mqtt://host[:1883], or mqtts://host[:8883] for TLS
     #[arg(long, env = "VIBRISSA_MQTT_URL", default_value = "mqtt://127.0.0.1:1883", hide_env_values = true)]
     mqtt_url: String,
+    /// As whom robots connect; {fleet} and {robot} stand for each robot's
+    #[arg(long, env = "VIBRISSA_MQTT_USERNAME", value_name = "NAME", requires = "mqtt_password_file")]
+    mqtt_username: Option<String>,
+    /// A file with the password for it, one for all robots
+    #[arg(long, env = "VIBRISSA_MQTT_PASSWORD_FILE", value_name = "FILE", requires = "mqtt_username")]
+    mqtt_password_file: Option<PathBuf>,
+    /// PEM certificates of the authorities that the broker's may come from; the system's if left out
+    #[arg(long, env = "VIBRISSA_MQTT_CA_FILE", value_name = "FILE")]
+    mqtt_ca_file: Option<PathBuf>,
     /// What to simulate, in TOML
     #[arg(long, env = "VIBRISSA_SCENARIO", value_name = "FILE")]
     scenario: PathBuf,
@@ -23,14 +32,31 @@ struct Arguments {
     log: EnvFilter,
 }
 
+impl Arguments {
+    fn broker(&self) -> anyhow::Result<Broker> {
+        let mut broker = Broker::from_url(&self.mqtt_url)?;
+        if let Some(path) = &self.mqtt_ca_file {
+            anyhow::ensure!(broker.tls.is_some(), "--mqtt-ca-file is of no use without mqtts:// in --mqtt-url");
+            broker.tls = Some(Authorities::File(path.clone()));
+        }
+        if let (Some(user), Some(path)) = (&self.mqtt_username, &self.mqtt_password_file) {
+            let password = std::fs::read_to_string(path)
+                .with_context(|| format!("--mqtt-password-file: cannot read {}", path.display()))?;
+            // Editors end the last line.
+            broker.credentials = Some((user.clone(), password.trim_end_matches(['\n', '\r']).to_owned()));
+        }
+        Ok(broker)
+    }
+}
+
 #[tokio::main]
 async fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
-    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt().with_env_filter(EnvFilter::new(arguments.log.to_string())).with_writer(std::io::stderr).init();
     let path = arguments.scenario.display();
     let text = std::fs::read_to_string(&arguments.scenario).with_context(|| format!("cannot read {path}"))?;
     let scenario = Scenario::from_toml_str(&text).with_context(|| format!("cannot simulate {path}"))?;
-    let broker = Broker::from_url(&arguments.mqtt_url)?;
+    let broker = arguments.broker()?;
 
     // Before the robots start: a signal during the start is not missed.
     let mut terminated = signal(SignalKind::terminate())?;

@@ -11,7 +11,7 @@ use vibrissa_protocol::BootId;
 
 use crate::engine::{Ending, Engine};
 use crate::metrics::Metrics;
-use crate::mqtt::{self, BrokerAddress, Connection, stopped};
+use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
 use crate::store::{Lease, Store, StoreError};
 
@@ -27,6 +27,7 @@ const STOP_PATIENCE: Duration = Duration::from_secs(5);
 pub(crate) struct Shared {
     pub(crate) store: Store,
     pub(crate) broker: BrokerAddress,
+    pub(crate) prepared: Prepared,
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
     pub(crate) params: Arc<Params>,
@@ -83,10 +84,18 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
     };
     shared.readiness.set(&part, None);
     if let Some((engine, boot_id)) = engine {
-        let connection =
-            Connection { broker: shared.broker.clone(), fleet: fleet.clone(), boot_id, epoch: lease.epoch() };
+        let connection = Connection {
+            broker: shared.broker.clone(),
+            prepared: shared.prepared.clone(),
+            fleet: fleet.clone(),
+            boot_id,
+            epoch: lease.epoch(),
+            link: LinkState::default(),
+        };
+        shared.readiness.listens(&fleet, Some(connection.link.clone()));
         run(engine, &connection, &metrics, stop).await;
     }
+    shared.readiness.listens(&fleet, None);
     metrics.forget_fleet();
     info!(%fleet, epoch = lease.epoch(), "supervised here no more");
 }

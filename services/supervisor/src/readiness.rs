@@ -1,10 +1,12 @@
 //! What keeps the service from its work, and which fleets it works for: what `/readyz` tells.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 use vibrissa_protocol::Name;
+
+use crate::mqtt::LinkState;
 
 /// Shared by everything that can be in trouble.
 #[derive(Debug, Clone, Default)]
@@ -14,6 +16,7 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 struct Parts {
     problems: BTreeMap<String, String>,
     fleets: BTreeMap<Name, Standing>,
+    links: BTreeMap<Name, LinkState>,
 }
 
 /// How this supervisor and a fleet stand.
@@ -48,10 +51,20 @@ impl Readiness {
         self.parts().fleets.insert(fleet.clone(), standing);
     }
 
-    /// Everything that is wrong.
+    /// Says through what a fleet is listened to, or that it is not listened to here.
+    pub(crate) fn listens(&self, fleet: &Name, link: Option<LinkState>) {
+        let mut parts = self.parts();
+        match link {
+            Some(link) => drop(parts.links.insert(fleet.clone(), link)),
+            None => drop(parts.links.remove(fleet)),
+        }
+    }
+
+    /// Everything that is wrong, each thing once.
     #[must_use]
-    pub fn problems(&self) -> Vec<String> {
-        self.parts().problems.values().cloned().collect()
+    pub fn problems(&self) -> BTreeSet<String> {
+        let parts = self.parts();
+        parts.problems.values().cloned().chain(parts.links.values().filter_map(LinkState::problem)).collect()
     }
 
     /// How things stand with each fleet.

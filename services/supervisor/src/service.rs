@@ -16,7 +16,7 @@ use crate::broker::Broker;
 use crate::engine::wall_clock;
 use crate::fleet::Shared;
 use crate::metrics::Metrics;
-use crate::mqtt::BrokerAddress;
+use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
 use crate::store::{DatabaseAddress, Store, Supervisor};
@@ -90,11 +90,13 @@ impl Service {
                 (Some(embedded), BrokerAddress::new(address.ip().to_string(), address.port()))
             }
         };
+        let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
         let shared = Shared {
             store: store.clone(),
             broker: broker.clone(),
+            prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
             params: Arc::new(options.params),

@@ -1,0 +1,41 @@
+//! The way to the broker below MQTT and TLS.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use tokio::net::{TcpStream, lookup_host};
+
+/// Until TCP, TLS and MQTT are all agreed on.
+pub(super) const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// For one of several addresses of a host: one that is dead must leave time for the next.
+const ADDRESS_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The host has no address.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct LookupError(pub(super) String);
+
+/// Connects by TCP to the first address of a host that answers.
+///
+/// `reached` is set once one has: what fails after that is the other side's doing.
+pub(super) async fn dial(host: String, port: u16, reached: Arc<AtomicBool>) -> io::Result<TcpStream> {
+    reached.store(false, Ordering::Relaxed);
+    let unknown = |why: String| io::Error::other(LookupError(why));
+    let addresses = lookup_host((host.as_str(), port)).await.map_err(|problem| unknown(problem.to_string()))?;
+    let mut last = unknown("it has no address".to_owned());
+    for address in addresses {
+        match tokio::time::timeout(ADDRESS_TIMEOUT, TcpStream::connect(address)).await {
+            Ok(Ok(stream)) => {
+                // Setpoints and acknowledgements are small, and somebody waits for them.
+                stream.set_nodelay(true)?;
+                reached.store(true, Ordering::Relaxed);
+                return Ok(stream);
+            }
+            Ok(Err(problem)) => last = problem,
+            Err(_) => last = io::ErrorKind::TimedOut.into(),
+        }
+    }
+    Err(last)
+}

@@ -1,0 +1,88 @@
+//! Two connections to the broker: one receives, one publishes, so that setpoints never wait behind a burst.
+//!
+//! Nothing rests on the broker's sessions: each connection starts clean under a name of its own, and
+//! subscribes anew, so that retained births and factsheets come again.
+//!
+//! [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
+
+mod address;
+mod tls;
+
+mod receive;
+
+mod inbox;
+
+mod publish;
+
+mod dial;
+mod link;
+mod poll;
+mod problem;
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use rumqttc::{MqttOptions, TlsConfiguration, Transport};
+use tokio::sync::watch;
+use vibrissa_protocol::{BootId, Name};
+
+pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, TlsOptions};
+pub use inbox::Inbox;
+pub use link::LinkState;
+pub use publish::publish;
+pub use receive::receive;
+pub use tls::{PrepareError, Prepared, prepare};
+
+/// The largest packet that is taken. Larger ones the broker must not send; without this limit, one would
+/// end every connection.
+const PACKET_MAX: u32 = 2 * 1024 * 1024;
+/// Publications of ours without an acknowledgement at a time. The client keeps a table of this size; its default
+/// is the protocol's 65,535.
+const IN_FLIGHT: u16 = 512;
+
+/// What both connections need to know.
+#[derive(Debug, Clone)]
+pub struct Connection {
+    /// Where.
+    pub broker: BrokerAddress,
+    /// What [`prepare`] made of it.
+    pub prepared: Prepared,
+    /// Which fleet.
+    pub fleet: Name,
+    /// Which boot of the supervisor.
+    pub boot_id: BootId,
+    /// Its epoch.
+    pub epoch: u64,
+    /// Where it is told why there is no connection.
+    pub link: LinkState,
+}
+
+impl Connection {
+    /// What a client is told, and where it says whether TCP has stood.
+    fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
+        let id = format!("vibrissa-{}-{}-{role}", self.fleet, self.boot_id);
+        let (host, port) = (self.broker.host.clone(), self.broker.port);
+        let mut options = MqttOptions::new(id, (host.clone(), port));
+        options
+            .set_clean_start(true)
+            .set_keep_alive(poll::KEEP_ALIVE_S)
+            .set_max_packet_size(Some(PACKET_MAX))
+            .set_outgoing_inflight_upper_limit(IN_FLIGHT)
+            .set_connect_timeout(dial::CONNECT_TIMEOUT);
+        if let Some(credentials) = &self.broker.credentials {
+            options.set_credentials(&credentials.username, credentials.password.reveal().to_owned());
+        }
+        if let Some(tls) = &self.prepared.tls {
+            options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(tls.clone())));
+        }
+        let reached = Arc::new(AtomicBool::new(false));
+        let dialled = reached.clone();
+        options.set_socket_connector(move |_, _| dial::dial(host.clone(), port, dialled.clone()));
+        (options, reached)
+    }
+}
+
+/// Returns when it is time to stop, or when no one is left to say so.
+pub async fn stopped(stop: &mut watch::Receiver<bool>) {
+    let _ = stop.wait_for(|&stop| stop).await;
+}

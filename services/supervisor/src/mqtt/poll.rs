@@ -1,0 +1,74 @@
+//! The polling half of a client: one event after the other, and every failure under its cause.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use rumqttc::{ConnAck, ConnectionError, Event, EventLoop, Packet};
+
+use super::Connection;
+use super::address::BrokerAddress;
+use super::problem::{Cause, Problem};
+
+/// Both sides say something at least this often, so that a dead one is noticed after two of them.
+pub(super) const KEEP_ALIVE_S: u16 = 6;
+/// For a broker that wants no keep-alive.
+const DAY_S: u64 = 24 * 3600;
+
+/// What a poll ends with.
+pub(super) enum Failure {
+    /// For this reason.
+    Broken(Problem),
+    /// The client has disconnected, as it was told.
+    Finished,
+}
+
+/// A client's event loop.
+pub(super) struct Poller {
+    events: EventLoop,
+    broker: BrokerAddress,
+    reached: Arc<AtomicBool>,
+    connected: bool,
+    patience: Duration,
+}
+
+impl Poller {
+    pub(super) fn new(events: EventLoop, connection: &Connection, reached: Arc<AtomicBool>) -> Self {
+        let broker = connection.broker.clone();
+        Self { events, broker, reached, connected: false, patience: patience(KEEP_ALIVE_S) }
+    }
+
+    /// The next event. After a failure the next call connects anew, at once: wait before it.
+    pub(super) async fn next(&mut self) -> Result<Event, Failure> {
+        // A connection into which nothing can be written any more is not noticed by the client itself.
+        let Ok(event) = tokio::time::timeout(self.patience, self.events.poll()).await else {
+            self.events.clean();
+            self.connected = false;
+            return Err(Failure::Broken(Problem::new(&self.broker, Cause::Silent)));
+        };
+        match event {
+            Ok(event) => {
+                if let Event::Incoming(Packet::ConnAck(ack)) = &event {
+                    self.connected = true;
+                    self.patience = patience(keep_alive_s(ack));
+                }
+                Ok(event)
+            }
+            Err(ConnectionError::RequestsDone) => Err(Failure::Finished),
+            Err(error) => {
+                let reached = self.reached.load(Ordering::Relaxed);
+                let connected = std::mem::take(&mut self.connected);
+                Err(Failure::Broken(Problem::of(&self.broker, &error, reached, connected)))
+            }
+        }
+    }
+}
+
+/// The broker's word counts.
+fn keep_alive_s(ack: &ConnAck) -> u16 {
+    ack.properties.as_ref().and_then(|properties| properties.server_keep_alive).unwrap_or(KEEP_ALIVE_S)
+}
+
+fn patience(keep_alive_s: u16) -> Duration {
+    Duration::from_secs(if keep_alive_s == 0 { DAY_S } else { 2 * u64::from(keep_alive_s) })
+}

@@ -1,0 +1,208 @@
+//! What is read from files before the first connection: authorities, and the supervisor's own certificate.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustls::client::WebPkiServerVerifier;
+use rustls::pki_types::pem::{self, PemObject};
+use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
+use rustls::{ClientConfig, RootCertStore};
+use tracing::warn;
+
+use super::address::{BrokerAddress, ClientCertificate, TlsOptions};
+
+/// What a connection needs from files, read and checked.
+#[derive(Clone, Default)]
+pub struct Prepared {
+    pub(super) tls: Option<Arc<ClientConfig>>,
+}
+
+impl std::fmt::Debug for Prepared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.tls.is_some() { "Prepared(TLS)" } else { "Prepared(plain)" })
+    }
+}
+
+/// Why no connection can be tried.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// A file is not there, or is kept from us.
+    #[error("{key}: cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// The setting that names it.
+        key: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is not in PEM, or is cut off.
+    #[error("{key}: {} is not PEM ({why}): it must have lines such as -----BEGIN CERTIFICATE-----", path.display())]
+    NotPem {
+        /// The setting that names it.
+        key: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A file in PEM without what it is for.
+    #[error("{key}: there is no {wanted} in {}", path.display())]
+    Missing {
+        /// The setting that names it.
+        key: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What should be in it.
+        wanted: &'static str,
+    },
+    /// A key that is kept under a passphrase.
+    #[error("{key}: the private key in {} is encrypted: decrypt it (openssl pkey) and restrict who may read it", path.display())]
+    EncryptedKey {
+        /// The setting that names it.
+        key: &'static str,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A certificate or a key that cannot be used.
+    #[error("{key}: {} cannot be used: {why}", path.display())]
+    Unusable {
+        /// The setting that names it.
+        key: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The key belongs to another certificate.
+    #[error(
+        "mqtt.client_key_file: the private key in {} does not belong to the certificate in {}",
+        key_file.display(), certificate_file.display()
+    )]
+    KeyMismatch {
+        /// The key's file.
+        key_file: PathBuf,
+        /// The certificate's.
+        certificate_file: PathBuf,
+    },
+    /// This system has no authorities of its own.
+    #[error(
+        "this system has no certificates of authorities ({0}): install them (ca-certificates), or set mqtt.ca_file"
+    )]
+    NoSystemAuthorities(String),
+    /// A host that no certificate can be for.
+    #[error("mqtt.url: {0:?} is no host that a certificate can be for")]
+    BadHost(String),
+    /// TLS itself does not work.
+    #[error("TLS cannot be used: {0}")]
+    Tls(#[from] rustls::Error),
+}
+
+const CA: &str = "mqtt.ca_file";
+const CERTIFICATE: &str = "mqtt.client_certificate_file";
+const KEY: &str = "mqtt.client_key_file";
+
+/// Reads and checks the files that a connection needs. Once: a broker that is away for a while costs no
+/// reading of files, and a file that is wrong is said at the start.
+///
+/// # Errors
+/// A file is missing or wrong; the error names it, and its setting.
+pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
+    if let (Some(credentials), None, false) = (&broker.credentials, &broker.tls, broker.is_loopback()) {
+        let user = &credentials.username;
+        warn!(%broker, user, "the MQTT password goes over the network in plain text: use mqtts:// in mqtt.url");
+    }
+    let Some(options) = &broker.tls else { return Ok(Prepared::default()) };
+    if ServerName::try_from(broker.host.as_str()).is_err() {
+        return Err(PrepareError::BadHost(broker.host.clone()));
+    }
+    Ok(Prepared { tls: Some(Arc::new(client_config(options)?)) })
+}
+
+/// TLS 1.2 or 1.3.
+fn client_config(options: &TlsOptions) -> Result<ClientConfig, PrepareError> {
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let authorities = Arc::new(authorities(options.ca_file.as_deref())?);
+    let verifier = WebPkiServerVerifier::builder_with_provider(authorities, provider.clone())
+        .build()
+        .map_err(|problem| PrepareError::NoSystemAuthorities(problem.to_string()))?;
+    let builder = ClientConfig::builder_with_provider(provider)
+        .with_safe_default_protocol_versions()?
+        .with_webpki_verifier(verifier);
+    match &options.client {
+        None => Ok(builder.with_no_client_auth()),
+        Some(client) => {
+            let chain = certificates(CERTIFICATE, &client.certificate_file)?;
+            let key = private_key(&client.key_file)?;
+            builder.with_client_auth_cert(chain, key).map_err(|problem| refused_key(client, problem))
+        }
+    }
+}
+
+/// Those of the file, every one of which must be usable; or the system's, of which some usually are not.
+fn authorities(file: Option<&Path>) -> Result<RootCertStore, PrepareError> {
+    let mut store = RootCertStore::empty();
+    let Some(path) = file else {
+        let system = rustls_native_certs::load_native_certs();
+        store.add_parsable_certificates(system.certs);
+        if store.is_empty() {
+            let why = system.errors.first().map_or_else(|| "none found".to_owned(), ToString::to_string);
+            return Err(PrepareError::NoSystemAuthorities(why));
+        }
+        return Ok(store);
+    };
+    for certificate in certificates(CA, path)? {
+        store.add(certificate).map_err(|problem| PrepareError::Unusable {
+            key: CA,
+            path: path.to_owned(),
+            why: problem.to_string(),
+        })?;
+    }
+    Ok(store)
+}
+
+fn read(key: &'static str, path: &Path) -> Result<Vec<u8>, PrepareError> {
+    let bytes =
+        std::fs::read(path).map_err(|source| PrepareError::Unreadable { key, path: path.to_owned(), source })?;
+    if bytes.windows(11).any(|window| window == b"-----BEGIN ") {
+        return Ok(bytes);
+    }
+    let why = if bytes.is_empty() { "it is empty" } else { "nothing begins in it" };
+    Err(PrepareError::NotPem { key, path: path.to_owned(), why: why.to_owned() })
+}
+
+/// At least one.
+fn certificates(key: &'static str, path: &Path) -> Result<Vec<CertificateDer<'static>>, PrepareError> {
+    let bytes = read(key, path)?;
+    let found: Result<Vec<_>, pem::Error> = CertificateDer::pem_slice_iter(&bytes).collect();
+    let found =
+        found.map_err(|problem| PrepareError::NotPem { key, path: path.to_owned(), why: problem.to_string() })?;
+    if found.is_empty() {
+        return Err(PrepareError::Missing { key, path: path.to_owned(), wanted: "certificate" });
+    }
+    Ok(found)
+}
+
+fn private_key(path: &Path) -> Result<PrivateKeyDer<'static>, PrepareError> {
+    let bytes = read(KEY, path)?;
+    PrivateKeyDer::from_pem_slice(&bytes).map_err(|problem| match problem {
+        pem::Error::NoItemsFound if String::from_utf8_lossy(&bytes).contains("BEGIN ENCRYPTED PRIVATE KEY") => {
+            PrepareError::EncryptedKey { key: KEY, path: path.to_owned() }
+        }
+        pem::Error::NoItemsFound => PrepareError::Missing { key: KEY, path: path.to_owned(), wanted: "private key" },
+        // Its text would be a piece of the key.
+        _ => PrepareError::NotPem { key: KEY, path: path.to_owned(), why: "a section of it is damaged".to_owned() },
+    })
+}
+
+fn refused_key(client: &ClientCertificate, problem: rustls::Error) -> PrepareError {
+    let (key_file, certificate_file) = (client.key_file.clone(), client.certificate_file.clone());
+    match problem {
+        rustls::Error::InconsistentKeys(_) => PrepareError::KeyMismatch { key_file, certificate_file },
+        rustls::Error::InvalidCertificate(why) => {
+            PrepareError::Unusable { key: CERTIFICATE, path: certificate_file, why: why.to_string() }
+        }
+        other => PrepareError::Unusable { key: KEY, path: key_file, why: other.to_string() },
+    }
+}
