@@ -1,0 +1,228 @@
+//! What is written is read back, the same from both databases.
+
+use serde_json::{Value, json};
+use vibrissa::store::Batch;
+use vibrissa::store::batch::{
+    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, ResponseRow, SetpointRow,
+};
+
+use crate::rows::{self, Numbered, contacts};
+use crate::{Fresh, fleet, supervisor};
+
+/// One of everything that can happen.
+fn records(numbered: &Numbered) -> Vec<Record> {
+    let (robot_id, whisker_id) = (numbered.robot_id, numbered.whisker_ids[0]);
+    let compensation_id = robot_id << 32;
+    let candidate = |index: usize, chosen, refused| CandidateRow {
+        whisker_id: numbered.whisker_ids[index],
+        case: if index == 0 { "SELF_COMPENSATION" } else { "SHORTER_FOR_LONGER" },
+        length_mm: 65.0,
+        length_sd_mm: 0.3,
+        pressure_before_mpa: 0.1,
+        pressure_mpa: (index == 0).then_some(0.048),
+        predicted_error: (index == 0).then_some(0.203_85),
+        predicted_error_by_ratio: (index == 0).then(|| "[0.1,0.2]".to_owned()),
+        gives_up_own_role: index == 1,
+        chosen,
+        refused,
+    };
+    let interval = |mean| Interval { mean, low: mean - 0.01, high: mean + 0.01 };
+    let bin = |ratio| ErrorBinRow {
+        ratio,
+        contacts: 9,
+        after_per_mm: 0.004,
+        before_per_mm: 0.003,
+        before_origin: "MEASURED",
+        target_per_mm: 0.0035,
+        target_origin: "MODEL",
+        error: interval(0.2),
+    };
+    let health = |kind, was, becomes| Record::Health { whisker_id, recorded_us: 5, kind, was, becomes };
+    let setpoint_state = |state, error, pressure_mpa| Record::SetpointState {
+        command_id: "c1".to_owned(),
+        recorded_us: 9,
+        state,
+        error,
+        pressure_mpa,
+    };
+    let decision = DecisionRow {
+        compensation_id,
+        robot_id,
+        target_whisker_id: whisker_id,
+        target_length_mm: 70.0,
+        target_pressure_mpa: 0.1,
+        decided_us: 7,
+        candidates: vec![candidate(0, true, None), candidate(1, false, Some("COSTS_MORE"))],
+    };
+    let setpoint = SetpointRow {
+        command_id: "c1".to_owned(),
+        robot_id,
+        whisker_id,
+        compensation_id: Some(compensation_id),
+        epoch: 1,
+        version: 1,
+        robot_boot_id: "b1".to_owned(),
+        pressure_mpa: 0.048,
+        slew_mpa_per_s: 0.02,
+        issued_us: 8,
+        expires_us: 38_000_000,
+        reason: "SELF_COMPENSATION",
+        gain: Some("[[0.45,0.861]]".to_owned()),
+    };
+    let response = ResponseRow {
+        compensation_id,
+        t_us: 11,
+        ratio: 0.85,
+        deflection_mm: 2.0,
+        after_strain: 0.009,
+        before_strain: 0.008,
+        before_origin: "MEASURED",
+        target_strain: 0.0085,
+        target_origin: "MODEL",
+    };
+    let error = |recorded_us, mean, ratios: &[f64]| {
+        Record::Error(Box::new(ErrorRow {
+            compensation_id,
+            recorded_us,
+            contacts: 18,
+            error: interval(mean),
+            bins: ratios.iter().map(|&ratio| bin(ratio)).collect(),
+        }))
+    };
+    vec![
+        health("CONDITION", Some("HEALTHY"), Some("SUSPECTED")),
+        health("FAULT", None, Some("LEAK")),
+        Record::Trim {
+            trim_id: robot_id << 32 | 4,
+            robot_id,
+            whisker_id,
+            detected_us: 6,
+            length_before_mm: 70.0,
+            length_after_mm: 65.1,
+            length_after_sd_mm: 0.2,
+            contacts_to_detect: 12,
+        },
+        Record::Decision(Box::new(decision)),
+        Record::Setpoint(Box::new(setpoint)),
+        setpoint_state("RECEIVED", None, None),
+        setpoint_state("APPLIED", None, Some(0.0481)),
+        Record::Response(response),
+        error(12, 0.25, &[0.5]),
+        error(13, 0.2, &[0.5, 0.9]),
+        Record::Alarm { whisker_id, raised_us: 14, kind: "UNCOMPENSATED" },
+        Record::Ended { compensation_id, ended_us: 15, end_reason: "REASSIGNED" },
+    ]
+}
+
+/// Everything that can be read, as JSON.
+async fn written_and_read(database: &Fresh) -> Value {
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let numbered = rows::robot(&mut writer, &lease).await;
+    let mut batch = contacts(&numbered, 0..2500);
+    batch.records = records(&numbered);
+    writer.commit(&lease, &batch).await.unwrap();
+    // The same again under new names changes nothing.
+    assert_eq!(writer.robot_id(&lease, "r").await.unwrap(), numbered.robot_id);
+    assert_eq!(writer.boot(&lease, numbered.robot_id, "b1", 2).await.unwrap(), numbered.boot);
+    let again = writer.whisker_ids(&lease, numbered.robot_id, &numbered.robot).await.unwrap();
+    assert_eq!(again, numbered.whisker_ids);
+
+    let store = &database.store;
+    let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
+    let stored = writer.robots(&lease).await.unwrap();
+    let stored = stored.iter().map(|robot| {
+        json!([
+            robot.robot,
+            robot.state,
+            robot.whisker_states,
+            robot.whisker_ids.len(),
+            robot.boots.len(),
+            robot.numbers.next_trim,
+            robot.numbers.next_compensation
+        ])
+    });
+    json!({
+        "whiskers": store.whiskers().await.unwrap(),
+        "compensations": store.compensations().await.unwrap(),
+        "trims": store.trims().await.unwrap(),
+        "bins": store.error_bins(numbered.robot_id << 32).await.unwrap(),
+        "lengths": lengths.iter().map(|one| json!([one.t_us, one.length_mm, one.pressure_mpa])).collect::<Vec<_>>(),
+        "contacts": store.contact_count().await.unwrap(),
+        "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
+        "setpoint_states": store.setpoint_states().await.unwrap(),
+        "measured": store.measured_contacts().await.unwrap(),
+        "health": store.health_changes().await.unwrap(),
+        "setpoints": store.setpoint_history().await.unwrap(),
+        "robots": stored.collect::<Vec<_>>(),
+    })
+}
+
+#[tokio::test]
+async fn both_databases_give_back_the_same() {
+    let lite = written_and_read(&Fresh::sqlite().await).await;
+    assert_eq!(lite["contacts"], 2500);
+    assert_eq!(lite["between"], 10);
+    assert_eq!(lite["whiskers"][1]["fault"], "LEAK");
+    assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the newest");
+    assert_eq!(lite["compensations"][0]["candidates"][1]["refused"], "COSTS_MORE");
+    assert_eq!(lite["bins"].as_array().unwrap().len(), 2);
+    assert_eq!(lite["setpoints"].as_array().unwrap().len(), 3);
+    assert_eq!(lite["robots"][0][5], 5, "numbers go on");
+    for list in ["trims", "lengths", "health"] {
+        assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
+    }
+    assert_eq!(lite, written_and_read(&Fresh::postgres().await).await);
+}
+
+/// Numbers are stored to the last bit.
+#[tokio::test]
+async fn contacts_are_the_same_to_the_last_bit() {
+    use sqlx::{ConnectOptions, Row};
+    let database = Fresh::postgres().await;
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let numbered = rows::robot(&mut writer, &lease).await;
+    let batch = contacts(&numbered, 0..2);
+    writer.commit(&lease, &batch).await.unwrap();
+    let mut link = database.server.as_ref().unwrap().connect().connect().await.unwrap();
+    let rows = sqlx::query("SELECT ratio, strain, residual, temperature_c FROM contacts ORDER BY seq")
+        .fetch_all(&mut link)
+        .await
+        .unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, sent) in rows.iter().zip(&batch.contacts) {
+        assert_eq!(row.get::<f64, _>("ratio").to_bits(), sent.ratio.to_bits());
+        assert_eq!(row.get::<f64, _>("strain").to_bits(), sent.strain.to_bits());
+        assert_eq!(row.get::<Option<f64>, _>("residual"), sent.residual);
+    }
+}
+
+/// A batch of which one row cannot be written is not written at all.
+async fn all_or_nothing(database: &Fresh) {
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let numbered = rows::robot(&mut writer, &lease).await;
+    let mut batch = contacts(&numbered, 0..10);
+    batch.records = vec![Record::Alarm { whisker_id: 999_999, raised_us: 1, kind: "LEAK" }];
+    let refused = writer.commit(&lease, &batch).await.unwrap_err();
+    assert!(refused.to_string().contains("foreign key") || refused.to_string().contains("FOREIGN KEY"), "{refused}");
+    assert_eq!(database.store.contact_count().await.unwrap(), 0);
+    batch.records.clear();
+    writer.commit(&lease, &batch).await.unwrap();
+    assert_eq!(database.store.contact_count().await.unwrap(), 10);
+    writer.commit(&lease, &Batch::default()).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_batch_is_written_whole_or_not_at_all_on_sqlite() {
+    all_or_nothing(&Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn a_batch_is_written_whole_or_not_at_all_on_postgres() {
+    all_or_nothing(&Fresh::postgres().await).await;
+}

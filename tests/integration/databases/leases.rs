@@ -1,0 +1,153 @@
+//! Leases as the database keeps them: one owner at a time, each transaction once.
+
+use std::time::Duration;
+
+use vibrissa::store::StoreError;
+use vibrissa_tests::wait::{until, until_true};
+
+use crate::rows::{self, contacts};
+use crate::{Fresh, fleet, supervisor};
+
+#[tokio::test]
+async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live() {
+    let database = Fresh::postgres().await;
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
+    writer_a.sign_in(&a, &[]).await.unwrap();
+    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
+    assert_eq!(lease.epoch(), 1);
+    let begun = std::time::Instant::now();
+    // Renewed, it is nobody else's for longer than its time to live.
+    while begun.elapsed() < a.time_to_live * 2 {
+        writer_a.sign_in(&a, std::slice::from_ref(&lease)).await.unwrap();
+        let roll = writer_b.sign_in(&b, &[]).await.unwrap();
+        assert_eq!(roll.leases[0].owner.as_deref(), Some("a"));
+        assert!(!roll.leases[0].free && lease.is_fresh());
+        assert!(writer_b.acquire(&b, &fleet()).await.unwrap().is_none());
+    }
+    // Silent, it is free: not before its time to live is over, and at once then.
+    let silent = std::time::Instant::now();
+    let taken = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
+    let after = silent.elapsed();
+    assert!(after > a.time_to_live - Duration::from_millis(50), "{after:?}");
+    assert_eq!(taken.epoch(), 2);
+    assert!(!lease.is_fresh() && taken.is_fresh());
+    let roll = writer_b.sign_in(&b, std::slice::from_ref(&taken)).await.unwrap();
+    assert_eq!((roll.leases[0].epoch, roll.leases[0].holder.as_deref()), (2, Some("supervisor b")));
+}
+
+#[tokio::test]
+async fn what_is_given_back_can_be_had_at_once() {
+    let database = Fresh::postgres().await;
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
+    writer_a.sign_in(&a, &[]).await.unwrap();
+    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
+    writer_a.release(&lease).await.unwrap();
+    assert_eq!(writer_b.acquire(&b, &fleet()).await.unwrap().unwrap().epoch(), 2);
+    // Given back twice, it stays the new owner's.
+    writer_a.release(&lease).await.unwrap();
+    assert!(writer_a.acquire(&a, &fleet()).await.unwrap().is_none());
+}
+
+/// On both databases: a supervisor that lost its fleet writes nothing, whatever it writes.
+async fn the_dispossessed_write_nothing(database: &Fresh) {
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
+    writer_a.sign_in(&a, &[]).await.unwrap();
+    let old = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer_a, &old).await;
+    writer_a.commit(&old, &contacts(&robot, 0..3)).await.unwrap();
+    let new = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
+
+    let refused = writer_a.commit(&old, &contacts(&robot, 3..5)).await.unwrap_err();
+    assert!(matches!(refused, StoreError::LeaseLost { epoch: 1, .. }), "{refused}");
+    for problem in [
+        writer_a.robot_id(&old, "another").await.map(drop),
+        writer_a.boot(&old, robot.robot_id, "another", 0).await.map(drop),
+        writer_a.whisker_ids(&old, robot.robot_id, &robot.robot).await.map(drop),
+    ] {
+        assert!(matches!(problem, Err(StoreError::LeaseLost { .. })), "{problem:?}");
+    }
+    assert_eq!(database.store.contact_count().await.unwrap(), 3);
+    assert_eq!(writer_b.robots(&new).await.unwrap().len(), 1, "no other robot was made");
+    writer_b.commit(&new, &contacts(&robot, 3..4)).await.unwrap();
+    assert_eq!(database.store.contact_count().await.unwrap(), 4);
+}
+
+#[tokio::test]
+async fn the_dispossessed_write_nothing_on_sqlite() {
+    the_dispossessed_write_nothing(&Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn the_dispossessed_write_nothing_on_postgres() {
+    the_dispossessed_write_nothing(&Fresh::postgres().await).await;
+}
+
+/// The answer to a commit is lost, again and again, at every moment of it: tried again, each batch is there once.
+#[tokio::test]
+async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
+    let database = Fresh::postgres().await;
+    let server = database.server.as_ref().unwrap();
+    let proxy = vibrissa_tests::proxy::Proxy::to(server.port()).await;
+    let address = vibrissa_tests::postgres::Postgres::url(proxy.port()).parse().unwrap();
+    let through = vibrissa::store::Store::open(&address, "through").await.unwrap();
+    let mut a = supervisor("a");
+    a.time_to_live = Duration::from_secs(60);
+    let mut writer = through.writer();
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer, &lease).await;
+    let mut failures = 0;
+    for seq in 0..150 {
+        let batch = contacts(&robot, seq..seq + 1);
+        // The moment moves through the commit.
+        let cut = async {
+            tokio::time::sleep(Duration::from_micros(seq as u64 * 40)).await;
+            proxy.cut();
+        };
+        let (mut tried, ()) = tokio::join!(writer.commit(&lease, &batch), cut);
+        while tried.is_err() {
+            failures += 1;
+            tried = writer.commit(&lease, &batch).await;
+        }
+        assert_eq!(database.store.contact_count().await.unwrap(), seq + 1);
+    }
+    assert!(failures >= 20, "the link was cut within {failures} commits only");
+}
+
+/// A supervisor that freezes in the middle of a transaction does not keep its fleet.
+#[tokio::test]
+async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
+    let database = Fresh::postgres().await;
+    let server = database.server.as_ref().unwrap();
+    let proxy = vibrissa_tests::proxy::Proxy::to(server.port()).await;
+    let address = vibrissa_tests::postgres::Postgres::url(proxy.port()).parse().unwrap();
+    let through = vibrissa::store::Store::open(&address, "through").await.unwrap();
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let mut writer_a = through.writer();
+    writer_a.sign_in(&a, &[]).await.unwrap();
+    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer_a, &lease).await;
+    // Commits until the link stalls: somewhere within a transaction.
+    let stalled = tokio::spawn(async move {
+        for seq in 0.. {
+            let written = writer_a.commit(&lease, &contacts(&robot, seq..seq + 1)).await;
+            if written.is_err() {
+                return;
+            }
+        }
+    });
+    until_true("contacts", async || database.store.contact_count().await.unwrap() > 20).await;
+    proxy.stall(true);
+    let mut writer_b = database.store.writer();
+    let silent = std::time::Instant::now();
+    until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
+    let after = silent.elapsed();
+    assert!(after < a.time_to_live + Duration::from_secs(1), "{after:?}");
+    let taken_over = database.store.contact_count().await.unwrap();
+    proxy.stall(false);
+    stalled.await.unwrap();
+    assert_eq!(database.store.contact_count().await.unwrap(), taken_over, "nothing came late");
+}

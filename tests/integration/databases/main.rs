@@ -1,0 +1,54 @@
+//! SQLite and PostgreSQL: the same contract on both, and leases between supervisors.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod contract;
+mod leases;
+mod rows;
+mod schema;
+mod supervisors;
+
+use tempfile::TempDir;
+use vibrissa::store::{DatabaseAddress, Store, Supervisor};
+use vibrissa_protocol::Name;
+use vibrissa_tests::postgres::Postgres;
+
+/// A database of the test's own, with its tables; it goes when this is dropped.
+struct Fresh {
+    store: Store,
+    address: DatabaseAddress,
+    server: Option<Postgres>,
+    _folder: Option<TempDir>,
+}
+
+impl Fresh {
+    async fn sqlite() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let address = DatabaseAddress::Sqlite(folder.path().join("v.sqlite3"));
+        let store = Store::open(&address, "test").await.unwrap();
+        store.prepare().await.unwrap();
+        Self { store, address, server: None, _folder: Some(folder) }
+    }
+
+    async fn postgres() -> Self {
+        let server = Postgres::start().await;
+        let address: DatabaseAddress = Postgres::url(server.port()).parse().unwrap();
+        let store = Store::open(&address, "test").await.unwrap();
+        store.prepare().await.unwrap();
+        Self { store, address, server: Some(server), _folder: None }
+    }
+}
+
+/// A supervisor of fleet `f`.
+fn supervisor(id: &str) -> Supervisor {
+    Supervisor {
+        id: id.into(),
+        name: format!("supervisor {id}"),
+        fleets: vec![Name::new("f").unwrap()],
+        time_to_live: std::time::Duration::from_millis(800),
+    }
+}
+
+fn fleet() -> Name {
+    Name::new("f").unwrap()
+}

@@ -1,0 +1,103 @@
+//! Rows to write: one robot with two whiskers.
+
+use std::ops::Range;
+
+use vibrissa::store::batch::{ContactRow, LayoutRow, RobotRow, WhiskerRow};
+use vibrissa::store::{Batch, Lease, Writer};
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::{Event, Numbers, Params, Robot};
+use vibrissa_core::units::{Megapascal, Micros, Millimetre};
+
+/// A robot with its numbers in the database.
+pub(crate) struct Numbered {
+    pub(crate) robot: Robot,
+    pub(crate) robot_id: i64,
+    pub(crate) boot: i64,
+    pub(crate) whisker_ids: Vec<i64>,
+}
+
+/// Two whiskers on one array.
+fn known(epoch: u64) -> Robot {
+    let whisker = |number| WhiskerSheet {
+        number,
+        x_mm: 25.0 * f64::from(number),
+        y_mm: 0.0,
+        model: "nguyen-2021".to_owned(),
+        length: Millimetre::new(70.0).unwrap(),
+        pressure: Megapascal::new(0.1).unwrap(),
+        pressure_max: Megapascal::new(0.2).unwrap(),
+        neighbours: vec![1 - number],
+    };
+    let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type1, whiskers: vec![whisker(0), whisker(1)] };
+    let factsheet = Factsheet { arrays: vec![array] };
+    let params = Params::nguyen_2021(Formulation::Published);
+    let mut robot = Robot::new(epoch, Numbers::default());
+    let mut effects = Vec::new();
+    let now = Micros::from_s(1.0);
+    robot.step(&params, now, &Event::Connection { boot_id: "b1", link: Link::Online }, &mut effects);
+    robot.step(&params, now, &Event::Factsheet { boot_id: "b1", factsheet: &factsheet }, &mut effects);
+    robot
+}
+
+/// Makes the robot known to the database, with its layout and states.
+pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
+    let robot = known(lease.epoch());
+    let robot_id = writer.robot_id(lease, "r").await.unwrap();
+    let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
+    let whisker_ids = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
+    let numbered = Numbered { robot, robot_id, boot, whisker_ids };
+    writer.commit(lease, &states(&numbered)).await.unwrap();
+    numbered
+}
+
+/// The layout, and the states as the core has them.
+fn states(numbered: &Numbered) -> Batch {
+    let whisker = |index: usize| WhiskerRow {
+        whisker_id: numbered.whisker_ids[index],
+        position: index as i64,
+        length_mm: 69.5,
+        length_sd_mm: 0.25,
+        condition: "HEALTHY",
+        fault: (index == 1).then_some("LEAK"),
+        pressure_mpa: (index == 0).then_some(0.1),
+        setpoint_mpa: 0.1,
+        contacts: 7,
+        heard_us: (index == 0).then_some(1_795_248_000_123_456),
+        state: numbered.robot.whisker_to_bytes(index).unwrap(),
+    };
+    Batch {
+        layouts: vec![LayoutRow { robot_id: numbered.robot_id, model: "crawler".to_owned() }],
+        robots: vec![RobotRow {
+            robot_id: numbered.robot_id,
+            boot_id: Some("b1".to_owned()),
+            connection: "ONLINE",
+            updated_us: 1_795_248_000_000_000,
+            state: numbered.robot.to_bytes().unwrap(),
+        }],
+        whiskers: vec![whisker(0), whisker(1)],
+        ..Batch::default()
+    }
+}
+
+/// Contacts of whisker 0 with these numbers; some columns are null in every other one.
+pub(crate) fn contacts(numbered: &Numbered, seqs: Range<i64>) -> Batch {
+    let contact = |seq: i64| ContactRow {
+        whisker_id: numbered.whisker_ids[0],
+        boot: numbered.boot,
+        seq,
+        position: 0,
+        t_us: 1_795_248_000_000_000 + seq,
+        received_us: 1_795_248_000_500_000 + seq,
+        ratio: 0.1 + 0.2,
+        deflection_mm: 2.4,
+        strain: 1.0 / 3.0,
+        pressure_mpa: 0.1002,
+        temperature_c: 24.1,
+        used: "USED",
+        residual: (seq % 2 == 0).then_some(-0.012_345_678_901_234_5),
+        length_mm: 69.5,
+        length_sd_mm: 0.25,
+    };
+    Batch { contacts: seqs.map(contact).collect(), ..Batch::default() }
+}

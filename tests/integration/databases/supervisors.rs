@@ -1,0 +1,283 @@
+//! Supervisors as processes on one PostgreSQL: they share, hand over, take over, and wait for the database.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use sqlx::postgres::PgConnection;
+use sqlx::{ConnectOptions, Row};
+use tempfile::TempDir;
+use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::wait::{PATIENCE, until, until_true};
+use vibrissa_tests::web::try_get;
+
+/// A broker, a server, and a folder for logs.
+struct Stage {
+    broker: Mosquitto,
+    server: Postgres,
+    folder: TempDir,
+}
+
+/// One supervisor.
+struct Replica {
+    process: Process,
+    http: u16,
+}
+
+impl Stage {
+    async fn new() -> Self {
+        Self { broker: Mosquitto::start(), server: Postgres::start().await, folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// A supervisor of these fleets.
+    fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
+        let http = free_port();
+        let arguments = [
+            "run",
+            "--name",
+            name,
+            "--fleets",
+            fleets,
+            "--database-url",
+            &Postgres::url(self.server.port()),
+            "--mqtt-url",
+            &format!("mqtt://127.0.0.1:{}", self.broker.port()),
+            "--http-listen",
+            &format!("127.0.0.1:{http}"),
+            "--lease-time-to-live-s",
+            &time_to_live_s.to_string(),
+        ];
+        let launch = Launch {
+            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
+            log: self.folder.path().join(name),
+        };
+        Replica { process: Process::start(launch), http }
+    }
+
+    async fn link(&self) -> PgConnection {
+        self.server.connect().connect().await.unwrap()
+    }
+
+    /// Who holds each fleet now, by name.
+    async fn holders(&self) -> Vec<(String, String)> {
+        let mut link = self.link().await;
+        let rows = sqlx::query(
+            "SELECT fleet, holder FROM leases WHERE owner IS NOT NULL AND expires_us > clock_us() ORDER BY fleet",
+        )
+        .fetch_all(&mut link)
+        .await
+        .unwrap_or_default();
+        rows.iter().map(|row| (row.get("fleet"), row.get("holder"))).collect()
+    }
+
+    async fn count_of(&self, holder: &str) -> usize {
+        self.holders().await.iter().filter(|(_, one)| one == holder).count()
+    }
+
+    /// Contacts, and how many different names they have.
+    async fn counted(&self) -> (i64, i64) {
+        let sql = "SELECT count(*), count(DISTINCT (boot, seq, position)) FROM contacts";
+        sqlx::query_as(sql).fetch_one(&mut self.link().await).await.unwrap()
+    }
+
+    /// Two robots that are touched 200 times a second.
+    fn fleet(&self, name: &str) -> Fleet {
+        let scenario = format!(
+            r#"
+fleet = "{name}"
+seed = 7
+[behaviour]
+contacts_per_second = 50.0
+contacts_per_message = 5
+message_after_s = 0.2
+[[robots]]
+robot = "one"
+arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
+[[robots]]
+robot = "two"
+arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
+"#
+        );
+        let scenario = Scenario::from_toml_str(&scenario).unwrap();
+        Fleet::start(&scenario, &Broker::new("127.0.0.1", self.broker.port())).unwrap()
+    }
+
+    /// Waits for that many contacts more in the database.
+    async fn more_recorded(&self, more: i64) {
+        let goal = self.counted().await.0 + more;
+        until_true("more contacts recorded", async || self.counted().await.0 >= goal).await;
+    }
+
+    /// Lets the robots rest until everything is receipted: each contact must be there once.
+    async fn assert_each_contact_is_there_once(&self, fleet: &Fleet) {
+        fleet.rest();
+        until_true("every message receipted", async || {
+            fleet
+                .robots()
+                .iter()
+                .all(|robot| robot.with(|robot| robot.messages_kept() == 0 && robot.next_deadline() > robot.start_us()))
+        })
+        .await;
+        let made = fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum::<u64>() as i64;
+        assert_eq!(self.counted().await, (made, made));
+    }
+}
+
+impl Replica {
+    /// What `/readyz` says; none while nobody answers.
+    async fn ready(&self) -> Option<(u16, String)> {
+        try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()
+    }
+
+    /// Waits until it answers with that status, and a text with this in it.
+    async fn says(&self, status: u16, part: &str) -> String {
+        until(&format!("{status} with {part}"), async || {
+            self.ready().await.filter(|(code, text)| *code == status && text.contains(part)).map(|(_, text)| text)
+        })
+        .await
+    }
+
+    async fn terminate(&mut self) {
+        self.process.signal(Signal::SIGTERM);
+        assert!(self.process.ended(PATIENCE).await.expect("it ends").success());
+    }
+}
+
+#[tokio::test]
+async fn replicas_share_the_fleets_and_hand_them_over_at_once_when_they_are_told_to_stop() {
+    const TIME_TO_LIVE_S: f64 = 8.0;
+    let stage = Stage::new().await;
+    let mut a = stage.replica("a", "f1,f2,f3,f4", TIME_TO_LIVE_S);
+    until_true("a has all", async || stage.count_of("a").await == 4).await;
+    let mut b = stage.replica("b", "f1,f2,f3,f4", TIME_TO_LIVE_S);
+    until_true("two each", async || (stage.count_of("a").await, stage.count_of("b").await) == (2, 2)).await;
+    let told = b.says(200, "STANDBY").await;
+    assert!(told.contains("OWNED") && told.contains("\"holder\":\"a\""), "{told}");
+    a.terminate().await;
+    let stopped = Instant::now();
+    until_true("b has all", async || stage.count_of("b").await == 4).await;
+    // Long before the leases would have expired.
+    assert!(stopped.elapsed() < Duration::from_secs_f64(TIME_TO_LIVE_S / 2.0), "{:?}", stopped.elapsed());
+    b.says(200, "OWNED").await;
+    b.terminate().await;
+    assert!(stage.holders().await.is_empty());
+}
+
+#[tokio::test]
+async fn a_killed_supervisor_is_replaced_and_nothing_is_lost_or_there_twice() {
+    let stage = Stage::new().await;
+    let mut a = stage.replica("a", "f", 2.0);
+    until_true("a has it", async || stage.count_of("a").await == 1).await;
+    let b = stage.replica("b", "f", 2.0);
+    b.says(200, "STANDBY").await;
+    let fleet = stage.fleet("f");
+    stage.more_recorded(200).await;
+    a.process.kill();
+    until_true("b has it", async || stage.count_of("b").await == 1).await;
+    stage.more_recorded(200).await;
+    stage.assert_each_contact_is_there_once(&fleet).await;
+    fleet.stop().await;
+}
+
+#[tokio::test]
+async fn a_supervisor_that_was_frozen_for_too_long_commits_nothing_and_stands_by() {
+    let stage = Stage::new().await;
+    let mut a = stage.replica("a", "f", 1.0);
+    until_true("a has it", async || stage.count_of("a").await == 1).await;
+    let b = stage.replica("b", "f", 1.0);
+    b.says(200, "STANDBY").await;
+    let fleet = stage.fleet("f");
+    stage.more_recorded(200).await;
+    a.process.signal(Signal::SIGSTOP);
+    until_true("b has it", async || stage.count_of("b").await == 1).await;
+    stage.more_recorded(200).await;
+    a.process.signal(Signal::SIGCONT);
+    a.says(200, "\"holder\":\"b\"").await;
+    stage.more_recorded(200).await;
+    stage.assert_each_contact_is_there_once(&fleet).await;
+    let epochs: i64 =
+        sqlx::query_scalar("SELECT max(epoch) FROM epochs").fetch_one(&mut stage.link().await).await.unwrap();
+    assert_eq!(epochs, 2, "it stays with b");
+    a.terminate().await;
+    fleet.stop().await;
+}
+
+#[tokio::test]
+async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
+    let mut stage = Stage::new().await;
+    let a = stage.replica("a", "f", 2.0);
+    a.says(200, "OWNED").await;
+    let fleet = stage.fleet("f");
+    stage.more_recorded(200).await;
+    stage.server.kill();
+    a.says(503, "database, while trying to").await;
+    // Robots go on, and a robot that is new asks for a number meanwhile.
+    let late = stage.fleet("f");
+    late.stop().await;
+    stage.server.restart().await;
+    a.says(200, "OWNED").await;
+    stage.more_recorded(200).await;
+    stage.assert_each_contact_is_there_once(&fleet).await;
+    fleet.stop().await;
+}
+
+#[tokio::test]
+async fn a_supervisor_starts_without_its_server_and_goes_to_work_when_it_comes() {
+    let mut stage = Stage::new().await;
+    stage.server.kill();
+    let a = stage.replica("a", "f", 2.0);
+    a.says(503, "database").await;
+    stage.server.restart().await;
+    a.says(200, "OWNED").await;
+}
+
+/// What the program says when it cannot run.
+fn refusal(folder: &Path, arguments: &[&str]) -> String {
+    let ended = std::process::Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
+        .args(["run", "--mqtt-port", "0", "--http-listen", "127.0.0.1:0"])
+        .args(arguments)
+        .env("RUST_LOG", "off")
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert_eq!(ended.status.code(), Some(1));
+    String::from_utf8(ended.stderr).unwrap()
+}
+
+#[tokio::test]
+async fn a_second_supervisor_of_one_file_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let http = free_port();
+    let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
+    let listen = format!("127.0.0.1:{http}");
+    let arguments =
+        ["run", "--name", "press hall", "--database-url", &database, "--mqtt-port", "0", "--http-listen", &listen];
+    let launch = Launch {
+        program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+        arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+        environment: Vec::new(),
+        log: folder.path().join("log"),
+    };
+    let mut first = Replica { process: Process::start(launch), http };
+    first.says(200, "OWNED").await;
+    let said = refusal(folder.path(), &["--database-url", &database]);
+    for part in ["supervisor \"press hall\" (process ", "v.sqlite3", "postgres://"] {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+    first.terminate().await;
+}
+
+#[tokio::test]
+async fn a_server_that_refuses_is_named_without_the_password() {
+    let server = Postgres::start().await;
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!("postgres://vibrissa:S3cret@127.0.0.1:{}/nowhere", server.port());
+    let said = refusal(folder.path(), &["--database-url", &url]);
+    assert!(said.contains("nowhere") && said.contains("does not exist"), "{said}");
+    assert!(!said.contains("S3cret"), "{said}");
+}
