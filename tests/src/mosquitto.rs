@@ -18,6 +18,11 @@ use crate::certificates::{Authority, Identity, write};
 /// it is down.
 const PORTS: std::ops::Range<u16> = 12_000..30_000;
 
+/// The name of OpenSSL's settings in a broker's folder, if it has any.
+const OPENSSL_SETTINGS: &str = "openssl.cnf";
+const TLS_1_2_SETTINGS: &str = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]\nsystem_default = limits\n\
+                                [limits]\nMaxProtocol = TLSv1.2\n";
+
 /// A running broker; dropped, it is killed.
 #[derive(Debug)]
 pub struct Mosquitto {
@@ -50,6 +55,7 @@ pub struct Builder {
     lines: Vec<String>,
     has_default_limits: bool,
     file: Option<String>,
+    has_old_tls: bool,
 }
 
 /// What a listener shows of itself, and wants to see.
@@ -71,6 +77,13 @@ impl Builder {
     #[must_use]
     pub fn tls_with_clients_of(mut self, server: Identity, authority: &Authority) -> Self {
         self.tls = Some(Tls { server, clients: Some(authority.certificate()) });
+        self
+    }
+
+    /// It speaks TLS 1.2 and nothing newer, which only OpenSSL's own settings can do.
+    #[must_use]
+    pub fn tls_1_2(mut self) -> Self {
+        self.has_old_tls = true;
         self
     }
 
@@ -145,6 +158,9 @@ impl Builder {
             write(folder, "server.crt", &tls.server.certificate);
             write(folder, "server.key", &tls.server.key);
             write(folder, "ca.crt", tls.clients.as_deref().unwrap_or_default());
+        }
+        if self.has_old_tls {
+            write(folder, OPENSSL_SETTINGS, TLS_1_2_SETTINGS);
         }
         for (name, password) in &self.users {
             add_user(&folder.join("passwords"), name, password);
@@ -310,7 +326,9 @@ fn run(folder: &Path, lines: &Log) -> Option<Child> {
         .map(PathBuf::from)
         .find(|path| path.exists())
         .unwrap_or_else(|| PathBuf::from("mosquitto"));
+    let openssl = folder.join(OPENSSL_SETTINGS);
     let mut process = Command::new(program)
+        .envs(openssl.exists().then_some(("OPENSSL_CONF", openssl)))
         .arg("-c")
         .arg(folder.join("mosquitto.conf"))
         .stderr(Stdio::piped())
