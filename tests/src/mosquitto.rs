@@ -5,8 +5,11 @@ use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use tempfile::TempDir;
 
 use crate::certificates::{Authority, Identity, write};
@@ -15,12 +18,32 @@ use crate::certificates::{Authority, Identity, write};
 /// it is down.
 const PORTS: std::ops::Range<u16> = 12_000..30_000;
 
+/// The name of OpenSSL's settings in a broker's folder, if it has any.
+const OPENSSL_SETTINGS: &str = "openssl.cnf";
+const TLS_1_2_SETTINGS: &str = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]\nsystem_default = limits\n\
+                                [limits]\nMaxProtocol = TLSv1.2\n";
+
 /// A running broker; dropped, it is killed.
 #[derive(Debug)]
 pub struct Mosquitto {
     process: Child,
     port: u16,
     folder: TempDir,
+    log: Log,
+}
+
+/// What it has said since it was first started.
+type Log = Arc<Mutex<Vec<String>>>;
+
+/// A broker that stands still; dropped, it goes on.
+#[derive(Debug)]
+pub struct Frozen(Pid);
+
+impl Drop for Frozen {
+    fn drop(&mut self) {
+        // It may have been killed.
+        let _ = kill(self.0, Signal::SIGCONT);
+    }
 }
 
 /// What a broker is told beside its port.
@@ -32,6 +55,7 @@ pub struct Builder {
     lines: Vec<String>,
     has_default_limits: bool,
     file: Option<String>,
+    has_old_tls: bool,
 }
 
 /// What a listener shows of itself, and wants to see.
@@ -53,6 +77,13 @@ impl Builder {
     #[must_use]
     pub fn tls_with_clients_of(mut self, server: Identity, authority: &Authority) -> Self {
         self.tls = Some(Tls { server, clients: Some(authority.certificate()) });
+        self
+    }
+
+    /// It speaks TLS 1.2 and nothing newer, which only OpenSSL's own settings can do.
+    #[must_use]
+    pub fn tls_1_2(mut self) -> Self {
+        self.has_old_tls = true;
         self
     }
 
@@ -103,8 +134,9 @@ impl Builder {
         for _ in 0..5 {
             let port = free_port();
             self.configure(folder.path(), port);
-            if let Some(process) = run(folder.path()) {
-                return Mosquitto { process, port, folder };
+            let log = Log::default();
+            if let Some(process) = run(folder.path(), &log) {
+                return Mosquitto { process, port, folder, log };
             }
         }
         panic!("Mosquitto did not start");
@@ -126,6 +158,9 @@ impl Builder {
             write(folder, "server.crt", &tls.server.certificate);
             write(folder, "server.key", &tls.server.key);
             write(folder, "ca.crt", tls.clients.as_deref().unwrap_or_default());
+        }
+        if self.has_old_tls {
+            write(folder, OPENSSL_SETTINGS, TLS_1_2_SETTINGS);
         }
         for (name, password) in &self.users {
             add_user(&folder.join("passwords"), name, password);
@@ -165,7 +200,8 @@ fn substituted(text: &str, folder: &Path, port: u16) -> Vec<String> {
         let file = || Path::new(value).file_name().expect("a file").to_string_lossy().into_owned();
         match setting {
             "listener" => format!("listener {port} 127.0.0.1"),
-            "log_dest" => "log_dest stderr".to_owned(),
+            // With its information it says that it runs.
+            "log_dest" => "log_dest stderr\nlog_type information".to_owned(),
             "password_file" | "acl_file" | "certfile" | "keyfile" | "cafile" => {
                 format!("{setting} {}", folder.join(file()).display())
             }
@@ -198,6 +234,15 @@ impl Mosquitto {
         Builder::default().start()
     }
 
+    /// Starts a broker with its own default limits: a queue of 1,000 messages, small messages that wait.
+    ///
+    /// # Panics
+    /// As [`Self::start`].
+    #[must_use]
+    pub fn start_with_its_defaults() -> Self {
+        Builder::default().default_limits().start()
+    }
+
     /// A broker that is told more.
     #[must_use]
     pub fn builder() -> Builder {
@@ -216,6 +261,27 @@ impl Mosquitto {
         self.port
     }
 
+    /// How many lines of its log hold that text.
+    ///
+    /// # Panics
+    /// The thread that reads the log has panicked.
+    #[must_use]
+    pub fn logged(&self, text: &str) -> usize {
+        let lines = self.log.lock().expect("no panic while it was held");
+        lines.iter().filter(|line| line.contains(text)).count()
+    }
+
+    /// Stops it in its tracks (SIGSTOP): connections stand, and nothing is answered.
+    ///
+    /// # Panics
+    /// Its process is not ours any more.
+    #[must_use]
+    pub fn freeze(&self) -> Frozen {
+        let pid = Pid::from_raw(i32::try_from(self.process.id()).expect("a process id"));
+        kill(pid, Signal::SIGSTOP).expect("our process");
+        Frozen(pid)
+    }
+
     /// Kills the broker (SIGKILL): connections break, and everything that it had is gone.
     ///
     /// # Panics
@@ -230,7 +296,7 @@ impl Mosquitto {
     /// # Panics
     /// It does not start.
     pub fn restart(&mut self) {
-        self.process = run(self.folder.path()).expect("Mosquitto did not start again");
+        self.process = run(self.folder.path(), &self.log).expect("Mosquitto did not start again");
     }
 }
 
@@ -254,13 +320,15 @@ pub fn free_port() -> u16 {
 }
 
 /// The process, once it runs; none if it has ended instead.
-fn run(folder: &Path) -> Option<Child> {
+fn run(folder: &Path, lines: &Log) -> Option<Child> {
     let program = ["/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto", "/opt/homebrew/sbin/mosquitto"]
         .into_iter()
         .map(PathBuf::from)
         .find(|path| path.exists())
         .unwrap_or_else(|| PathBuf::from("mosquitto"));
+    let openssl = folder.join(OPENSSL_SETTINGS);
     let mut process = Command::new(program)
+        .envs(openssl.exists().then_some(("OPENSSL_CONF", openssl)))
         .arg("-c")
         .arg(folder.join("mosquitto.conf"))
         .stderr(Stdio::piped())
@@ -269,11 +337,13 @@ fn run(folder: &Path) -> Option<Child> {
     let log = BufReader::new(process.stderr.take().expect("piped"));
     let (running, ran) = std::sync::mpsc::channel();
     // Reads on after that, so that the broker never waits for its log to be read.
+    let lines = lines.clone();
     std::thread::spawn(move || {
         for line in log.lines().map_while(Result::ok) {
             if line.contains("running") {
                 let _ = running.send(());
             }
+            lines.lock().expect("no panic while it was held").push(line);
         }
     });
     if ran.recv_timeout(Duration::from_secs(10)).is_ok() {

@@ -52,14 +52,11 @@ impl Arguments {
 #[tokio::main]
 async fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
-    tracing_subscriber::fmt()
-        .with_env_filter(EnvFilter::new(arguments.log.to_string()))
-        .with_writer(std::io::stderr)
-        .init();
+    let broker = arguments.broker()?;
+    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(std::io::stderr).init();
     let path = arguments.scenario.display();
     let text = std::fs::read_to_string(&arguments.scenario).with_context(|| format!("cannot read {path}"))?;
     let scenario = Scenario::from_toml_str(&text).with_context(|| format!("cannot simulate {path}"))?;
-    let broker = arguments.broker()?;
 
     // Before the robots start: a signal during the start is not missed.
     let mut terminated = signal(SignalKind::terminate())?;

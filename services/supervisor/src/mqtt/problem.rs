@@ -75,6 +75,7 @@ impl Problem {
     ///
     /// `reached`: TCP stood. `connected`: the broker had accepted the connection.
     pub(super) fn of(broker: &BrokerAddress, error: &ConnectionError, reached: bool, connected: bool) -> Self {
+        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: told apart by what they hold")]
         let cause = match error {
             ConnectionError::ConnectionRefused(code) => of_code(*code),
             ConnectionError::Timeout(_) if reached => Cause::Mute,
@@ -120,10 +121,10 @@ fn io_of(error: &ConnectionError) -> Option<&io::Error> {
 
 /// The error of TLS; after the handshake it comes by way of the socket.
 fn tls_of(error: &ConnectionError) -> Option<&rustls::Error> {
-    match error {
-        ConnectionError::Tls(TlsError::TLS(error)) => Some(error),
-        other => io_of(other)?.get_ref()?.downcast_ref(),
+    if let ConnectionError::Tls(TlsError::TLS(error)) = error {
+        return Some(error);
     }
+    io_of(error)?.get_ref()?.downcast_ref()
 }
 
 fn of_tls(error: &rustls::Error) -> Cause {

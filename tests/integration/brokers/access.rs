@@ -1,0 +1,171 @@
+//! The access list that is shipped, on a Mosquitto with the configuration that is shipped.
+
+use vibrissa_protocol::RobotTopic;
+use vibrissa_tests::mosquitto::{Builder, Mosquitto};
+
+use crate::client::{Client, Who};
+use crate::link::PASSWORD;
+
+const CONFIGURATION: &str = include_str!("../../../deploy/mosquitto/mosquitto.conf");
+const ACL: &str = include_str!("../../../deploy/mosquitto/acl");
+
+/// What a robot might listen to that is not its own; its own `setpoint` is the last of them.
+const CURIOUS: [&str; 9] = [
+    "#",
+    "+/+/+/+/+",
+    "whisker/v1/#",
+    "whisker/v1/lab/#",
+    "whisker/v1/+/+/setpoint",
+    "whisker/v1/+/+/contacts",
+    "whisker/v1/lab/two/setpoint",
+    "whisker/v1/lab/supervisor/state",
+    "whisker/v1/lab/one/setpoint",
+];
+
+/// With the supervisor, and two robots of the fleet `lab` and one of the fleet `yard`.
+pub(crate) fn shipped(configuration: &str) -> Builder {
+    let users = ["vibrissa", "lab/one", "lab/two", "yard/one"];
+    users
+        .into_iter()
+        .fold(Mosquitto::builder().file(configuration).acl(ACL), |builder, user| builder.user(user, PASSWORD))
+}
+
+async fn client(broker: &Mosquitto, id: &str, user: &str) -> Client {
+    let who = Who { id, user: Some((user, PASSWORD)), ..Who::default() };
+    Client::connect(broker.port(), &who).await.unwrap_or_else(|| panic!("{user} is not let in"))
+}
+
+fn topic(level: &str, kind: RobotTopic) -> String {
+    format!("whisker/v1/{level}/{kind}")
+}
+
+#[tokio::test]
+async fn a_robot_writes_its_own_level_in_the_contracts_direction_and_nothing_else() {
+    let broker = shipped(CONFIGURATION).start();
+    let mut robot = client(&broker, "lab.one", "lab/one").await;
+    for kind in RobotTopic::ALL {
+        assert_eq!(robot.publish(&topic("lab/one", kind), false).await, kind.is_from_robot(), "own {kind}");
+        for level in ["lab/two", "yard/one", "lab/supervisor", "lab/three"] {
+            assert!(!robot.publish(&topic(level, kind), false).await, "{level}/{kind}");
+        }
+    }
+    for forbidden in [
+        "whisker/v1/lab/supervisor/state",
+        "whisker/v1/yard/supervisor/state",
+        "whisker/v1/lab/one/state",
+        "whisker/v1/lab/one/contacts/more",
+        "whisker/v1/lab/one",
+        "whisker/v2/lab/one/contacts",
+        "anything",
+        "$SYS/broker/version",
+    ] {
+        assert!(!robot.publish(forbidden, false).await, "{forbidden}");
+    }
+}
+
+#[tokio::test]
+async fn a_robot_hears_what_is_meant_for_it_and_nothing_else() {
+    let broker = shipped(CONFIGURATION).start();
+    let mut supervisor = client(&broker, "s", "vibrissa").await;
+    let mut other = client(&broker, "lab.two", "lab/two").await;
+    // Retained before, and new afterwards.
+    assert!(supervisor.publish("whisker/v1/lab/supervisor/state", true).await);
+    assert!(other.publish("whisker/v1/lab/two/connection", true).await);
+    let mut robot = client(&broker, "lab.one", "lab/one").await;
+    for filter in CURIOUS {
+        robot.subscribe(filter).await;
+    }
+    for level in ["lab/two", "yard/one"] {
+        for kind in [RobotTopic::Setpoint, RobotTopic::Receipt, RobotTopic::Request] {
+            assert!(supervisor.publish(&topic(level, kind), false).await);
+        }
+    }
+    assert!(other.publish("whisker/v1/lab/two/contacts", false).await);
+    assert!(supervisor.publish("whisker/v1/lab/supervisor/state", true).await);
+    for kind in [RobotTopic::Receipt, RobotTopic::Request, RobotTopic::Setpoint] {
+        assert!(supervisor.publish(&topic("lab/one", kind), false).await);
+    }
+    let mut heard = robot.heard_until("whisker/v1/lab/one/setpoint").await;
+    heard.sort();
+    heard.dedup();
+    assert_eq!(heard, ["whisker/v1/lab/one/receipt", "whisker/v1/lab/one/request", "whisker/v1/lab/one/setpoint"]);
+}
+
+#[tokio::test]
+async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
+    let broker = shipped(CONFIGURATION).start();
+    let mut listener = client(&broker, "listener", "vibrissa").await;
+    listener.subscribe("#").await;
+    let mut supervisor = client(&broker, "s", "vibrissa").await;
+    for kind in RobotTopic::ALL {
+        assert_eq!(supervisor.publish(&topic("lab/one", kind), false).await, !kind.is_from_robot(), "{kind}");
+    }
+    assert!(supervisor.publish("whisker/v1/lab/supervisor/state", false).await);
+    assert!(!supervisor.publish("anything", false).await);
+    let mut robot = client(&broker, "lab.one", "lab/one").await;
+    for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()) {
+        assert!(robot.publish(&topic("lab/one", kind), false).await);
+    }
+    let mut heard = listener.heard_until("whisker/v1/lab/one/setpoint_state").await;
+    heard.sort();
+    let mut robots: Vec<_> = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).collect();
+    robots.sort_by_key(|kind| kind.as_str());
+    assert_eq!(heard, robots.into_iter().map(|kind| topic("lab/one", kind)).collect::<Vec<_>>());
+}
+
+#[tokio::test]
+async fn wills_are_subject_to_it_too() {
+    let broker = shipped(CONFIGURATION).start();
+    let mut supervisor = client(&broker, "s", "vibrissa").await;
+    supervisor.subscribe("whisker/v1/+/+/connection").await;
+    for (id, topic) in [("a", "whisker/v1/lab/two/connection"), ("b", "whisker/v1/lab/one/connection")] {
+        let who = Who { id, user: Some(("lab/one", PASSWORD)), will: Some(topic) };
+        // Dropped, it breaks: its will is due. A broker may also refuse such a will at once.
+        drop(Client::connect(broker.port(), &who).await);
+    }
+    assert_eq!(supervisor.heard_until("whisker/v1/lab/one/connection").await, ["whisker/v1/lab/one/connection"]);
+}
+
+#[tokio::test]
+async fn nobody_without_a_name_and_a_password_is_let_in() {
+    let broker = shipped(CONFIGURATION).start();
+    let wrong =
+        [None, Some(("lab/one", "wrong")), Some(("lab/one", "")), Some(("lab/three", PASSWORD)), Some(("", ""))];
+    for user in wrong {
+        let who = Who { id: "c", user, ..Who::default() };
+        assert!(Client::connect(broker.port(), &who).await.is_none(), "{user:?}");
+    }
+}
+
+#[tokio::test]
+async fn tricks_in_the_names_of_users_and_clients_get_nothing() {
+    let tricks =
+        ["+", "#", "lab/+", "+/+", "lab/#", "lab", "lab/", "/", "lab/one/", "lab//one", "../one", "%u", "lab/%u"];
+    let broker = tricks.iter().fold(shipped(CONFIGURATION), |builder, user| builder.user(user, PASSWORD)).start();
+    let mut supervisor = client(&broker, "s", "vibrissa").await;
+    let tricky_ids = [("lab/one", "+"), ("lab/one", "a#"), ("lab/one", "lab/two"), ("lab/one", "vibrissa")];
+    let users = tricks.into_iter().map(|user| (user, "c")).chain(tricky_ids);
+    for (user, id) in users {
+        let who = Who { id, user: Some((user, PASSWORD)), ..Who::default() };
+        let Some(mut trickster) = Client::connect(broker.port(), &who).await else {
+            assert_eq!(user, "#", "only this one is a comment in the list of users");
+            continue;
+        };
+        for forbidden in [
+            "whisker/v1/lab/two/contacts",
+            "whisker/v1/lab/two/setpoint",
+            "whisker/v1/yard/one/contacts",
+            "whisker/v1/lab/supervisor/state",
+        ] {
+            assert!(!trickster.publish(forbidden, false).await, "{user} as {id}: {forbidden}");
+        }
+        for filter in CURIOUS {
+            trickster.subscribe(filter).await;
+        }
+        assert!(supervisor.publish("whisker/v1/lab/two/setpoint", false).await);
+        assert!(supervisor.publish("whisker/v1/yard/one/setpoint", false).await);
+        // Its own word to itself cannot come back: what comes is only what must not.
+        let heard = trickster.heard_for_a_moment().await;
+        assert_eq!(heard, Vec::<String>::new(), "{user} as {id}");
+    }
+}

@@ -1,0 +1,104 @@
+//! The service's two connections alone, without a database.
+
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+use vibrissa::engine::Publication;
+use vibrissa::metrics::Metrics;
+use vibrissa::mqtt::{self, BrokerAddress, ClientCertificate, Connection, Credentials, Inbox, LinkState, TlsOptions};
+use vibrissa::secret::Secret;
+use vibrissa_protocol::{BootId, Name};
+use vibrissa_tests::wait::{until, until_true};
+
+/// The password that must never get out.
+pub(crate) const PASSWORD: &str = "correct-horse-battery-staple";
+
+/// Both connections, running.
+pub(crate) struct Link {
+    pub(crate) metrics: Metrics,
+    /// Nobody reads it here.
+    _inbox: Inbox,
+    state: LinkState,
+    outbox: mpsc::Sender<Publication>,
+    stop: watch::Sender<bool>,
+    tasks: [JoinHandle<()>; 2],
+}
+
+/// A broker on this host, in plain text and without a user.
+pub(crate) fn plain(port: u16) -> BrokerAddress {
+    BrokerAddress::new("localhost", port)
+}
+
+/// With TLS, and the authorities in that file.
+pub(crate) fn tls(port: u16, ca_file: &std::path::Path) -> BrokerAddress {
+    BrokerAddress { tls: Some(TlsOptions { ca_file: Some(ca_file.to_owned()), client: None }), ..plain(port) }
+}
+
+/// The same, as a user with [`PASSWORD`].
+pub(crate) fn with_password(address: BrokerAddress, username: &str) -> BrokerAddress {
+    let credentials = Credentials { username: username.to_owned(), password: Secret::new(PASSWORD) };
+    BrokerAddress { credentials: Some(credentials), ..address }
+}
+
+/// The same, with a certificate of our own.
+pub(crate) fn with_certificate(mut address: BrokerAddress, client: ClientCertificate) -> BrokerAddress {
+    address.tls.as_mut().unwrap().client = Some(client);
+    address
+}
+
+impl Link {
+    /// Starts both connections for the fleet `f`.
+    pub(crate) fn start(broker: BrokerAddress) -> Self {
+        let state = LinkState::default();
+        let connection = Connection {
+            prepared: mqtt::prepare(&broker).unwrap(),
+            broker,
+            fleet: Name::new("f").unwrap(),
+            boot_id: BootId::new("s1").unwrap(),
+            epoch: 1,
+            link: state.clone(),
+        };
+        let metrics = Metrics::new().unwrap();
+        let (stop, stopped) = watch::channel(false);
+        let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
+        let (outbox, publications) = mpsc::channel(10);
+        let publishing = mqtt::publish(&connection, publications);
+        Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [receiving, publishing] }
+    }
+
+    /// Why there is no connection.
+    pub(crate) fn problem(&self) -> Option<String> {
+        self.state.problem()
+    }
+
+    /// Waits until both connections stand.
+    pub(crate) async fn connected(&self) {
+        until_true("the connections", async || self.problem().is_none()).await;
+        assert_eq!(self.metrics.broker_connected.get(), 1);
+    }
+
+    /// Waits for a problem that has all of these words.
+    pub(crate) async fn problem_with(&self, words: &[&str]) -> String {
+        let mut last = None;
+        let found = until(&format!("a problem with {words:?}"), async || {
+            let problem = self.problem();
+            if problem != last {
+                eprintln!("{problem:?}");
+                last.clone_from(&problem);
+            }
+            problem.filter(|problem| words.iter().all(|word| problem.contains(word)))
+        })
+        .await;
+        assert_eq!(self.metrics.broker_connected.get(), 0, "{found}");
+        assert!(!found.contains(PASSWORD), "{found}");
+        found
+    }
+
+    /// Ends both in good order.
+    pub(crate) async fn stop(self) {
+        let _ = self.stop.send(true);
+        drop(self.outbox);
+        for task in self.tasks {
+            task.await.unwrap();
+        }
+    }
+}

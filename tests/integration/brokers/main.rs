@@ -1,0 +1,19 @@
+//! Brokers of one's own: TLS, certificates, passwords, access lists, and what is said when something is wrong.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "a test that cannot go on has failed, and it picks the messages that it waits for"
+)]
+
+mod client;
+mod link;
+mod recorder;
+mod running;
+
+mod access;
+mod files;
+mod recovery;
+mod refusals;
+mod secrecy;
+mod shipped;

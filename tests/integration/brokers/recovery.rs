@@ -1,0 +1,89 @@
+//! Brokers that come and go, and services that share one.
+
+use tempfile::TempDir;
+use vibrissa::mqtt::{BrokerAddress, ClientCertificate};
+use vibrissa_tests::certificates::{Authority, Validity, write};
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::wait::until_true;
+
+use crate::link::{Link, PASSWORD, plain, tls, with_certificate, with_password};
+use crate::running::{Running, everything_is_recorded, fleet, made};
+
+/// With TLS, a certificate of the supervisor's own, and users.
+fn broker(folder: &TempDir) -> (Mosquitto, BrokerAddress) {
+    let authority = Authority::new("ours");
+    let ca_file = write(folder.path(), "ca.crt", &authority.certificate());
+    let broker = Mosquitto::builder()
+        .tls(authority.server(&["localhost"], Validity::Now))
+        .line(&format!("cafile {}", ca_file.display()))
+        .user("vibrissa", PASSWORD)
+        .user("lab/one", PASSWORD)
+        .user("lab/two", PASSWORD)
+        .start();
+    let own = authority.client("vibrissa");
+    let client = ClientCertificate {
+        certificate_file: write(folder.path(), "me.crt", &own.certificate),
+        key_file: write(folder.path(), "me.key", &own.key),
+    };
+    let address = with_password(with_certificate(tls(broker.port(), &ca_file), client), "vibrissa");
+    (broker, address)
+}
+
+#[tokio::test]
+async fn a_broker_with_tls_and_passwords_that_is_killed_is_used_again_and_nothing_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut broker, address) = broker(&folder);
+    let running = Running::start(address).await;
+    let fleet = fleet(broker.port(), Some(&folder.path().join("ca.crt")));
+    until_true("contacts", async || running.contacts().await > 100).await;
+    broker.kill();
+    until_true("no connection", async || running.service.metrics.broker_connected.get() == 0).await;
+    let during = made(&fleet);
+    until_true("contacts without a broker", async || made(&fleet) > during + 20).await;
+    broker.restart();
+    // Only with new subscriptions can these arrive.
+    everything_is_recorded(&fleet, &running, 100).await;
+    assert_eq!(running.service.metrics.broker_connected.get(), 1);
+    fleet.stop().await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_killed_broker_is_a_problem_until_it_is_back() {
+    let mut broker = Mosquitto::start();
+    let link = Link::start(plain(broker.port()));
+    link.connected().await;
+    broker.kill();
+    link.problem_with(&["nothing listens there"]).await;
+    broker.restart();
+    link.connected().await;
+    link.stop().await;
+}
+
+#[tokio::test]
+async fn a_broker_that_stops_answering_is_noticed() {
+    let broker = Mosquitto::start();
+    let link = Link::start(plain(broker.port()));
+    link.connected().await;
+    let frozen = broker.freeze();
+    // Within two keep-alives of 6 s.
+    link.problem_with(&["stopped answering"]).await;
+    drop(frozen);
+    link.connected().await;
+    link.stop().await;
+}
+
+#[tokio::test]
+async fn two_services_for_one_fleet_do_not_throw_each_other_out() {
+    let broker = Mosquitto::builder().line("connection_messages true").start();
+    let (one, other) = (Running::start(plain(broker.port())).await, Running::start(plain(broker.port())).await);
+    let fleet = fleet(broker.port(), None);
+    until_true("contacts at both", async || one.contacts().await > 100 && other.contacts().await > 100).await;
+    for running in [&one, &other] {
+        assert_eq!(running.service.metrics.broker_connected.get(), 1);
+    }
+    assert_eq!(broker.logged("already connected"), 0, "a client of the same name had been there");
+    fleet.stop().await;
+    one.service.stop().await;
+    other.service.stop().await;
+}

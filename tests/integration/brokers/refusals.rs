@@ -1,0 +1,199 @@
+//! What a person is told when a broker cannot be used, and that it goes away with the cause.
+
+use std::net::TcpListener;
+
+use tempfile::TempDir;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use vibrissa::mqtt::{BrokerAddress, ClientCertificate};
+use vibrissa_tests::certificates::{Authority, Identity, Validity, write};
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+
+use crate::link::{Link, PASSWORD, plain, tls, with_certificate, with_password};
+
+fn certificate(folder: &TempDir, identity: &Identity) -> ClientCertificate {
+    ClientCertificate {
+        certificate_file: write(folder.path(), "me.crt", &identity.certificate),
+        key_file: write(folder.path(), "me.key", &identity.key),
+    }
+}
+
+/// An authority, its file, and a server's certificate from it.
+fn authority() -> (TempDir, Authority, Identity) {
+    let folder = tempfile::tempdir().unwrap();
+    let authority = Authority::new("ours");
+    write(folder.path(), "ca.crt", &authority.certificate());
+    let server = authority.server(&["localhost", "127.0.0.1", "::1"], Validity::Now);
+    (folder, authority, server)
+}
+
+async fn said(broker: BrokerAddress, words: &[&str]) {
+    let link = Link::start(broker);
+    link.problem_with(words).await;
+    link.stop().await;
+}
+
+#[tokio::test]
+async fn nothing_listens() {
+    let port = free_port();
+    said(plain(port), &[&format!("MQTT broker localhost:{port}: nothing listens there"), "mqtt.url"]).await;
+}
+
+#[tokio::test]
+async fn a_host_that_nobody_knows() {
+    said(BrokerAddress::new("broker.invalid", 1883), &["no address is known for host \"broker.invalid\""]).await;
+}
+
+#[tokio::test]
+async fn a_server_that_says_nothing() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    said(plain(port), &["says nothing within 5 s", "mqtts://"]).await;
+}
+
+#[tokio::test]
+async fn a_server_of_another_kind() {
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let server = tokio::spawn(async move {
+        while let Ok((mut stream, _)) = listener.accept().await {
+            let _ = stream.write_all(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n").await;
+        }
+    });
+    said(plain(port), &["does not answer as an MQTT broker"]).await;
+    server.abort();
+}
+
+#[tokio::test]
+async fn plain_text_to_a_port_with_tls() {
+    let (_folder, _, server) = authority();
+    let broker = Mosquitto::builder().tls(server).start();
+    said(plain(broker.port()), &["does not answer as an MQTT broker", "mqtts://"]).await;
+}
+
+#[tokio::test]
+async fn tls_to_a_port_in_plain_text() {
+    let (folder, _, _) = authority();
+    let broker = Mosquitto::start();
+    let port = broker.port();
+    said(tls(port, &folder.path().join("ca.crt")), &[&format!("does not answer in TLS on port {port}"), "8883"]).await;
+}
+
+#[tokio::test]
+async fn a_broker_that_wants_a_client_certificate() {
+    let (folder, authority, server) = authority();
+    let ca_file = folder.path().join("ca.crt");
+    let builder = || Mosquitto::builder().tls_with_clients_of(server.clone(), &authority);
+    // The two versions say it at different moments, in different words.
+    for broker in [builder().line("tls_version tlsv1.3").start(), builder().tls_1_2().start()] {
+        let wanted = ["client certificate", "mqtt.client_certificate_file", "mqtt.client_key_file"];
+        said(tls(broker.port(), &ca_file), &wanted).await;
+        let stranger = certificate(&folder, &Authority::new("theirs").client("vibrissa"));
+        said(with_certificate(tls(broker.port(), &ca_file), stranger), &["client certificate", "me.crt"]).await;
+        let ours = certificate(&folder, &authority.client("vibrissa"));
+        let link = Link::start(with_certificate(tls(broker.port(), &ca_file), ours));
+        link.connected().await;
+        link.stop().await;
+    }
+}
+
+#[tokio::test]
+async fn a_broker_with_tls_by_name_and_by_address() {
+    let (folder, _, server) = authority();
+    let broker = Mosquitto::builder().tls(server).start();
+    for host in ["localhost", "127.0.0.1"] {
+        let address = BrokerAddress { host: host.to_owned(), ..tls(broker.port(), &folder.path().join("ca.crt")) };
+        let link = Link::start(address);
+        link.connected().await;
+        link.stop().await;
+    }
+}
+
+#[tokio::test]
+async fn a_broker_on_ipv6() {
+    if TcpListener::bind("[::1]:0").is_err() {
+        eprintln!("this host has no IPv6");
+        return;
+    }
+    let (folder, _, server) = authority();
+    let own = certificate(&folder, &server);
+    let (plain_port, tls_port) = (free_port(), free_port());
+    let _broker = Mosquitto::builder()
+        .line(&format!("listener {plain_port} ::1\nlistener {tls_port} ::1"))
+        .line(&format!("certfile {}", own.certificate_file.display()))
+        .line(&format!("keyfile {}", own.key_file.display()))
+        .start();
+    let encrypted = BrokerAddress { host: "::1".to_owned(), ..tls(tls_port, &folder.path().join("ca.crt")) };
+    for address in [BrokerAddress::new("::1", plain_port), encrypted] {
+        let link = Link::start(address);
+        link.connected().await;
+        link.stop().await;
+    }
+    said(BrokerAddress::new("::1", free_port()), &["MQTT broker [::1]:", "nothing listens there"]).await;
+}
+
+#[tokio::test]
+async fn a_wrong_password_and_none() {
+    let broker = Mosquitto::builder().user("vibrissa", "another password").start();
+    let user = with_password(plain(broker.port()), "vibrissa");
+    said(user, &["does not accept user \"vibrissa\"", "mqtt.password_file"]).await;
+    said(plain(broker.port()), &["wants a user and a password", "mqtt.username"]).await;
+}
+
+#[tokio::test]
+async fn a_password_that_is_put_right_at_the_broker() {
+    let mut broker = Mosquitto::builder().user("vibrissa", "another password").start();
+    let link = Link::start(with_password(plain(broker.port()), "vibrissa"));
+    link.problem_with(&["does not accept user \"vibrissa\""]).await;
+    vibrissa_tests::mosquitto::add_user(&broker.folder().join("passwords"), "vibrissa", PASSWORD);
+    broker.kill();
+    broker.restart();
+    link.connected().await;
+    link.stop().await;
+}
+
+#[tokio::test]
+async fn a_broker_that_takes_nothing_of_what_is_published() {
+    let broker = Mosquitto::builder().acl("topic read #\n").start();
+    let link = Link::start(plain(broker.port()));
+    let found = vibrissa_tests::wait::until("a problem", async || {
+        link.problem().filter(|problem| problem.contains("does not take what"))
+    });
+    assert!(found.await.contains("supervisor/state"));
+    link.stop().await;
+}
+
+/// Mosquitto's access list lets everyone subscribe and then sends nothing, so this broker is made by hand.
+#[tokio::test]
+async fn a_refused_subscription_does_not_count_as_connected() {
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let server = tokio::spawn(async move {
+        while let Ok((stream, _)) = listener.accept().await {
+            tokio::spawn(refuse_the_third(stream));
+        }
+    });
+    let link = Link::start(with_password(plain(port), "somebody"));
+    let words = ["does not let user \"somebody\" read whisker/v1/f/+/contacts (NotAuthorized)", "access list"];
+    link.problem_with(&words).await;
+    link.stop().await;
+    server.abort();
+}
+
+/// Accepts the connection, and five subscriptions but one.
+async fn refuse_the_third(mut stream: tokio::net::TcpStream) {
+    let mut buffer = vec![0; 4096];
+    while let Ok(count @ 1..) = stream.read(&mut buffer).await {
+        let answer = match buffer[0] >> 4 {
+            1 => vec![0x20, 3, 0, 0, 0],
+            8 => {
+                // One or two bytes of length, then the packet's number.
+                let at = if buffer[1] < 0x80 { 2 } else { 3 };
+                vec![0x90, 8, buffer[at], buffer[at + 1], 0, 1, 1, 0x87, 1, 1]
+            }
+            _ => continue,
+        };
+        if count == 0 || stream.write_all(&answer).await.is_err() {
+            return;
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The whole service, with a fleet of simulated robots.
+
+use std::path::{Path, PathBuf};
+
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use tempfile::TempDir;
+use vibrissa::mqtt::BrokerAddress;
+use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa::store::DatabaseAddress;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
+use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
+use vibrissa_tests::wait::until_true;
+
+use crate::link::PASSWORD;
+
+const SCENARIO: &str = r#"
+fleet = "lab"
+seed = 1
+[behaviour]
+contacts_per_second = 50.0
+message_after_s = 0.2
+[[robots]]
+robot = "one"
+arrays = [{ array = "left", type = "TYPE_2", whiskers = [{ whisker = 0 }, { whisker = 1 }] }]
+[[robots]]
+robot = "two"
+arrays = [{ array = "left", type = "TYPE_2", whiskers = [{ whisker = 0 }, { whisker = 1 }] }]
+"#;
+
+/// A service for the fleet `lab`.
+pub(crate) struct Running {
+    pub(crate) service: Service,
+    folder: TempDir,
+}
+
+impl Running {
+    /// Returns when it is connected.
+    pub(crate) async fn start(broker: BrokerAddress) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let service = Service::start(ServiceOptions {
+            name: "s".to_owned(),
+            fleets: vec![Name::new("lab").unwrap()],
+            database: DatabaseAddress::Sqlite(database(&folder)),
+            lease_time_to_live: LEASE_TIME_TO_LIVE,
+            broker: Some(broker),
+            mqtt_port: 0,
+            http: "127.0.0.1:0".parse().unwrap(),
+            params: Params::nguyen_2021(Formulation::Published),
+        })
+        .await
+        .unwrap();
+        until_true("the connection to the broker", async || service.metrics.broker_connected.get() == 1).await;
+        Self { service, folder }
+    }
+
+    /// Contacts in the database.
+    pub(crate) async fn contacts(&self) -> i64 {
+        let options = SqliteConnectOptions::new().filename(database(&self.folder)).read_only(true);
+        let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap();
+        let count = sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(&pool).await.unwrap();
+        pool.close().await;
+        count
+    }
+}
+
+fn database(folder: &TempDir) -> PathBuf {
+    folder.path().join("vibrissa.sqlite3")
+}
+
+/// Robots `one` and `two`, each under a user of its own, all with [`PASSWORD`].
+pub(crate) fn fleet(port: u16, ca_file: Option<&Path>) -> Fleet {
+    let broker = Broker {
+        credentials: Some(("{fleet}/{robot}".to_owned(), PASSWORD.to_owned())),
+        tls: ca_file.map(|path| Authorities::File(path.to_owned())),
+        ..Broker::new("localhost", port)
+    };
+    Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &broker).unwrap()
+}
+
+/// Contacts that the robots have made.
+pub(crate) fn made(fleet: &Fleet) -> u64 {
+    fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
+}
+
+/// Waits until robots have made `more` contacts more, lets them rest, and waits until each is in the database.
+pub(crate) async fn everything_is_recorded(fleet: &Fleet, running: &Running, more: u64) {
+    let goal = made(fleet) + more;
+    until_true("more contacts", async || made(fleet) >= goal).await;
+    fleet.rest();
+    until_true("every contact recorded", async || running.contacts().await == i64::try_from(made(fleet)).unwrap())
+        .await;
+}
