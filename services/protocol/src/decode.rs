@@ -84,10 +84,22 @@ fn explain<T: DeserializeOwned>(payload: &[u8]) -> Refusal {
             return Refusal::NotJson { problem: "something follows the message".to_owned() };
         }
     };
+    let problem = shortened(&error.to_string());
     match error.classify() {
-        Category::Data => Refusal::Malformed { path, problem: error.to_string() },
-        Category::Syntax | Category::Eof | Category::Io => Refusal::NotJson { problem: error.to_string() },
+        Category::Data => Refusal::Malformed { path: shortened(&path), problem },
+        Category::Syntax | Category::Eof | Category::Io => Refusal::NotJson { problem },
     }
+}
+
+/// Start and end of what a reader says: it quotes whole fields, and ends with what it expected and where.
+fn shortened(text: &str) -> String {
+    const KEPT: usize = 150;
+    let count = text.chars().count();
+    if count <= 2 * KEPT {
+        return text.to_owned();
+    }
+    let start = text.chars().take(KEPT);
+    start.chain(" ... ".chars()).chain(text.chars().skip(count - KEPT)).collect()
 }
 
 /// Which message it was: the two fields that every message carries.

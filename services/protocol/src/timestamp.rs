@@ -88,7 +88,9 @@ fn parse(text: &str) -> Option<u64> {
             format!("{decimals:0<6}").get(..6)?.parse::<u64>().ok()?
         }
     };
-    Some((days * S_PER_DAY + hour * 3_600 + minute * 60 + second) * US_PER_S + fraction_us)
+    let seconds = days * S_PER_DAY + hour * 3_600 + minute * 60 + second;
+    // The leap second after the last minute would be written with five digits of a year.
+    (seconds < days_of(9999, 12, 31)? * S_PER_DAY + S_PER_DAY).then_some(seconds * US_PER_S + fraction_us)
 }
 
 impl Serialize for Timestamp {
@@ -106,6 +108,13 @@ impl<'de> Deserialize<'de> for Timestamp {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_instant_is_that_of_the_year_9999() {
+        let last = "9999-12-31T23:59:59.999Z";
+        assert_eq!(last.parse::<Timestamp>().unwrap().to_string(), last);
+        assert_eq!("9999-12-31T23:59:60Z".parse::<Timestamp>(), Err(BadTimestamp));
+    }
 
     #[test]
     fn golden_dates_from_gnu_date() {

@@ -76,17 +76,16 @@ async fn a_robot_is_added_and_given_a_new_password() {
 }
 
 #[tokio::test]
-async fn the_first_start_makes_passwords_that_work_and_later_ones_keep_them() {
+async fn the_passwords_that_are_made_let_in_their_users_and_stay_as_they_are() {
     let folder = tempfile::tempdir().unwrap();
-    let place = folder.path().display().to_string();
-    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    let arguments = [place.as_str(), "lab", "one", "two"];
-    assert!(script("first-start", &arguments).status.success());
-    let made = read("broker/passwords");
-    assert!(script("first-start", &arguments).status.success());
-    assert_eq!(read("broker/passwords"), made);
+    let place = folder.path().join("secrets").display().to_string();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("secrets").join(name)).unwrap();
+    assert!(script("../make-secrets", &[&place]).status.success());
+    let made = read("mosquitto_passwords");
+    assert!(script("../make-secrets", &[&place]).status.success());
+    assert_eq!(read("mosquitto_passwords"), made);
 
-    let (supervisor, robots) = (read("supervisor/password"), read("robots/password"));
+    let (supervisor, robots) = (read("supervisor_mqtt_password"), read("robots_mqtt_password"));
     let (supervisor, robots) = (supervisor.trim_end(), robots.trim_end());
     assert_ne!(supervisor, robots);
     assert!(!made.contains(supervisor) && !made.contains(robots));
@@ -95,7 +94,7 @@ async fn the_first_start_makes_passwords_that_work_and_later_ones_keep_them() {
     broker.kill();
     broker.restart();
     assert!(is_let_in(&broker, "vibrissa", supervisor).await);
-    for robot in ["lab/one", "lab/two"] {
+    for robot in ["example/crawler-1", "example/crawler-2"] {
         assert!(is_let_in(&broker, robot, robots).await);
         assert!(!is_let_in(&broker, robot, supervisor).await);
     }

@@ -194,3 +194,16 @@ fn the_envelope_of_a_refused_message_can_still_be_read() {
         assert_eq!(envelope(none.as_bytes()), None, "{none}");
     }
 }
+
+#[test]
+fn a_refusal_does_not_repeat_a_long_field() {
+    let refusal = refused_after("connection", CONNECTION, "ONLINE", &"x".repeat(100_000)).to_string();
+    assert!(refusal.len() < 500 && refusal.contains("unknown variant") && refusal.contains("column"), "{refusal}");
+}
+
+#[test]
+fn a_number_keeps_its_last_digit() {
+    let text = CONTACTS.replace("0.85", "0.21263524826581306");
+    let message = decode(&topic("contacts"), text.as_bytes()).unwrap();
+    assert_eq!(String::from_utf8(encode(&message)).unwrap(), text);
+}

@@ -28,8 +28,8 @@ pub struct Sources {
 
 /// The layers put over each other, and what was wrong already.
 pub(super) struct Layers {
-    figment: Figment,
-    file: Option<PathBuf>,
+    /// In the order of [`Key::ALL`].
+    settings: Vec<(Option<Value>, Origin)>,
     /// Unknown keys of the file, or why the file cannot be read.
     pub(super) problems: Vec<Problem>,
     /// Environment variables that look like ours and are not.
@@ -42,31 +42,44 @@ impl Layers {
         let mut figment = Figment::new().merge(Layer { metadata: Metadata::named(DEFAULT), values: defaults() });
         if let Some((path, text)) = &sources.file {
             let values = file(path, text, &mut problems);
-            figment = figment.merge(Layer { metadata: Metadata::named(FILE), values });
+            let metadata = Metadata::from(FILE, figment::Source::File(path.clone()));
+            figment = figment.merge(Layer { metadata, values });
         }
         let environment = environment(&sources.environment);
         let metadata = Metadata::named(ENVIRONMENT).interpolater(|_, keys| name(keys, |key| key.environment()));
         figment = figment.merge(Layer { metadata, values: environment });
         let metadata = Metadata::named(FLAG).interpolater(|_, keys| name(keys, |key| key.flag()));
         figment = figment.merge(Layer { metadata, values: flags(&sources.flags) });
-        let file = sources.file.as_ref().map(|(path, _)| path.clone());
-        Self { figment, file, problems, warnings: unknown_variables(&sources.environment) }
+        Self { settings: settings(&figment), problems, warnings: unknown_variables(&sources.environment) }
     }
 
     /// A key's value, if it is set, and where it came from.
-    pub(super) fn find(&self, key: Key) -> (Option<Value>, Origin) {
-        let Ok(value) = self.figment.find_value(key.path()) else { return (None, Origin::Default) };
-        let origin = self.figment.get_metadata(value.tag()).map_or(Origin::Default, |metadata| {
-            let keys: Vec<&str> = key.path().split('.').collect();
-            let name = || metadata.interpolate(&Profile::Default, &keys);
-            match (&*metadata.name, &self.file) {
-                (FILE, Some(path)) => Origin::File(path.clone()),
-                (ENVIRONMENT, _) => Origin::Environment(name()),
-                (FLAG, _) => Origin::Flag(name()),
-                _ => Origin::Default,
-            }
-        });
-        (Some(value), origin)
+    pub(super) fn find(&self, key: Key) -> (Option<&Value>, &Origin) {
+        let (value, origin) = &self.settings[key as usize];
+        (value.as_ref(), origin)
+    }
+}
+
+/// Every key's value in the layers together. Taken out once: each look into the layers copies what is there.
+fn settings(figment: &Figment) -> Vec<(Option<Value>, Origin)> {
+    let merged = figment.data().ok().and_then(|mut profiles| profiles.remove(&Profile::Default));
+    let merged = Value::from(merged.unwrap_or_default());
+    let setting = |&key: &Key| match merged.find_ref(key.path()) {
+        Some(value) => (Some(value.clone()), origin(figment, key, value)),
+        None => (None, Origin::Default),
+    };
+    Key::ALL.iter().map(setting).collect()
+}
+
+fn origin(figment: &Figment, key: Key, value: &Value) -> Origin {
+    let Some(metadata) = figment.get_metadata(value.tag()) else { return Origin::Default };
+    let keys: Vec<&str> = key.path().split('.').collect();
+    let name = || metadata.interpolate(&Profile::Default, &keys);
+    match (&*metadata.name, metadata.source.as_ref().and_then(figment::Source::file_path)) {
+        (FILE, Some(path)) => Origin::File(path.to_owned()),
+        (ENVIRONMENT, _) => Origin::Environment(name()),
+        (FLAG, _) => Origin::Flag(name()),
+        _ => Origin::Default,
     }
 }
 
@@ -187,7 +200,7 @@ fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Pro
 fn environment(variables: &[(String, String)]) -> Dict {
     let mut values = Dict::new();
     for &key in Key::ALL {
-        let named = |&&(ref name, ref text): &&(String, String)| name == key.environment() && !text.is_empty();
+        let named = |(name, text): &&(String, String)| name == key.environment() && !text.is_empty();
         if let Some((_, text)) = variables.iter().find(named) {
             put(&mut values, key, written(key.kind(), std::slice::from_ref(text)));
         }

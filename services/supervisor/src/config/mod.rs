@@ -165,7 +165,9 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
         let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
             // The whole would show a line of a file that may be another than was meant.
             CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {}", reason.message()),
-            problem => problem.to_string(),
+            problem @ (CalibrationFileError::Read { .. }
+            | CalibrationFileError::Name { .. }
+            | CalibrationFileError::Model { .. }) => problem.to_string(),
         });
         let unique = loaded.and_then(|(name, model)| {
             if models.iter().any(|(taken, _)| *taken == name) {

@@ -17,6 +17,10 @@ pub(super) const MASK: &str = "***";
 /// The longest password file, bytes: a longer one is another file.
 const PASSWORD_MAX_BYTES: u64 = 4096;
 
+/// The longest text, bytes, and the longest list: far above any real one.
+const TEXT_MAX_BYTES: usize = 4096;
+const LIST_MAX: usize = 256;
+
 /// Reads values; what is wrong is collected.
 pub(super) struct Reader {
     layers: Layers,
@@ -34,12 +38,12 @@ impl Reader {
 
     /// Where the value comes from.
     pub(super) fn origin(&self, key: Key) -> Origin {
-        self.layers.find(key).1
+        self.layers.find(key).1.clone()
     }
 
     /// Whether somebody set it.
     pub(super) fn is_explicit(&self, key: Key) -> bool {
-        self.origin(key).is_explicit()
+        self.layers.find(key).1.is_explicit()
     }
 
     /// Remembers what is wrong with a key's value.
@@ -51,13 +55,14 @@ impl Reader {
     /// The value, if it is set; `None` after a refusal too.
     fn read<T>(&mut self, key: Key, read: impl FnOnce(&Value) -> Result<T, String>) -> Option<T> {
         let (value, _) = self.layers.find(key);
-        read(&value?).map_err(|what| self.refuse(key, what)).ok()
+        read(value?).map_err(|what| self.refuse(key, what)).ok()
     }
 
     /// A text that is not empty.
     pub(super) fn text(&mut self, key: Key) -> Option<String> {
         self.read(key, |value| match value.as_str() {
             Some("") => Err("must not be empty: write a value or leave the key out".to_owned()),
+            Some(text) if text.len() > TEXT_MAX_BYTES => Err(format!("must have at most {TEXT_MAX_BYTES} bytes")),
             Some(text) if text.contains('\0') => Err("must not contain a NUL character".to_owned()),
             Some(text) => Ok(text.to_owned()),
             None => Err(wrong_type(key, value)),
@@ -89,7 +94,16 @@ impl Reader {
     pub(super) fn texts(&mut self, key: Key) -> Option<Vec<String>> {
         self.read(key, |value| {
             let items = value.as_array().ok_or_else(|| wrong_type(key, value))?;
-            let text = |item: &Value| item.as_str().map(str::to_owned).ok_or_else(|| wrong_type(key, value));
+            if items.len() > LIST_MAX {
+                return Err(format!("must have at most {LIST_MAX} entries, not {}", items.len()));
+            }
+            let text = |item: &Value| match item.as_str() {
+                Some(text) if text.len() > TEXT_MAX_BYTES => {
+                    Err(format!("must have at most {TEXT_MAX_BYTES} bytes in an entry"))
+                }
+                Some(text) => Ok(text.to_owned()),
+                None => Err(wrong_type(key, value)),
+            };
             items.iter().map(text).collect()
         })
     }

@@ -27,7 +27,7 @@ pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
             (Some(_), _) if key == Key::MqttPort && !origin.is_explicit() && is_external => {
                 format!("# {name} is of no use with mqtt.url")
             }
-            (Some(value), kind) => format!("{name} = {}  # {origin}", toml_value(&value, kind)),
+            (Some(value), kind) => format!("{name} = {}  # {origin}", toml_value(value, kind)),
         };
         // A file's name may hold a line's end.
         let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();

@@ -175,7 +175,8 @@ fn the_example_uncommented_is_the_defaults() {
     let [written, built_in] = [from_file(&text), Sources::default()].map(|sources| read(&sources).config.unwrap());
     assert_eq!(format!("{written:?}"), format!("{built_in:?}"));
     for key in Key::ALL.iter().filter(|key| key.default().is_some()) {
-        let (value, origin) = Layers::new(&from_file(&text)).find(*key);
+        let layers = Layers::new(&from_file(&text));
+        let (value, origin) = layers.find(*key);
         assert!(value.is_some() && origin.is_explicit(), "{key} is missing in the example");
     }
 }

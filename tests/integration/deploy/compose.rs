@@ -1,0 +1,139 @@
+//! `docker-compose.yml`, as docker-compose itself reads it.
+
+use std::collections::BTreeMap;
+use std::process::{Command, Stdio};
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use crate::project;
+
+/// The resolved file. Version 2 gives JSON; version 1 gives YAML, and brings the system's Python a reader of it.
+static RESOLVED: LazyLock<Value> = LazyLock::new(|| {
+    let compose = |arguments: &[&str]| {
+        let mut command = Command::new("docker-compose");
+        command.args(arguments).current_dir(project()).output().expect("docker-compose must be installed for this test")
+    };
+    let ended = compose(&["config", "--format", "json"]);
+    if ended.status.success() && !ended.stdout.is_empty() {
+        return serde_json::from_slice(&ended.stdout).unwrap();
+    }
+    let ended = compose(&["config"]);
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let mut python = Command::new("/usr/bin/python3")
+        .args(["-c", "import json, sys, yaml; json.dump(yaml.safe_load(sys.stdin), sys.stdout)"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::io::Write::write_all(&mut python.stdin.take().unwrap(), &ended.stdout).unwrap();
+    serde_json::from_slice(&python.wait_with_output().unwrap().stdout).unwrap()
+});
+
+fn services() -> BTreeMap<&'static str, &'static Value> {
+    RESOLVED["services"].as_object().unwrap().iter().map(|(name, service)| (name.as_str(), service)).collect()
+}
+
+fn texts(value: &Value) -> Vec<&str> {
+    value.as_array().map(|items| items.iter().filter_map(Value::as_str).collect()).unwrap_or_default()
+}
+
+#[test]
+fn it_has_what_it_promises() {
+    let expected =
+        ["broker", "grafana", "postgres", "prometheus", "simulator", "supervisor-1", "supervisor-2"].to_vec();
+    assert_eq!(services().into_keys().collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn every_image_is_pinned() {
+    for (name, service) in services() {
+        let image = service["image"].as_str().unwrap();
+        let (_, tag) = image.rsplit_once(':').unwrap_or_else(|| panic!("{name}: {image} has no tag"));
+        let is_version = tag.trim_start_matches('v').split(['.', '-']).take(2).all(|part| part.parse::<u32>().is_ok());
+        assert!(is_version, "{name}: {image} can become another");
+    }
+}
+
+#[test]
+fn no_service_is_root_or_can_become_it_or_write_to_its_image() {
+    for (name, service) in services() {
+        let user = service["user"].as_str().unwrap_or_else(|| panic!("{name} has no user"));
+        assert!(user.split(':').next().unwrap().parse::<u32>().unwrap() > 0, "{name}: {user}");
+        assert_eq!(texts(&service["cap_drop"]), ["ALL"], "{name}");
+        assert_eq!(texts(&service["security_opt"]), ["no-new-privileges:true"], "{name}");
+        assert_eq!(service["read_only"], true, "{name}");
+        assert!(service.get("privileged").is_none() && service.get("cap_add").is_none(), "{name}");
+    }
+}
+
+#[test]
+fn every_service_that_can_be_asked_for_its_health_is() {
+    for (name, service) in services() {
+        assert_eq!(service.get("healthcheck").is_some(), name != "simulator", "{name}");
+    }
+    let prometheus = std::fs::read_to_string(project().join("deploy/prometheus/prometheus.yml")).unwrap();
+    for supervisor in ["supervisor-1", "supervisor-2"] {
+        assert!(prometheus.contains(&format!("{supervisor}:8080")), "{supervisor} is not scraped");
+    }
+}
+
+#[test]
+fn two_supervisors_share_all_but_their_names_and_ports() {
+    let services = services();
+    let [first, second] = ["supervisor-1", "supervisor-2"].map(|name| services[name].as_object().unwrap().clone());
+    for (key, value) in &first {
+        let own = ["hostname", "ports"].contains(&key.as_str());
+        assert_eq!(second.get(key) != Some(value), own, "{key}");
+    }
+    assert_eq!(first["environment"]["VIBRISSA_DATABASE_URL"], "postgres://vibrissa@postgres:5432/vibrissa");
+}
+
+#[test]
+fn ports_are_only_published_to_this_host() {
+    for (name, service) in services() {
+        for port in service["ports"].as_array().into_iter().flatten() {
+            // Version 1 writes a text, version 2 an object.
+            let is_local = match port.as_str() {
+                Some(text) => text.starts_with("127.0.0.1:"),
+                None => port["host_ip"] == "127.0.0.1",
+            };
+            assert!(is_local, "{name}: {port}");
+        }
+    }
+}
+
+#[test]
+fn no_password_is_written_down() {
+    for (name, service) in services() {
+        for (variable, value) in service["environment"].as_object().into_iter().flatten() {
+            let is_secret = ["PASSWORD", "SECRET", "TOKEN"].iter().any(|word| variable.contains(word));
+            let value = value.as_str().unwrap_or_default();
+            assert!(!is_secret || value.starts_with("/run/secrets/"), "{name}: {variable}");
+            let user = value.split_once("://").and_then(|(_, rest)| rest.split_once('@')).map(|(user, _)| user);
+            assert!(user.is_none_or(|user| !user.contains(':')), "{name}: {variable} has a password");
+        }
+    }
+    let ignored = std::fs::read_to_string(project().join(".gitignore")).unwrap();
+    assert!(ignored.lines().any(|line| line == "deploy/secrets/"));
+    for (name, secret) in RESOLVED["secrets"].as_object().unwrap() {
+        let file = secret["file"].as_str().unwrap_or_else(|| panic!("{name} is no file"));
+        assert!(file.ends_with(&format!("deploy/secrets/{name}")), "{file}");
+    }
+}
+
+#[test]
+fn what_is_mounted_from_here_is_read_only() {
+    for (name, service) in services() {
+        for volume in service["volumes"].as_array().into_iter().flatten() {
+            let is_fine = match volume.as_str() {
+                Some(text) => !text.starts_with('/') || text.ends_with(":ro"),
+                None => volume["type"] != "bind" || volume["read_only"] == true,
+            };
+            assert!(is_fine, "{name}: {volume}");
+        }
+    }
+    for (name, volume) in RESOLVED["volumes"].as_object().unwrap() {
+        assert!(volume.get("external").is_none(), "{name}");
+    }
+}

@@ -1,0 +1,112 @@
+//! `deploy/make-secrets`: passwords that nobody has had before, and that stay.
+
+use std::collections::BTreeMap;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::project;
+
+/// The interpreter itself.
+fn python() -> PathBuf {
+    let ended = Command::new("python3").args(["-c", "import sys; print(sys.executable)"]).output().unwrap();
+    PathBuf::from(String::from_utf8(ended.stdout).unwrap().trim())
+}
+
+/// Runs the script; with no Mosquitto in its path if asked.
+fn make(folder: &Path, with_mosquitto: bool) -> BTreeMap<String, String> {
+    let mut command = Command::new("/bin/sh");
+    command.arg(project().join("deploy/make-secrets")).arg(folder);
+    let tools = tempfile::tempdir().unwrap();
+    if !with_mosquitto {
+        let needed = [
+            "base64", "cat", "chmod", "chown", "cmp", "cp", "dirname", "head", "id", "mkdir", "mv", "python3", "rm",
+            "tr",
+        ];
+        for tool in needed {
+            let found = std::env::split_paths(&std::env::var_os("PATH").unwrap())
+                .map(|folder| folder.join(tool))
+                .find(|path| path.exists())
+                .unwrap_or_else(|| panic!("{tool} must be installed for this test"));
+            // What it is in the end: managers of versions stand in for a program, and want their own path.
+            let found = if tool == "python3" { python() } else { found };
+            std::os::unix::fs::symlink(found, tools.path().join(tool)).unwrap();
+        }
+        command.env("PATH", tools.path());
+    }
+    let ended = command.output().unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert!(ended.stdout.is_empty() && ended.stderr.is_empty(), "{ended:?}");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    files
+        .map(|path| {
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            (name, std::fs::read_to_string(&path).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn passwords_are_new_each_time_and_stay_once_they_are_there() {
+    let [one, other] = [0, 1].map(|_| tempfile::tempdir().unwrap());
+    let (first, elsewhere) = (make(one.path(), true), make(other.path(), true));
+    let names = [
+        "mosquitto_passwords",
+        "postgres_password",
+        "robots_mqtt_password",
+        "supervisor_mqtt_password",
+        "supervisor_postgres_password",
+    ];
+    assert_eq!(first.keys().collect::<Vec<_>>(), names);
+    assert_eq!(first["postgres_password"], first["supervisor_postgres_password"]);
+    assert_ne!(first["supervisor_mqtt_password"], first["robots_mqtt_password"]);
+    for name in names {
+        assert_ne!(first[name], elsewhere[name], "{name}");
+    }
+    for name in &names[1..] {
+        assert_eq!(first[*name].trim_end().len(), 32, "{name}");
+    }
+    assert_eq!(make(one.path(), true), first);
+    std::fs::remove_file(one.path().join("robots_mqtt_password")).unwrap();
+    std::fs::remove_file(one.path().join("mosquitto_passwords")).unwrap();
+    let again = make(one.path(), true);
+    assert_ne!(again["robots_mqtt_password"], first["robots_mqtt_password"]);
+    assert_eq!(again["postgres_password"], first["postgres_password"]);
+}
+
+#[test]
+fn the_brokers_users_are_those_of_its_access_list_with_hashes_only() {
+    for with_mosquitto in [true, false] {
+        let folder = tempfile::tempdir().unwrap();
+        let files = make(folder.path(), with_mosquitto);
+        let passwords = &files["mosquitto_passwords"];
+        let users: Vec<&str> = passwords.lines().map(|line| line.split(':').next().unwrap()).collect();
+        assert_eq!(users, ["vibrissa", "example/crawler-1", "example/crawler-2"]);
+        for line in passwords.lines() {
+            let parts: Vec<&str> = line.split('$').collect();
+            assert_eq!((parts.len(), parts[1], parts[2]), (5, "7", "101"), "{line}");
+            // The lengths of 12 and 64 bytes in base 64.
+            assert_eq!((parts[3].len(), parts[4].len()), (16, 88), "{line}");
+        }
+        for name in ["supervisor_mqtt_password", "robots_mqtt_password"] {
+            assert!(!passwords.contains(files[name].trim_end()), "{name} is readable");
+        }
+    }
+}
+
+#[test]
+fn only_who_reads_a_password_can() {
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path(), true);
+    assert_eq!(folder.path().metadata().unwrap().mode() & 0o777, 0o700);
+    let owners = [("mosquitto_passwords", 1883), ("postgres_password", 999), ("supervisor_mqtt_password", 10001)];
+    for (name, owner) in owners {
+        let file = folder.path().join(name).metadata().unwrap();
+        // The folder's owner is who has started the script.
+        if folder.path().metadata().unwrap().uid() == 0 {
+            assert_eq!((file.uid(), file.mode() & 0o777), (owner, 0o600), "{name}");
+        } else {
+            assert_eq!(file.mode() & 0o777, 0o444, "{name}");
+        }
+    }
+}
