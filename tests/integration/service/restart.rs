@@ -5,7 +5,9 @@ use std::path::Path;
 use serde_json::Value;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{ConnectOptions, Connection};
-use vibrissa_protocol::{ArrayType, Message, RobotTopic, SetpointOutcome, SupervisorPresence, encode};
+use vibrissa_protocol::{
+    ArrayType, BootId, Message, RobotTopic, SetpointOutcome, SupervisorPresence, SupervisorState, encode,
+};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::Observer;
@@ -269,4 +271,32 @@ async fn a_robot_whose_stored_state_cannot_be_read_starts_anew_and_its_trims_hav
     assert_eq!(running.database.number("SELECT count(*) FROM trims").await, 2);
     assert_eq!(running.database.number("SELECT count(*) FROM compensations").await, 2);
     running.service.stop().await;
+}
+
+/// A supervisor that froze is declared dead by the broker when its fleet has long been another's.
+#[tokio::test]
+async fn a_predecessors_late_will_does_not_stay_the_last_word() {
+    let broker = Mosquitto::start();
+    let folder = tempfile::tempdir().unwrap();
+    Program::start(&database_in(&folder), broker.port()).end(Ending::Terminated).await;
+    let program = Program::start(&database_in(&folder), broker.port());
+    let topic = "whisker/v1/f/supervisor/state";
+    let mut observer = Observer::subscribed(broker.port(), "observer", &[topic]).await;
+    let online = async |observer: &mut Observer| {
+        until("online in epoch 2", async || {
+            Some(next_supervisor_state(observer).await).filter(|state| *state == (SupervisorPresence::Online, 2))
+        })
+        .await
+    };
+    online(&mut observer).await;
+    let will = SupervisorState {
+        boot_id: BootId::new("before").unwrap(),
+        seq: 1,
+        state: SupervisorPresence::Offline,
+        epoch: 1,
+    };
+    observer.publish(topic, encode(&will), true).await;
+    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, 1));
+    online(&mut observer).await;
+    program.end(Ending::Terminated).await;
 }
