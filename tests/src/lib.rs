@@ -3,6 +3,9 @@
 pub mod certificates;
 pub mod mosquitto;
 pub mod observer;
+pub mod postgres;
+pub mod process;
+pub mod proxy;
 pub mod robot;
 pub mod wait;
 pub mod world;

@@ -1,0 +1,216 @@
+//! A PostgreSQL of the test's own: on a free port, in a temporary folder, with `fsync` on, stopped by its process.
+
+use std::fs::File;
+use std::os::unix::fs::chown;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+use std::time::Duration;
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use sqlx::postgres::{PgConnectOptions, PgConnection};
+use sqlx::{ConnectOptions, Connection, Executor};
+use tempfile::TempDir;
+
+use crate::mosquitto::free_port;
+use crate::wait;
+
+/// The superuser, who needs no password on this machine.
+const USER: &str = "vibrissa";
+/// The database that is there from the start, empty.
+const DATABASE: &str = "vibrissa";
+/// How long an orderly end may take before it is a disorderly one.
+const END_PATIENCE: Duration = Duration::from_secs(5);
+
+/// A running server; dropped, it is stopped.
+#[derive(Debug)]
+pub struct Postgres {
+    folder: TempDir,
+    port: u16,
+    process: Option<Child>,
+}
+
+impl Postgres {
+    /// Starts a new, empty server and waits until it answers.
+    ///
+    /// # Panics
+    /// PostgreSQL is not installed, or does not start.
+    pub async fn start() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        if let Some((uid, gid)) = account() {
+            chown(folder.path(), Some(uid), Some(gid)).expect("a folder of ours");
+        }
+        let initdb = command("initdb", folder.path())
+            .args(["--pgdata", "data", "--username", USER, "--auth", "trust", "--encoding", "UTF8"])
+            .args(["--locale", "C", "--no-sync", "--no-instructions"])
+            .output()
+            .expect("PostgreSQL's server must be installed for this test");
+        assert!(initdb.status.success(), "initdb: {}", String::from_utf8_lossy(&initdb.stderr));
+        let mut server = Self { folder, port: free_port(), process: None };
+        server.restart().await;
+        let mut connection = server.options("postgres").connect().await.expect("a server that answered just now");
+        connection.execute("CREATE DATABASE vibrissa").await.expect("a new server");
+        connection.close().await.expect("a connection of ours");
+        server
+    }
+
+    /// Where it listens, on 127.0.0.1.
+    #[must_use]
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Its database's URL as seen through that port of 127.0.0.1: its own, or that of a proxy before it.
+    #[must_use]
+    pub fn url(port: u16) -> String {
+        format!("postgres://{USER}:none@127.0.0.1:{port}/{DATABASE}")
+    }
+
+    /// How to connect to its database.
+    #[must_use]
+    pub fn connect(&self) -> PgConnectOptions {
+        self.options(DATABASE)
+    }
+
+    fn options(&self, database: &str) -> PgConnectOptions {
+        PgConnectOptions::new().host("127.0.0.1").port(self.port).username(USER).database(database)
+    }
+
+    /// Kills the server with all its processes, as a power failure would: nothing can be tidied up.
+    ///
+    /// # Panics
+    /// Its processes are not ours any more.
+    pub fn kill(&mut self) {
+        let Some(mut process) = self.process.take() else { return };
+        let server = pid_of(&process);
+        // A stopped server makes no new process while they are counted.
+        kill(server, Signal::SIGSTOP).expect("our process");
+        for child in children(server) {
+            // It may have just ended by itself.
+            let _ = kill(child, Signal::SIGKILL);
+        }
+        process.kill().expect("our process");
+        process.wait().expect("our process");
+    }
+
+    /// Starts it again on the same port; returns when it has recovered and answers.
+    ///
+    /// # Panics
+    /// It does not start.
+    pub async fn restart(&mut self) {
+        let log = File::options().create(true).append(true).open(self.folder.path().join("log")).expect("a log");
+        let process = command("postgres", self.folder.path())
+            .args(["-D", "data", "-p", &self.port.to_string()])
+            .args(["-c", "listen_addresses=127.0.0.1", "-c", "unix_socket_directories="])
+            .args(["-c", "fsync=on", "-c", "max_connections=100", "-c", "max_wal_size=4GB"])
+            .stderr(log)
+            .spawn()
+            .expect("PostgreSQL's server must be installed for this test");
+        self.process = Some(process);
+        wait::until("PostgreSQL's first answer", async || {
+            let ended = self.process.as_mut().and_then(|process| process.try_wait().expect("our process"));
+            assert!(ended.is_none(), "PostgreSQL ended: {}", self.log());
+            let connection = PgConnection::connect_with(&self.options("postgres")).await.ok()?;
+            connection.close().await.ok()
+        })
+        .await;
+    }
+
+    /// What it says of itself.
+    fn log(&self) -> String {
+        std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
+    }
+}
+
+impl Drop for Postgres {
+    fn drop(&mut self) {
+        let Some(process) = &mut self.process else { return };
+        // "Immediate": no checkpoint, but its shared memory is given back.
+        let _ = kill(pid_of(process), Signal::SIGQUIT);
+        let deadline = std::time::Instant::now() + END_PATIENCE;
+        while std::time::Instant::now() < deadline {
+            if !matches!(process.try_wait(), Ok(None)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let _ = process.kill();
+        let _ = process.wait();
+    }
+}
+
+fn pid_of(process: &Child) -> Pid {
+    Pid::from_raw(i32::try_from(process.id()).expect("a process id"))
+}
+
+/// The processes that a process has started; Linux.
+fn children(parent: Pid) -> Vec<Pid> {
+    let entries = std::fs::read_dir("/proc").expect("Linux");
+    let of_parent = |entry: std::fs::DirEntry| {
+        let pid: i32 = entry.file_name().to_str()?.parse().ok()?;
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        // After the name, which may hold anything, come the state and the parent.
+        let parent_of_it: i32 = stat.rsplit_once(") ")?.1.split(' ').nth(1)?.parse().ok()?;
+        (parent_of_it == parent.as_raw()).then(|| Pid::from_raw(pid))
+    };
+    entries.filter_map(Result::ok).filter_map(of_parent).collect()
+}
+
+/// One of the server's programs, run in the folder, and never as root: the server refuses that.
+fn command(program: &str, folder: &Path) -> Command {
+    let mut command = Command::new(path_of(program));
+    command.current_dir(folder).env_remove("PGDATA");
+    if let Some((uid, gid)) = account() {
+        command.uid(uid).gid(gid);
+    }
+    command
+}
+
+/// Debian keeps the server's programs off the search path; the newest version is taken.
+fn path_of(program: &str) -> PathBuf {
+    let versions = std::fs::read_dir("/usr/lib/postgresql").into_iter().flatten().filter_map(Result::ok);
+    let newest = versions
+        .filter_map(|entry| Some((entry.file_name().to_str()?.parse::<u32>().ok()?, entry.path())))
+        .filter(|(_, path)| path.join("bin").join(program).exists())
+        .max();
+    newest.map_or_else(|| PathBuf::from(program), |(_, path)| path.join("bin").join(program))
+}
+
+/// Whom to be instead of root: `postgres`, whom its package makes.
+fn account() -> Option<(u32, u32)> {
+    let id = |arguments: &[&str]| -> Option<u32> {
+        String::from_utf8(Command::new("id").args(arguments).output().ok()?.stdout).ok()?.trim().parse().ok()
+    };
+    (id(&["-u"]) == Some(0)).then(|| {
+        let postgres = id(&["-u", "postgres"]).zip(id(&["-g", "postgres"]));
+        postgres.expect("root needs the user postgres to start PostgreSQL")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use sqlx::Row;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn what_was_committed_outlives_a_kill() {
+        let mut server = Postgres::start().await;
+        let mut connection = server.connect().connect().await.unwrap();
+        connection.execute("CREATE TABLE t (n BIGINT)").await.unwrap();
+        connection.execute("INSERT INTO t VALUES (1)").await.unwrap();
+        let server_pid = pid_of(server.process.as_ref().unwrap());
+        let pids = children(server_pid);
+        assert!(pids.len() > 2, "its writers and our connection's: {pids:?}");
+        server.kill();
+        assert!(connection.execute("SELECT 1").await.is_err());
+        for pid in pids {
+            wait::until_true("the end of a process of the server", async || kill(pid, None).is_err()).await;
+        }
+        server.restart().await;
+        let mut connection = server.connect().connect().await.unwrap();
+        let count: i64 = connection.fetch_one("SELECT count(*) FROM t").await.unwrap().get(0);
+        assert_eq!(count, 1);
+    }
+}

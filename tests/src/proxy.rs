@@ -1,0 +1,208 @@
+//! A TCP link that can be cut and stalled: between a client and a server on 127.0.0.1.
+
+use std::future::pending;
+use std::net::SocketAddr;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+use tokio::task::{JoinHandle, JoinSet};
+
+/// What is under way inside at most, per connection and direction: no more than a link holds.
+const BUFFER: usize = 16 << 10;
+
+/// How the link is.
+#[derive(Debug, Clone, Copy, Default)]
+struct State {
+    /// Counts cuts: connections of an earlier count are over.
+    cuts: u64,
+    /// Nothing passes.
+    stalled: bool,
+}
+
+/// A listener that passes everything on to a server, in both directions; dropped, all its connections are cut.
+#[derive(Debug)]
+pub struct Proxy {
+    port: u16,
+    state: watch::Sender<State>,
+    listening: JoinHandle<()>,
+}
+
+impl Proxy {
+    /// Listens on a free port of 127.0.0.1 for what is to go to another one.
+    ///
+    /// # Panics
+    /// There is no free port.
+    pub async fn to(server_port: u16) -> Self {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).await.expect("a free port");
+        let port = listener.local_addr().expect("a bound listener").port();
+        let (state, watched) = watch::channel(State::default());
+        let listening = tokio::spawn(listen(listener, SocketAddr::from(([127, 0, 0, 1], server_port)), watched));
+        Self { port, state, listening }
+    }
+
+    /// Where it listens, on 127.0.0.1.
+    #[must_use]
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Ends every connection that there is now; new ones can be made at once.
+    pub fn cut(&self) {
+        self.state.send_modify(|state| state.cuts += 1);
+    }
+
+    /// Lets nothing pass, without a sign of it, or lets everything pass again that has waited meanwhile.
+    pub fn stall(&self, stalled: bool) {
+        self.state.send_modify(|state| state.stalled = stalled);
+    }
+}
+
+impl Drop for Proxy {
+    fn drop(&mut self) {
+        self.listening.abort();
+    }
+}
+
+async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Receiver<State>) {
+    let mut connections = JoinSet::new();
+    loop {
+        tokio::select! {
+            accepted = listener.accept() => {
+                // Too many open files, perhaps: whoever was not accepted tries again.
+                let Ok((client, _)) = accepted else { continue };
+                connections.spawn(join(client, server, state.clone()));
+            }
+            Some(_) = connections.join_next() => {}
+        }
+    }
+}
+
+/// One connection, until either side ends it or it is cut.
+async fn join(client: TcpStream, server: SocketAddr, state: watch::Receiver<State>) {
+    let born_at = state.borrow().cuts;
+    let passing = async {
+        // A stalled link lets nobody see whether there is a server.
+        passable(&mut state.clone()).await;
+        let Ok(server) = TcpStream::connect(server).await else { return };
+        // It is no part of the link's properties whether small messages wait: the ends decide that.
+        let _ = (client.set_nodelay(true), server.set_nodelay(true));
+        let (from_client, to_client) = client.into_split();
+        let (from_server, to_server) = server.into_split();
+        let upstream = pass(from_client, to_server, state.clone());
+        let downstream = pass(from_server, to_client, state.clone());
+        tokio::join!(upstream, downstream);
+    };
+    tokio::select! {
+        () = passing => {}
+        () = is_cut(state.clone(), born_at) => {}
+    }
+}
+
+/// One direction. What is not read waits with its sender: nobody can send much more than passes.
+async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut state: watch::Receiver<State>) {
+    let mut buffer = vec![0; BUFFER];
+    while let Ok(length @ 1..) = from.read(&mut buffer).await {
+        passable(&mut state).await;
+        if to.write_all(&buffer[..length]).await.is_err() {
+            return;
+        }
+    }
+    // An end passes the link like everything else.
+    passable(&mut state).await;
+    let _ = to.shutdown().await;
+}
+
+async fn passable(state: &mut watch::Receiver<State>) {
+    if state.wait_for(|state| !state.stalled).await.is_err() {
+        pending::<()>().await;
+    }
+}
+
+async fn is_cut(mut state: watch::Receiver<State>, born_at: u64) {
+    // Without a sender the proxy is gone: that is a cut, too.
+    let _ = state.wait_for(|state| state.cuts > born_at).await;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tokio::time::timeout;
+
+    use super::*;
+
+    const SOON: Duration = Duration::from_millis(200);
+
+    /// A server that says again whatever it is told.
+    async fn echo() -> u16 {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).await.unwrap();
+        let port = listener.local_addr().unwrap().port();
+        tokio::spawn(async move {
+            while let Ok((mut stream, _)) = listener.accept().await {
+                tokio::spawn(async move {
+                    let (mut from, mut to) = stream.split();
+                    let _ = tokio::io::copy(&mut from, &mut to).await;
+                });
+            }
+        });
+        port
+    }
+
+    async fn client(proxy: &Proxy) -> TcpStream {
+        TcpStream::connect(("127.0.0.1", proxy.port())).await.unwrap()
+    }
+
+    async fn says_again(stream: &mut TcpStream, text: &[u8]) {
+        stream.write_all(text).await.unwrap();
+        let mut said = vec![0; text.len()];
+        stream.read_exact(&mut said).await.unwrap();
+        assert_eq!(said, text);
+    }
+
+    #[tokio::test]
+    async fn everything_passes_both_ways_and_so_does_the_end() {
+        let proxy = Proxy::to(echo().await).await;
+        let mut stream = client(&proxy).await;
+        says_again(&mut stream, b"one").await;
+        stream.shutdown().await.unwrap();
+        assert_eq!(stream.read(&mut [0; 8]).await.unwrap(), 0);
+    }
+
+    #[tokio::test]
+    async fn a_cut_ends_what_there_is_and_nothing_that_comes() {
+        let proxy = Proxy::to(echo().await).await;
+        let mut stream = client(&proxy).await;
+        says_again(&mut stream, b"one").await;
+        proxy.cut();
+        assert!(!matches!(stream.read(&mut [0; 8]).await, Ok(1..)));
+        says_again(&mut client(&proxy).await, b"two").await;
+    }
+
+    #[tokio::test]
+    async fn a_stalled_link_takes_a_bounded_amount_and_passes_all_of_it_later() {
+        let proxy = Proxy::to(echo().await).await;
+        let mut stream = client(&proxy).await;
+        says_again(&mut stream, b"one").await;
+        proxy.stall(true);
+        let mut sent = 0_usize;
+        // Far more than all the system's buffers of a connection.
+        while let Ok(length) = timeout(SOON, stream.write(&[7; 65_536])).await {
+            sent += length.unwrap();
+            assert!(sent < 64 << 20, "a stalled link takes everything");
+        }
+        assert!(timeout(SOON, stream.read(&mut [0; 8])).await.is_err(), "nothing passes");
+        proxy.stall(false);
+        let mut back = vec![0; sent];
+        stream.read_exact(&mut back).await.unwrap();
+        assert!(back.iter().all(|&byte| byte == 7));
+    }
+
+    #[tokio::test]
+    async fn without_a_server_a_connection_ends() {
+        let nobody = crate::mosquitto::free_port();
+        let proxy = Proxy::to(nobody).await;
+        assert!(!matches!(client(&proxy).await.read(&mut [0; 8]).await, Ok(1..)));
+    }
+}
