@@ -10,6 +10,7 @@
 mod commands;
 mod driver;
 pub mod fleet;
+mod journal;
 mod link;
 pub mod outbox;
 pub mod plant;
@@ -19,6 +20,7 @@ pub mod robot;
 pub mod scenario;
 
 pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle};
+pub use journal::{HeardSetpoint, JournalEntry};
 pub use plant::LengthChange;
 pub use robot::{Outgoing, Robot, RobotConfig, Whisker};
 pub use scenario::Scenario;

@@ -20,6 +20,7 @@ pub use outgoing::Outgoing;
 pub use whisker::Whisker;
 
 use crate::commands::Commands;
+use crate::journal::{Journal, JournalEntry};
 use crate::link::Link;
 use crate::outbox::Outbox;
 use crate::random::{Purpose, boot_text, stream};
@@ -86,6 +87,7 @@ pub struct Robot {
     /// When the supervisor was last heard of, until its loss has been answered.
     supervisor_heard_us: Option<u64>,
     refused: u64,
+    journal: Journal,
 }
 
 impl Robot {
@@ -121,6 +123,7 @@ impl Robot {
             events: VecDeque::new(),
             supervisor_heard_us: None,
             refused: 0,
+            journal: Journal::new(config.behaviour.journal),
             whiskers,
             config,
         };
@@ -263,6 +266,11 @@ impl Robot {
     #[must_use]
     pub fn messages_dropped(&self) -> u64 {
         self.outbox.dropped()
+    }
+
+    /// What its journal says since this was last asked; nothing unless [`Behaviour::journal`] is set.
+    pub fn take_journal(&mut self) -> Vec<JournalEntry> {
+        self.journal.take()
     }
 
     /// Received messages that were refused.

@@ -5,7 +5,8 @@ use vibrissa_protocol::{
 };
 
 use super::Robot;
-use crate::scenario::{ArrayScenario, WhiskerScenario};
+use crate::journal::JournalEntry;
+use crate::scenario::{ArrayScenario, Breach, WhiskerScenario};
 
 /// The calibration that the factsheet names: the built-in one, which each whisker misses a little.
 const WHISKER_MODEL: &str = "nguyen-2021";
@@ -117,8 +118,12 @@ impl Robot {
         }
         let seq = Sequences::take(&mut self.sequences.contacts);
         let contacts = std::mem::take(&mut self.batch);
-        let payload = encode(&Contacts { boot_id: self.boot_id.clone(), seq, contacts });
-        self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
+        let message = Contacts { boot_id: self.boot_id.clone(), seq, contacts };
+        let payload = encode(&message);
+        self.journal.write(|| JournalEntry::Felt(message));
+        if self.config.behaviour.breach != Some(Breach::SendsOnce) {
+            self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
+        }
         if self.connected {
             for payload in self.link.pass(payload, now_us) {
                 self.publish(RobotTopic::Contacts, payload, out);

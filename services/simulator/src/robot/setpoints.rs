@@ -1,12 +1,14 @@
 //! Setpoints: taken by the contract's rules, applied by the regulators, answered.
 
 use vibrissa_protocol::{
-    OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
+    BootId, OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
 };
 
 use super::whisker::Applying;
 use super::{Outgoing, Robot};
 use crate::commands::{Addressee, Answer, Verdict};
+use crate::journal::{HeardSetpoint, JournalEntry};
+use crate::scenario::Breach;
 
 /// How fast a robot changes a pressure of its own accord.
 pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
@@ -17,8 +19,13 @@ impl Robot {
         let addressee = at
             .and_then(|at| self.whiskers.get_mut(at))
             .map(|whisker| Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut whisker.seen });
+        let verdict = match self.config.behaviour.breach {
+            Some(Breach::TakesAnySetpoint) if addressee.is_some() => Verdict::Take,
+            Some(_) | None => self.commands.judge(setpoint, &self.boot_id, now_us, addressee),
+        };
+        self.journal.write(|| JournalEntry::Heard(heard(setpoint, &self.boot_id, now_us)));
         let id = setpoint.command_id.as_str();
-        match (self.commands.judge(setpoint, &self.boot_id, now_us, addressee), at) {
+        match (verdict, at) {
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now_us, out),
             (Verdict::Again(answer), _) => self.answer(id, at, answer, now_us, out),
             (Verdict::Reject(error), _) => self.reject(id, at, error, now_us, out),
@@ -35,6 +42,7 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[at];
         whisker.regulator.set(setpoint.pressure_mpa, setpoint.slew_mpa_per_s);
+        self.journal.write(|| JournalEntry::Applied(heard(setpoint, &self.boot_id, now_us)));
         let fails_at_us = now_us + whisker.regulator.patience_us();
         whisker.applying = Some(Applying { command_id: id.to_owned(), fails_at_us });
         self.answer(id, Some(at), plain(SetpointOutcome::Applying), now_us, out);
@@ -102,6 +110,10 @@ impl Robot {
             }
         }
     }
+}
+
+fn heard(setpoint: &Setpoint, boot_id: &BootId, at_us: u64) -> HeardSetpoint {
+    HeardSetpoint { at_us, boot_id: boot_id.clone(), setpoint: setpoint.clone() }
 }
 
 /// An answer that needs no reason.

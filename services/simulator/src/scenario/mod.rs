@@ -49,6 +49,21 @@ pub struct Behaviour {
     /// A robot that has heard nothing from the supervisor for this many seconds does what its
     /// `on_supervisor_loss` says.
     pub supervisor_lost_after_s: f64,
+    /// Whether robots keep a journal; whoever lets them takes it now and then with [`crate::Robot::take_journal`].
+    #[serde(skip)]
+    pub journal: bool,
+    /// A rule of the contract that the robots break, so that a test can see that it notices.
+    #[serde(skip)]
+    pub breach: Option<Breach>,
+}
+
+/// A rule of the contract that is broken on purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Breach {
+    /// Contacts are sent once and forgotten.
+    SendsOnce,
+    /// Any setpoint for a whisker that is there is applied: late, repeated, or of an older epoch.
+    TakesAnySetpoint,
 }
 
 impl Default for Behaviour {
@@ -60,6 +75,8 @@ impl Default for Behaviour {
             status_every_s: 1.0,
             kept_messages: 2000,
             supervisor_lost_after_s: 60.0,
+            journal: false,
+            breach: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 mod connection;
 mod delivery;
 mod events;
+mod journal;
 mod setpoints;
 
 use vibrissa_protocol::{

@@ -1,0 +1,272 @@
+//! Setpoints: what robots applied, held against the contract and against what was decided and recorded.
+
+use std::collections::HashMap;
+
+use vibrissa_simulator::HeardSetpoint;
+
+/// Reading JSON may move a number's last bit.
+const SAME_MPA: f64 = 1e-12;
+
+/// A setpoint of the database.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decided {
+    /// Its name.
+    pub command_id: String,
+    /// Robot, array and whisker.
+    pub whisker: (String, String, i64),
+    /// The compensation that it is for, if any.
+    pub compensation_id: Option<i64>,
+    /// Its order: epoch and version.
+    pub order: (i64, i64),
+    /// The pressure in MPa.
+    pub pressure_mpa: f64,
+    /// Why.
+    pub reason: String,
+    /// What became of it.
+    pub state: String,
+}
+
+impl Decided {
+    /// Whether it came to nothing, so that another may follow it for the same purpose.
+    fn came_to_nothing(&self) -> bool {
+        matches!(self.state.as_str(), "REJECTED" | "FAILED" | "SUPERSEDED" | "EXPIRED" | "ABANDONED")
+    }
+
+    fn has_the_purpose_of(&self, other: &Self) -> bool {
+        self.whisker == other.whisker
+            && self.compensation_id == other.compensation_id
+            && self.reason == other.reason
+            && self.pressure_mpa == other.pressure_mpa
+    }
+}
+
+/// What became of the setpoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Verdict {
+    /// Rows.
+    pub decided: u64,
+    /// Different setpoints that were applied.
+    pub applied: u64,
+    /// Applied once too often, each time.
+    pub twice: u64,
+    /// Applied although late, old, or for another boot.
+    pub stale: u64,
+    /// Applied and not in the database, or otherwise there.
+    pub uncommitted: u64,
+    /// Decided although another one for the same purpose was under way or had been applied.
+    pub two_for_one: u64,
+}
+
+/// A whisker of a robot in one of its boots: what the contract calls "any that it has seen".
+#[derive(Debug, Default)]
+struct Seen {
+    highest: Option<(u64, u64)>,
+    /// The newest arrival's name, and the highest before it.
+    newest: Option<(String, Option<(u64, u64)>)>,
+}
+
+/// What robots heard and applied.
+#[derive(Debug, Default)]
+pub struct Obedience {
+    seen: HashMap<(String, String, String, u16), Seen>,
+    applied: HashMap<String, (HeardSetpoint, String)>,
+    twice: u64,
+    stale: u64,
+}
+
+impl Obedience {
+    fn seen(&mut self, robot: &str, heard: &HeardSetpoint) -> &mut Seen {
+        let setpoint = &heard.setpoint;
+        let boot_id = heard.boot_id.as_str().to_owned();
+        self.seen.entry((robot.to_owned(), boot_id, setpoint.array.as_str().to_owned(), setpoint.whisker)).or_default()
+    }
+
+    /// A setpoint arrived at a robot.
+    pub fn heard(&mut self, robot: &str, heard: &HeardSetpoint) {
+        let setpoint = &heard.setpoint;
+        let is_for_this_boot = setpoint.robot_boot_id == heard.boot_id;
+        let seen = self.seen(robot, heard);
+        seen.newest = Some((setpoint.command_id.clone(), seen.highest));
+        if is_for_this_boot {
+            seen.highest = seen.highest.max(Some((setpoint.epoch, setpoint.version)));
+        }
+    }
+
+    /// A robot applied a setpoint, which it must have heard just before.
+    pub fn applied(&mut self, robot: &str, heard: &HeardSetpoint) {
+        let setpoint = &heard.setpoint;
+        let is_highest = self.seen(robot, heard).newest.as_ref().is_some_and(|(command_id, before)| {
+            *command_id == setpoint.command_id && Some((setpoint.epoch, setpoint.version)) > *before
+        });
+        let is_valid = setpoint.expires_us > heard.at_us && setpoint.robot_boot_id == heard.boot_id;
+        self.stale += u64::from(!(is_highest && is_valid));
+        let before = self.applied.insert(setpoint.command_id.clone(), (heard.clone(), robot.to_owned()));
+        self.twice += u64::from(before.is_some());
+    }
+
+    /// What became of them, by what is in the database at the end.
+    pub fn verdict(&self, decided: &[Decided]) -> Verdict {
+        let by_name: HashMap<&str, &Decided> = decided.iter().map(|row| (row.command_id.as_str(), row)).collect();
+        let is_committed = |name: &String, (heard, robot): &(HeardSetpoint, String)| {
+            let setpoint = &heard.setpoint;
+            by_name.get(name.as_str()).is_some_and(|row| {
+                row.order == (setpoint.epoch as i64, setpoint.version as i64)
+                    && (row.pressure_mpa - setpoint.pressure_mpa).abs() < SAME_MPA
+                    && row.whisker == (robot.clone(), setpoint.array.as_str().to_owned(), i64::from(setpoint.whisker))
+            })
+        };
+        Verdict {
+            decided: decided.len() as u64,
+            applied: self.applied.len() as u64,
+            twice: self.twice,
+            stale: self.stale,
+            uncommitted: self.applied.iter().filter(|(name, applied)| !is_committed(name, applied)).count() as u64,
+            two_for_one: two_for_one(decided),
+        }
+    }
+}
+
+/// Setpoints that follow one for the same purpose which did not come to nothing.
+///
+/// For one compensation the same pressure may be set again when the last try expired, was refused or failed. A
+/// release has no compensation: it follows another setpoint of its whisker, or a release that came to nothing.
+fn two_for_one(decided: &[Decided]) -> u64 {
+    let mut by_whisker: HashMap<&(String, String, i64), Vec<&Decided>> = HashMap::new();
+    for row in decided {
+        by_whisker.entry(&row.whisker).or_default().push(row);
+    }
+    let mut count = 0;
+    for rows in by_whisker.values_mut() {
+        rows.sort_by_key(|row| row.order);
+        for (at, row) in rows.iter().enumerate() {
+            let before = match row.compensation_id {
+                Some(_) => rows[..at].iter().rev().find(|earlier| earlier.has_the_purpose_of(row)),
+                None => rows[..at].last().filter(|earlier| earlier.has_the_purpose_of(row)),
+            };
+            count += u64::from(before.is_some_and(|earlier| !earlier.came_to_nothing()));
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_protocol::{BootId, Name, Setpoint, SetpointReason, Timestamp};
+
+    use super::*;
+
+    fn heard(epoch: u64, version: u64, at_us: u64) -> HeardSetpoint {
+        let boot_id = BootId::new("b").unwrap();
+        let setpoint = Setpoint {
+            boot_id: BootId::new("s").unwrap(),
+            seq: 0,
+            command_id: format!("{epoch}.{version}"),
+            epoch,
+            version,
+            robot_boot_id: boot_id.clone(),
+            array: Name::new("left").unwrap(),
+            whisker: 1,
+            pressure_mpa: 0.05,
+            slew_mpa_per_s: 0.02,
+            issued: Timestamp(0),
+            expires_us: 1_000,
+            reason: SetpointReason::SelfCompensation,
+            gain: vec![],
+        };
+        HeardSetpoint { at_us, boot_id, setpoint }
+    }
+
+    fn decided(version: i64, state: &str) -> Decided {
+        Decided {
+            command_id: format!("1.{version}"),
+            whisker: ("r".to_owned(), "left".to_owned(), 1),
+            compensation_id: Some(7),
+            order: (1, version),
+            pressure_mpa: 0.05,
+            reason: "SELF_COMPENSATION".to_owned(),
+            state: state.to_owned(),
+        }
+    }
+
+    /// Each is heard and, where it says so, applied; the database has 1.1 and 1.2.
+    fn verdict(events: &[(HeardSetpoint, bool)]) -> Verdict {
+        let mut obedience = Obedience::default();
+        for (setpoint, applied) in events {
+            obedience.heard("r", setpoint);
+            if *applied {
+                obedience.applied("r", setpoint);
+            }
+        }
+        let second = Decided { compensation_id: Some(8), ..decided(2, "APPLIED") };
+        obedience.verdict(&[decided(1, "APPLIED"), second])
+    }
+
+    #[test]
+    fn what_is_applied_in_order_and_refused_otherwise_is_well() {
+        let verdict = verdict(&[
+            (heard(1, 1, 0), true),
+            (heard(1, 1, 10), false),
+            (heard(1, 2, 20), true),
+            (heard(1, 1, 30), false),
+        ]);
+        assert_eq!(verdict, Verdict { decided: 2, applied: 2, ..Verdict::default() });
+    }
+
+    #[test]
+    fn the_same_applied_again_is_twice_and_stale() {
+        let verdict = verdict(&[(heard(1, 1, 0), true), (heard(1, 1, 10), true)]);
+        assert_eq!((verdict.applied, verdict.twice, verdict.stale), (1, 1, 1));
+    }
+
+    #[test]
+    fn an_older_one_is_stale_even_if_the_newer_one_was_only_heard() {
+        let verdict = verdict(&[(heard(1, 2, 0), false), (heard(1, 1, 10), true)]);
+        assert_eq!((verdict.twice, verdict.stale), (0, 1));
+    }
+
+    #[test]
+    fn an_expired_one_is_stale_and_so_is_one_for_another_boot_and_one_never_heard() {
+        assert_eq!(verdict(&[(heard(1, 1, 1_000), true)]).stale, 1);
+        let mut other = heard(1, 1, 0);
+        other.setpoint.robot_boot_id = BootId::new("b0").unwrap();
+        assert_eq!(verdict(&[(other, true)]).stale, 1);
+        let mut obedience = Obedience::default();
+        obedience.applied("r", &heard(1, 1, 0));
+        assert_eq!(obedience.verdict(&[decided(1, "APPLIED")]).stale, 1);
+    }
+
+    #[test]
+    fn what_is_not_in_the_database_or_not_so_is_uncommitted() {
+        assert_eq!(verdict(&[(heard(1, 3, 0), true)]).uncommitted, 1);
+        let mut other = heard(1, 1, 0);
+        other.setpoint.pressure_mpa += 1e-9;
+        assert_eq!(verdict(&[(other, true)]).uncommitted, 1);
+    }
+
+    #[test]
+    fn a_decision_has_one_setpoint_unless_that_came_to_nothing() {
+        for state in ["PENDING", "RECEIVED", "APPLYING", "APPLIED"] {
+            assert_eq!(two_for_one(&[decided(1, state), decided(2, "APPLIED")]), 1, "{state}");
+        }
+        for state in ["REJECTED", "FAILED", "SUPERSEDED", "EXPIRED", "ABANDONED"] {
+            assert_eq!(two_for_one(&[decided(1, state), decided(2, "APPLIED")]), 0, "{state}");
+        }
+        let elsewhere = Decided { whisker: ("r".to_owned(), "left".to_owned(), 2), ..decided(2, "APPLIED") };
+        assert_eq!(two_for_one(&[decided(1, "APPLIED"), elsewhere]), 0);
+    }
+
+    #[test]
+    fn a_release_may_follow_a_compensation_and_not_a_release() {
+        let release = |version, state| Decided {
+            compensation_id: None,
+            pressure_mpa: 0.1,
+            reason: "RELEASE".to_owned(),
+            ..decided(version, state)
+        };
+        let between = Decided { compensation_id: Some(8), ..decided(3, "APPLIED") };
+        let rows = [decided(1, "APPLIED"), release(2, "APPLIED"), between, release(4, "APPLIED")];
+        assert_eq!(two_for_one(&rows), 0);
+        assert_eq!(two_for_one(&[release(1, "APPLIED"), release(2, "PENDING")]), 1);
+        assert_eq!(two_for_one(&[release(1, "EXPIRED"), release(2, "APPLIED")]), 0);
+    }
+}

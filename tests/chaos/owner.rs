@@ -1,0 +1,112 @@
+//! Who supervises, as the database says, and since when to some effect.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use sqlx::postgres::{PgConnectOptions, PgConnection};
+use sqlx::{Connection, Row};
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+use crate::scenario::FLEET;
+
+/// How often the database is asked.
+const PAUSE: Duration = Duration::from_millis(20);
+/// A database that takes longer is not there.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How long somebody may take to become the owner and to record contacts, before a fault that is for the owner.
+const OWNER_PATIENCE: Duration = Duration::from_secs(15);
+
+/// An owner that has recorded contacts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reign {
+    /// Its epoch.
+    pub epoch: i64,
+    /// What it is called.
+    pub holder: String,
+    /// When its first contacts were seen in the database.
+    pub first_commit: Instant,
+}
+
+/// Keeps looking; dropped, it looks no more.
+#[derive(Debug)]
+pub struct Watch {
+    reigns: Arc<Mutex<Vec<Reign>>>,
+    task: JoinHandle<()>,
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.task.abort();
+    }
+}
+
+impl Watch {
+    /// Begins to look.
+    pub fn start(database: PgConnectOptions) -> Self {
+        let reigns = Arc::new(Mutex::new(Vec::new()));
+        let task = tokio::spawn(look(database, reigns.clone()));
+        Self { reigns, task }
+    }
+
+    /// All so far, in their order.
+    pub fn reigns(&self) -> Vec<Reign> {
+        self.reigns.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The owner with the highest epoch that has recorded contacts: waits for one whose epoch is at least that.
+    pub async fn owner(&self, epoch_min: i64) -> Option<Reign> {
+        let deadline = Instant::now() + OWNER_PATIENCE;
+        loop {
+            let last = self.reigns().pop().filter(|reign| reign.epoch >= epoch_min);
+            if last.is_some() || Instant::now() > deadline {
+                return last;
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
+    }
+}
+
+/// The row of the lease, and the newest contact.
+struct Look {
+    epoch: i64,
+    holder: Option<String>,
+    newest: i64,
+}
+
+async fn look(database: PgConnectOptions, reigns: Arc<Mutex<Vec<Reign>>>) {
+    let mut connection = None;
+    let mut candidate: Option<Look> = None;
+    loop {
+        tokio::time::sleep(PAUSE).await;
+        let Some(seen) = ask(&mut connection, &database).await else { continue };
+        match &candidate {
+            // Whatever is recorded from here on is recorded by this one: the epoch keeps the others out.
+            Some(known) if known.epoch == seen.epoch => {
+                let Some(holder) = seen.holder.filter(|_| seen.newest > known.newest) else { continue };
+                let reign = Reign { epoch: seen.epoch, holder, first_commit: Instant::now() };
+                let mut reigns = reigns.lock().unwrap_or_else(PoisonError::into_inner);
+                if reigns.last().is_none_or(|last: &Reign| last.epoch < seen.epoch) {
+                    reigns.push(reign);
+                }
+            }
+            Some(_) | None => candidate = Some(seen),
+        }
+    }
+}
+
+/// Asks over the connection that is there, or makes one.
+async fn ask(connection: &mut Option<PgConnection>, database: &PgConnectOptions) -> Option<Look> {
+    const SQL: &str =
+        "SELECT epoch, holder, (SELECT coalesce(max(contact_id), 0) FROM contacts) FROM leases WHERE fleet = $1";
+    if connection.is_none() {
+        *connection = timeout(PATIENCE, PgConnection::connect_with(database)).await.ok()?.ok();
+    }
+    let asked = timeout(PATIENCE, sqlx::query(SQL).bind(FLEET).fetch_optional(connection.as_mut()?)).await;
+    let Ok(Ok(row)) = asked else {
+        *connection = None;
+        return None;
+    };
+    let row = row?;
+    Some(Look { epoch: row.get(0), holder: row.get(1), newest: row.get(2) })
+}

@@ -1,0 +1,71 @@
+//! What the database has at the end.
+
+use sqlx::Row;
+use sqlx::postgres::{PgConnection, PgRow};
+
+use crate::ledger::{Content, Ledger, Recorded};
+use crate::obedience::Decided;
+
+/// Rows that are fetched at once.
+const PAGE: i64 = 20_000;
+
+/// Tells the ledger every contact.
+///
+/// # Errors
+/// The database does not answer.
+pub async fn contacts(connection: &mut PgConnection, ledger: &mut Ledger) -> sqlx::Result<()> {
+    const SQL: &str = "SELECT robot, b.boot_id, seq, c.position, \"array\", whisker, t_us, ratio, deflection_mm, \
+        strain, c.pressure_mpa, coalesce(temperature_c, 'NaN'), contact_id FROM contacts c JOIN boots b USING (boot) \
+        JOIN robots r USING (robot_id) JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
+        WHERE contact_id > $1 ORDER BY contact_id LIMIT $2";
+    let mut last = 0_i64;
+    loop {
+        let rows = sqlx::query(SQL).bind(last).bind(PAGE).fetch_all(&mut *connection).await?;
+        let Some(newest) = rows.last() else { return Ok(()) };
+        last = newest.get("contact_id");
+        rows.iter().for_each(|row| ledger.recorded(contact(row)));
+    }
+}
+
+fn contact(row: &PgRow) -> Recorded {
+    Recorded {
+        robot: row.get(0),
+        boot_id: row.get(1),
+        seq: row.get::<i64, _>(2) as u64,
+        position: row.get::<i64, _>(3) as usize,
+        content: Content {
+            array: row.get(4),
+            whisker: row.get(5),
+            t_us: row.get(6),
+            values: [row.get(7), row.get(8), row.get(9), row.get(10), row.get(11)],
+        },
+    }
+}
+
+/// How many contacts there are.
+///
+/// # Errors
+/// The database does not answer.
+pub async fn count(connection: &mut PgConnection) -> sqlx::Result<i64> {
+    sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(connection).await
+}
+
+/// Every setpoint.
+///
+/// # Errors
+/// The database does not answer.
+pub async fn setpoints(connection: &mut PgConnection) -> sqlx::Result<Vec<Decided>> {
+    const SQL: &str = "SELECT command_id, robot, \"array\", whisker, compensation_id, epoch, version, s.pressure_mpa, \
+        reason, s.state FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
+        JOIN robots r ON r.robot_id = s.robot_id";
+    let decided = |row: PgRow| Decided {
+        command_id: row.get(0),
+        whisker: (row.get(1), row.get(2), row.get(3)),
+        compensation_id: row.get(4),
+        order: (row.get(5), row.get(6)),
+        pressure_mpa: row.get(7),
+        reason: row.get(8),
+        state: row.get(9),
+    };
+    Ok(sqlx::query(SQL).fetch_all(connection).await?.into_iter().map(decided).collect())
+}

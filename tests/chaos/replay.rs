@@ -1,0 +1,81 @@
+//! Late and repeated deliveries: setpoints as they passed the broker are published again, unchanged, seconds later.
+//! A broker may do that; a robot must answer them again or refuse them.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions, QoS};
+use tokio::task::JoinHandle;
+use vibrissa_protocol::{Name, RobotTopic, Setpoint};
+
+use crate::scenario::FLEET;
+
+/// While it is being applied or just after, and after it has expired.
+const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, 13.0..18.0];
+
+/// Keeps repeating; dropped, it ends.
+pub struct Replay {
+    count: Arc<AtomicU64>,
+    task: JoinHandle<()>,
+}
+
+impl Drop for Replay {
+    fn drop(&mut self) {
+        self.task.abort();
+    }
+}
+
+impl Replay {
+    /// Begins, at a broker on that port of 127.0.0.1.
+    pub fn start(broker_port: u16, seed: u64) -> Self {
+        let mut options = MqttOptions::new("replay", ("127.0.0.1", broker_port));
+        options.set_clean_start(true).set_max_packet_size(Some(1 << 20)).set_outgoing_inflight_upper_limit(256);
+        let (client, events) = AsyncClient::builder(options).capacity(1000).build();
+        let count = Arc::new(AtomicU64::new(0));
+        let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone()));
+        Self { count, task }
+    }
+
+    /// How many were published again.
+    pub fn count(&self) -> u64 {
+        self.count.load(Ordering::Relaxed)
+    }
+}
+
+async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8Rng, count: Arc<AtomicU64>) {
+    let filter = RobotTopic::Setpoint.fleet_filter(&Name::new(FLEET).expect("a name"));
+    let mut known = HashSet::new();
+    loop {
+        match events.poll().await {
+            Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                client.try_subscribe(filter.as_str(), QoS::AtLeastOnce).expect("an empty queue");
+            }
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                let setpoint: Setpoint = serde_json::from_slice(&publish.payload).expect("a setpoint of the contract");
+                // Sent again by the supervisor, or by ourselves.
+                if !known.insert(setpoint.command_id) {
+                    continue;
+                }
+                let topic = String::from_utf8(publish.topic.to_vec()).expect("text");
+                for delay_s in DELAYS_S {
+                    let after = Duration::from_secs_f64(random.random_range(delay_s));
+                    let (client, topic, payload) = (client.clone(), topic.clone(), publish.payload.clone());
+                    let count = count.clone();
+                    tokio::spawn(async move {
+                        tokio::time::sleep(after).await;
+                        // Without a connection it waits in the client, and comes even later.
+                        let again = client.try_publish(topic, payload, PublishOptions::new(QoS::AtLeastOnce));
+                        count.fetch_add(u64::from(again.is_ok()), Ordering::Relaxed);
+                    });
+                }
+            }
+            Ok(_) => {}
+            // The broker is away; the client would try again at once.
+            Err(_) => tokio::time::sleep(Duration::from_millis(200)).await,
+        }
+    }
+}

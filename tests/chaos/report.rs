@@ -1,0 +1,251 @@
+//! What came of a run: a table for people, a line of JSON for programs.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::owner::Reign;
+use crate::plan::Fault;
+use crate::strike::{Struck, Surprises};
+use crate::{ledger, obedience};
+
+/// What must be 0, and what it rests on.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Where all randomness came from.
+    pub seed: u64,
+    /// Contacts that robots felt, and rows of the database.
+    pub sent: u64,
+    pub recorded: u64,
+    /// Contacts that are not there, there too often, or not as they were felt.
+    pub missing: u64,
+    pub duplicate: u64,
+    pub wrong: u64,
+    /// Setpoints in the database, and those that robots applied.
+    pub decided: u64,
+    pub applied: u64,
+    /// Setpoints that should not have been applied, or not have been decided.
+    pub applied_twice: u64,
+    pub applied_stale: u64,
+    pub uncommitted: u64,
+    pub two_for_one: u64,
+    /// Setpoints that the harness published again.
+    pub repeated: u64,
+    /// Messages that robots dropped, and those that no receipt had covered at the end.
+    pub dropped: u64,
+    pub undelivered: u64,
+    /// Supervisors that ended by themselves, or not after SIGTERM, and faults without an owner to hit.
+    pub ended_by_themselves: u64,
+    pub stuck: u64,
+    pub ownerless: u64,
+    /// Seconds that robots touched, and that the rest took to arrive.
+    pub run_s: f64,
+    pub drain_s: f64,
+    /// What struck, in order.
+    pub faults: Vec<FaultReport>,
+}
+
+/// One fault.
+#[derive(Debug, Clone, Serialize)]
+pub struct FaultReport {
+    /// What.
+    pub fault: Fault,
+    /// When, in seconds after the robots' start.
+    pub at_s: f64,
+    /// For faults that take the fleet from its owner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub takeover: Option<Takeover>,
+}
+
+/// How another start of a supervisor took over.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Takeover {
+    /// Seconds from the signal to its first commit with contacts; none if there was none until the end.
+    pub seconds: Option<f64>,
+}
+
+impl FaultReport {
+    /// Finds out who took over.
+    pub fn new(struck: &Struck, started: Instant, reigns: &[Reign]) -> Self {
+        let takeover = struck.owner_hit.map(|(hit, epoch)| {
+            let next = reigns.iter().find(|reign| reign.epoch > epoch && reign.first_commit > hit);
+            Takeover { seconds: next.map(|reign| (reign.first_commit - hit).as_secs_f64()) }
+        });
+        Self { fault: struck.fault, at_s: (struck.at - started).as_secs_f64(), takeover }
+    }
+}
+
+impl Report {
+    /// A report with nothing but what was compared.
+    pub fn new(seed: u64, contacts: ledger::Verdict, setpoints: obedience::Verdict, surprises: Surprises) -> Self {
+        Self {
+            seed,
+            sent: contacts.felt,
+            recorded: contacts.recorded,
+            missing: contacts.missing,
+            duplicate: contacts.duplicate,
+            wrong: contacts.wrong,
+            decided: setpoints.decided,
+            applied: setpoints.applied,
+            applied_twice: setpoints.twice,
+            applied_stale: setpoints.stale,
+            uncommitted: setpoints.uncommitted,
+            two_for_one: setpoints.two_for_one,
+            repeated: 0,
+            dropped: 0,
+            undelivered: 0,
+            ended_by_themselves: surprises.ended,
+            stuck: surprises.stuck,
+            ownerless: surprises.ownerless,
+            run_s: 0.0,
+            drain_s: 0.0,
+            faults: Vec::new(),
+        }
+    }
+
+    /// What must be 0, by name.
+    fn forbidden(&self) -> [(&'static str, u64); 13] {
+        let takeovers = self.faults.iter().filter_map(|fault| fault.takeover);
+        [
+            ("contacts missing", self.missing),
+            ("contacts duplicate", self.duplicate),
+            ("contacts wrong", self.wrong),
+            ("setpoints applied twice", self.applied_twice),
+            ("setpoints applied stale", self.applied_stale),
+            ("setpoints applied, not in the database", self.uncommitted),
+            ("setpoints, two for one decision", self.two_for_one),
+            ("messages dropped by robots", self.dropped),
+            ("messages without a receipt at the end", self.undelivered),
+            ("supervisors ended by themselves", self.ended_by_themselves),
+            ("supervisors not ended by SIGTERM", self.stuck),
+            ("faults without an owner to hit", self.ownerless),
+            ("owners hit without a takeover", takeovers.filter(|one| one.seconds.is_none()).count() as u64),
+        ]
+    }
+
+    /// What is wrong: forbidden things that happened, and a run that could not show any.
+    pub fn violations(&self) -> Vec<String> {
+        let forbidden = self.forbidden().into_iter().filter(|&(_, count)| count > 0);
+        let mut violations: Vec<String> = forbidden.map(|(name, count)| format!("{name}: {count}")).collect();
+        for (name, count) in [("contacts", self.sent), ("setpoints", self.applied), ("repetitions", self.repeated)] {
+            if count == 0 {
+                violations.push(format!("no {name}: the run shows nothing"));
+            }
+        }
+        violations
+    }
+
+    /// Takeover times of each kind of fault, rising.
+    fn takeovers(&self) -> BTreeMap<Fault, Vec<f64>> {
+        let mut by_fault: BTreeMap<Fault, Vec<f64>> = BTreeMap::new();
+        for fault in &self.faults {
+            if let Some(seconds) = fault.takeover.and_then(|takeover| takeover.seconds) {
+                by_fault.entry(fault.fault).or_default().push(seconds);
+            }
+        }
+        by_fault.values_mut().for_each(|seconds| seconds.sort_by(f64::total_cmp));
+        by_fault
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "seed {}: {:.0} s, then {:.1} s until everything had arrived",
+            self.seed, self.run_s, self.drain_s
+        )?;
+        writeln!(f)?;
+        for (name, count) in [
+            ("contacts sent", self.sent),
+            ("contacts recorded", self.recorded),
+            ("setpoints decided", self.decided),
+            ("setpoints applied", self.applied),
+            ("setpoints published again", self.repeated),
+        ] {
+            writeln!(f, "{name:<42}{count:>9}")?;
+        }
+        writeln!(f)?;
+        for (name, count) in self.forbidden() {
+            let mark = if count > 0 { "  VIOLATION" } else { "" };
+            writeln!(f, "{name:<42}{count:>9}{mark}")?;
+        }
+        writeln!(f, "\n{:<42}{:>9}  {}", "fault", "at, s", "takeover, s")?;
+        for fault in &self.faults {
+            write!(f, "{:<42}{:>9.1}", fault.fault, fault.at_s)?;
+            match fault.takeover {
+                Some(Takeover { seconds: Some(seconds) }) => writeln!(f, "  {seconds:.2}")?,
+                Some(Takeover { seconds: None }) => writeln!(f, "  none")?,
+                None => writeln!(f)?,
+            }
+        }
+        writeln!(
+            f,
+            "\n{:<42}{:>9}{:>9}{:>9}{:>9}",
+            "from the signal to the next commit, s", "times", "min", "median", "max"
+        )?;
+        for (fault, seconds) in self.takeovers() {
+            let (min, median, max) = (seconds[0], seconds[seconds.len() / 2], seconds[seconds.len() - 1]);
+            writeln!(f, "{fault:<42}{:>9}{min:>9.2}{median:>9.2}{max:>9.2}", seconds.len())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn good() -> Report {
+        let contacts = ledger::Verdict { felt: 10, recorded: 10, ..Default::default() };
+        let setpoints = obedience::Verdict { decided: 2, applied: 1, ..Default::default() };
+        Report { repeated: 1, ..Report::new(1, contacts, setpoints, Surprises::default()) }
+    }
+
+    #[test]
+    fn whatever_is_forbidden_is_a_violation() {
+        assert_eq!(good().violations(), Vec::<String>::new());
+        let edits: [fn(&mut Report); 12] = [
+            |report| report.missing = 1,
+            |report| report.duplicate = 1,
+            |report| report.wrong = 1,
+            |report| report.applied_twice = 1,
+            |report| report.applied_stale = 1,
+            |report| report.uncommitted = 1,
+            |report| report.two_for_one = 1,
+            |report| report.dropped = 1,
+            |report| report.undelivered = 1,
+            |report| report.ended_by_themselves = 1,
+            |report| report.stuck = 1,
+            |report| report.ownerless = 1,
+        ];
+        for edit in edits {
+            let mut report = good();
+            edit(&mut report);
+            assert_eq!(report.violations().len(), 1, "{report:?}");
+        }
+    }
+
+    #[test]
+    fn a_run_in_which_nothing_happens_shows_nothing() {
+        assert_eq!(Report { applied: 0, ..good() }.violations().len(), 1);
+        assert_eq!(Report { repeated: 0, ..good() }.violations().len(), 1);
+    }
+
+    #[test]
+    fn a_takeover_is_the_next_epochs_first_commit_after_the_signal() {
+        let start = Instant::now();
+        let after = |s: f64| start + Duration::from_secs_f64(s);
+        let reign = |epoch, s| Reign { epoch, holder: "b".to_owned(), first_commit: after(s) };
+        let struck = Struck { fault: Fault::OwnerKilled, at: after(5.0), owner_hit: Some((after(5.0), 1)) };
+        let seconds = |reigns: &[Reign]| FaultReport::new(&struck, start, reigns).takeover.unwrap().seconds;
+        assert_eq!(seconds(&[reign(1, 1.0), reign(2, 7.5)]), Some(2.5));
+        assert_eq!(seconds(&[reign(1, 1.0)]), None);
+        let report = Report { faults: vec![FaultReport::new(&struck, start, &[])], ..good() };
+        assert_eq!(report.violations(), ["owners hit without a takeover: 1"]);
+    }
+}

@@ -1,0 +1,130 @@
+//! The robots: many contacts, and trims all the time, so that setpoints flow whatever is wrong at the moment.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
+use vibrissa_simulator::Scenario;
+use vibrissa_simulator::scenario::{
+    ArrayScenario, Behaviour, Breach, Change, Event, Noise, RobotScenario, WhiskerScenario,
+};
+
+use crate::plan::Control;
+
+/// The fleet, and its only array's name on each robot.
+pub const FLEET: &str = "f";
+const ARRAY: &str = "left";
+/// Whiskers of a robot.
+const WHISKERS: u16 = 2;
+/// Contacts in one message: one in 0.2 s from each robot at 20 contacts per second.
+const CONTACTS_PER_MESSAGE: usize = 4;
+/// Messages that a robot keeps: all of the longest run that is meant to have a link's trouble, and more.
+const KEPT_MESSAGES: usize = 20_000;
+/// Nothing is trimmed before it is learned.
+const FIRST_TRIM_S: f64 = 4.0;
+/// From one trim of a robot to its next.
+const TRIMS_APART_S: f64 = 4.0;
+/// Trims per robot and minute.
+const TRIMS_PER_MINUTE: f64 = 2.0;
+
+/// The robots in as many scenarios as there are links between robots and broker.
+pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Control, links: usize) -> Vec<Scenario> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7269_6d73);
+    let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links];
+    for number in 0..robots {
+        let mut robot = robot(number, seconds, &mut random);
+        // Trims have numbers that the database takes once only, which would hide that contacts come twice.
+        if control == Control::NoFence {
+            robot.events.clear();
+        }
+        groups[number % links].push(robot);
+    }
+    let behaviour = Behaviour {
+        contacts_per_second: rate / robots as f64 / f64::from(WHISKERS),
+        contacts_per_message: CONTACTS_PER_MESSAGE,
+        message_after_s: 0.5,
+        kept_messages: KEPT_MESSAGES,
+        journal: true,
+        breach: match control {
+            Control::NoRobotBuffer => Some(Breach::SendsOnce),
+            Control::RobotIgnoresEpochs => Some(Breach::TakesAnySetpoint),
+            Control::None | Control::ReceiptBeforeCommit | Control::NoFence => None,
+        },
+        ..Behaviour::default()
+    };
+    let scenario = |robots| Scenario {
+        seed,
+        fleet: name(FLEET),
+        behaviour: behaviour.clone(),
+        noise: Noise::default(),
+        calibration_error: 0.03,
+        robots,
+    };
+    groups.into_iter().map(scenario).collect()
+}
+
+fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario {
+    let whisker = |whisker| WhiskerScenario {
+        whisker,
+        x_mm: 25.0 * f64::from(whisker),
+        neighbours: (0..WHISKERS).filter(|&other| other != whisker).collect(),
+        ..WhiskerScenario::default()
+    };
+    // Every other one may ask a neighbour; the rest help themselves.
+    let array_type = if number % 2 == 0 { ArrayType::Type1 } else { ArrayType::Type2 };
+    RobotScenario {
+        robot: Name::robot(&format!("r{number:03}")).expect("a name"),
+        model: "chaos".to_owned(),
+        on_supervisor_loss: OnSupervisorLoss::Hold,
+        arrays: vec![ArrayScenario { array: name(ARRAY), array_type, whiskers: (0..WHISKERS).map(whisker).collect() }],
+        events: trims(seconds, random),
+    }
+}
+
+/// At random times, each shorter than the last one of its whisker.
+fn trims(seconds: f64, random: &mut ChaCha8Rng) -> Vec<Event> {
+    let mut lengths_mm = [70.0; WHISKERS as usize];
+    let mut events = Vec::new();
+    let mut at_s = FIRST_TRIM_S + random.random_range(0.0..60.0 / TRIMS_PER_MINUTE);
+    while at_s < seconds {
+        let whisker = random.random_range(0..WHISKERS);
+        let length_mm = &mut lengths_mm[usize::from(whisker)];
+        *length_mm -= random.random_range(1.5..4.0);
+        if *length_mm < 58.0 {
+            break;
+        }
+        events.push(Event::whisker_at_s(at_s, name(ARRAY), whisker, Change::Trim { length_mm: *length_mm }));
+        at_s += TRIMS_APART_S + random.random_range(0.0..2.0 * (60.0 / TRIMS_PER_MINUTE - TRIMS_APART_S));
+    }
+    events
+}
+
+fn name(text: &str) -> Name {
+    Name::new(text).expect("a name")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_are_spread_over_links_and_make_the_rate_together() {
+        let scenarios = scenarios(1, 60.0, 100, 2000.0, Control::None, 4);
+        assert_eq!(scenarios.len(), 4);
+        let robots: usize = scenarios.iter().map(|scenario| scenario.robots.len()).sum();
+        assert_eq!(robots, 100);
+        let per_whisker = scenarios[0].behaviour.contacts_per_second;
+        assert_eq!(per_whisker * f64::from(WHISKERS) * 100.0, 2000.0);
+        scenarios.iter().for_each(|scenario| scenario.check().unwrap());
+    }
+
+    #[test]
+    fn trims_come_all_the_time_and_some_robots_have_two() {
+        let scenarios = scenarios(1, 60.0, 100, 2000.0, Control::None, 1);
+        let events: Vec<usize> = scenarios[0].robots.iter().map(|robot| robot.events.len()).collect();
+        assert!(events.iter().filter(|&&count| count >= 2).count() > 10, "{events:?}");
+        let mut at_s: Vec<f64> =
+            scenarios[0].robots.iter().flat_map(|robot| &robot.events).filter_map(|event| event.at_s).collect();
+        at_s.sort_by(f64::total_cmp);
+        assert!(at_s.windows(2).all(|pair| pair[1] - pair[0] < 5.0), "{at_s:?}");
+    }
+}

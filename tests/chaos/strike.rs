@@ -1,0 +1,213 @@
+//! Makes things go wrong, and repairs them.
+
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use tokio::time::sleep;
+use vibrissa_tests::proxy::Proxy;
+
+use crate::owner::{Reign, Watch};
+use crate::plan::{Fault, Manner, Strike};
+use crate::stage::{Stage, Supervisor};
+
+/// How long a supervisor may take to end after SIGTERM.
+const END_PATIENCE: Duration = Duration::from_secs(12);
+
+/// A fault that has struck.
+#[derive(Debug, Clone)]
+pub struct Struck {
+    /// What.
+    pub fault: Fault,
+    /// When.
+    pub at: Instant,
+    /// For faults that take the fleet from its owner: when the owner was hit, and its epoch.
+    pub owner_hit: Option<(Instant, i64)>,
+}
+
+/// What went wrong beyond what was done.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Surprises {
+    /// Supervisors that ended by themselves.
+    pub ended: u64,
+    /// Supervisors that did not end in good order after SIGTERM.
+    pub stuck: u64,
+    /// Faults for the owner, when there was none for long.
+    pub ownerless: u64,
+}
+
+/// Carries out faults one after the other.
+pub struct Striker<'a> {
+    /// What is there.
+    pub stage: &'a mut Stage,
+    /// Whose the fleet is.
+    pub watch: &'a Watch,
+    /// What has struck.
+    pub struck: Vec<Struck>,
+    /// What nobody intended.
+    pub surprises: Surprises,
+    /// The next owner's epoch is at least this.
+    epoch_min: i64,
+}
+
+impl<'a> Striker<'a> {
+    /// Nothing has struck yet.
+    pub fn new(stage: &'a mut Stage, watch: &'a Watch) -> Self {
+        Self { stage, watch, struck: Vec::new(), surprises: Surprises::default(), epoch_min: 0 }
+    }
+
+    /// Makes one fault happen, and returns when what was broken is repaired.
+    pub async fn strike(&mut self, strike: &Strike) {
+        self.surprises.ended += self.stage.revive();
+        let reign = self.watch.owner(self.epoch_min).await;
+        let Some((owner, reign)) = reign.and_then(|reign| Some((self.place(&reign)?, reign))) else {
+            eprintln!("chaos: nobody supervises: {} comes to nothing", strike.fault);
+            self.surprises.ownerless += 1;
+            return;
+        };
+        eprintln!("chaos: {} (owner {}, epoch {}), {:.1} s", strike.fault, reign.holder, reign.epoch, strike.lasts_s);
+        let begun = Instant::now();
+        let owner_hit = self.carry_out(strike, owner).await;
+        if owner_hit.is_some() {
+            self.epoch_min = reign.epoch + 1;
+        }
+        let owner_hit = owner_hit.map(|hit| (hit, reign.epoch));
+        self.struck.push(Struck { fault: strike.fault, at: begun, owner_hit });
+    }
+
+    /// Which of the supervisors it is.
+    fn place(&self, reign: &Reign) -> Option<usize> {
+        self.stage.supervisors.iter().position(|one| one.name == reign.holder && one.process.is_running())
+    }
+
+    /// Tells when the owner was hit, if the fault is for it.
+    async fn carry_out(&mut self, strike: &Strike, owner: usize) -> Option<Instant> {
+        let lasts = Duration::from_secs_f64(strike.lasts_s);
+        match strike.fault {
+            Fault::OwnerKilled => {
+                let hit = self.kill(owner);
+                sleep(lasts).await;
+                self.stage.supervisors[owner].process.restart();
+                Some(hit)
+            }
+            Fault::OwnerTerminated => {
+                let hit = self.terminate(owner).await;
+                sleep(lasts).await;
+                self.stage.supervisors[owner].process.restart();
+                Some(hit)
+            }
+            Fault::OwnerFrozen => {
+                let hit = self.freeze(owner);
+                sleep(lasts).await;
+                self.stage.supervisors[owner].process.signal(Signal::SIGCONT);
+                Some(hit)
+            }
+            Fault::BrokerKilled => {
+                self.kill_broker(lasts).await;
+                None
+            }
+            Fault::DatabaseKilled => {
+                tokio::task::block_in_place(|| self.stage.database.kill());
+                sleep(lasts).await;
+                self.stage.database.restart().await;
+                None
+            }
+            Fault::RobotLinks => {
+                break_links(&self.robot_links(strike.victims), strike.manner, lasts).await;
+                None
+            }
+            Fault::BrokerLinks => {
+                let links = self.supervisor_links(strike.victims, owner, |one| &one.broker_link);
+                break_links(&links, strike.manner, lasts).await;
+                None
+            }
+            Fault::DatabaseLinks => {
+                let links = self.supervisor_links(strike.victims, owner, |one| &one.database_link);
+                break_links(&links, strike.manner, lasts).await;
+                None
+            }
+            Fault::OwnerCommitsLate => {
+                let link = &self.stage.supervisors[owner].database_link;
+                let hit = Instant::now();
+                break_links(&[link], Manner::Stall, lasts).await;
+                Some(hit)
+            }
+            Fault::DatabaseAwayOwnerKilled => {
+                tokio::task::block_in_place(|| self.stage.database.kill());
+                sleep(lasts / 3).await;
+                let hit = self.kill(owner);
+                sleep(lasts / 3).await;
+                self.stage.database.restart().await;
+                sleep(lasts / 3).await;
+                self.stage.supervisors[owner].process.restart();
+                Some(hit)
+            }
+            Fault::OwnerFrozenBrokerKilled => {
+                let hit = self.freeze(owner);
+                sleep(lasts / 4).await;
+                self.kill_broker(lasts / 4).await;
+                sleep(lasts.saturating_sub(hit.elapsed())).await;
+                self.stage.supervisors[owner].process.signal(Signal::SIGCONT);
+                Some(hit)
+            }
+        }
+    }
+
+    fn kill(&mut self, owner: usize) -> Instant {
+        let hit = Instant::now();
+        tokio::task::block_in_place(|| self.stage.supervisors[owner].process.kill());
+        hit
+    }
+
+    fn freeze(&mut self, owner: usize) -> Instant {
+        self.stage.supervisors[owner].process.signal(Signal::SIGSTOP);
+        Instant::now()
+    }
+
+    async fn terminate(&mut self, owner: usize) -> Instant {
+        let Supervisor { name, process, .. } = &mut self.stage.supervisors[owner];
+        let hit = Instant::now();
+        process.signal(Signal::SIGTERM);
+        match process.ended(END_PATIENCE).await {
+            Some(status) if status.success() => return hit,
+            Some(status) => eprintln!("chaos: supervisor {name} ended badly after SIGTERM: {status}"),
+            None => {
+                eprintln!("chaos: supervisor {name} does not end after SIGTERM");
+                tokio::task::block_in_place(|| process.kill());
+            }
+        }
+        self.surprises.stuck += 1;
+        hit
+    }
+
+    async fn kill_broker(&mut self, lasts: Duration) {
+        tokio::task::block_in_place(|| self.stage.broker.kill());
+        sleep(lasts).await;
+        tokio::task::block_in_place(|| self.stage.broker.restart());
+    }
+
+    fn robot_links(&self, victims: u8) -> Vec<&Proxy> {
+        let is_victim = |at: usize| victims >> (2 * at) & 0b11 != 0;
+        self.stage.robot_links.iter().enumerate().filter(|(at, _)| is_victim(*at)).map(|(_, link)| link).collect()
+    }
+
+    /// The owner's link, the other one's, or both: the owner's more often.
+    fn supervisor_links(&self, victims: u8, owner: usize, link: impl Fn(&Supervisor) -> &Proxy) -> Vec<&Proxy> {
+        let (of_owner, of_other) = (link(&self.stage.supervisors[owner]), link(&self.stage.supervisors[1 - owner]));
+        match victims % 4 {
+            0 => vec![of_other],
+            1 => vec![of_owner],
+            _ => vec![of_owner, of_other],
+        }
+    }
+}
+
+async fn break_links(links: &[&Proxy], manner: Manner, lasts: Duration) {
+    if manner != Manner::Cut {
+        links.iter().for_each(|link| link.stall(true));
+        sleep(lasts).await;
+    }
+    if manner != Manner::Stall {
+        links.iter().for_each(|link| link.cut());
+    }
+    links.iter().for_each(|link| link.stall(false));
+}

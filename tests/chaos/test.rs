@@ -1,0 +1,42 @@
+//! A minute of chaos, and that the harness sees what it is meant to see.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Runs the program `chaos`; gives its exit code and its result.
+fn chaos(arguments: &[&str]) -> (i32, Value) {
+    let output = Command::new(env!("CARGO_BIN_EXE_chaos"))
+        .args(["--json", "--program", env!("CARGO_BIN_EXE_vibrissa-under-test")])
+        .args(arguments)
+        .output()
+        .expect("a program of ours");
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    // Shown if the test fails.
+    println!("{said}{told}");
+    let result = told.lines().last().and_then(|line| serde_json::from_str(line).ok());
+    (output.status.code().expect("an exit code"), result.expect("a line of JSON"))
+}
+
+fn count(result: &Value, name: &str) -> u64 {
+    result[name].as_u64().unwrap_or_else(|| panic!("no {name}: {result}"))
+}
+
+/// One after the other: each needs the whole machine.
+#[test]
+fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
+    let (code, result) = chaos(&["--seed", "1", "--seconds", "60"]);
+    assert_eq!(code, 0);
+    assert_eq!(result["faults"].as_array().expect("faults").len(), 11);
+
+    let control = |name: &str, seconds: &str| {
+        let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name]);
+        assert_eq!(code, 1, "{name} is not caught");
+        result
+    };
+    assert!(count(&control("receipt-before-commit", "22"), "missing") > 0);
+    assert!(count(&control("no-fence", "20"), "duplicate") > 0);
+    let result = control("robot-ignores-epochs", "20");
+    assert!(count(&result, "applied_twice") > 0 && count(&result, "applied_stale") > 0);
+    assert!(count(&control("no-robot-buffer", "20"), "missing") > 0);
+}
