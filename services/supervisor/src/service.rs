@@ -73,6 +73,9 @@ impl Service {
     /// # Errors
     /// A port is taken, or the database cannot be used. A server that is away is no error: it is waited for.
     pub async fn start(options: ServiceOptions) -> anyhow::Result<Self> {
+        if options.database.is_exposed() {
+            warn!(database = %options.database, "not verified to be that server: add ?sslmode=verify-full to its URL");
+        }
         let store = Store::open(&options.database, &options.name).await?;
         let is_prepared = match store.prepare().await {
             Ok(()) => true,

@@ -7,6 +7,13 @@ use nix::sys::signal::Signal;
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
+use vibrissa::mqtt::BrokerAddress;
+use vibrissa::readiness::Standing;
+use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa::store::DatabaseAddress;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::postgres::Postgres;
@@ -85,26 +92,8 @@ impl Stage {
         sqlx::query_as(sql).fetch_one(&mut self.link().await).await.unwrap()
     }
 
-    /// Two robots that are touched 200 times a second.
     fn fleet(&self, name: &str) -> Fleet {
-        let scenario = format!(
-            r#"
-fleet = "{name}"
-seed = 7
-[behaviour]
-contacts_per_second = 50.0
-contacts_per_message = 5
-message_after_s = 0.2
-[[robots]]
-robot = "one"
-arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
-[[robots]]
-robot = "two"
-arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
-"#
-        );
-        let scenario = Scenario::from_toml_str(&scenario).unwrap();
-        Fleet::start(&scenario, &Broker::new("127.0.0.1", self.broker.port())).unwrap()
+        start_fleet(name, self.broker.port())
     }
 
     /// Waits for that many contacts more in the database.
@@ -126,6 +115,28 @@ arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ 
         let made = fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum::<u64>() as i64;
         assert_eq!(self.counted().await, (made, made));
     }
+}
+
+/// Two robots that are touched 200 times a second.
+fn start_fleet(name: &str, broker_port: u16) -> Fleet {
+    let scenario = format!(
+        r#"
+fleet = "{name}"
+seed = 7
+[behaviour]
+contacts_per_second = 50.0
+contacts_per_message = 5
+message_after_s = 0.2
+[[robots]]
+robot = "one"
+arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
+[[robots]]
+robot = "two"
+arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ whisker = 1 }}] }}]
+"#
+    );
+    let scenario = Scenario::from_toml_str(&scenario).unwrap();
+    Fleet::start(&scenario, &Broker::new("127.0.0.1", broker_port)).unwrap()
 }
 
 impl Replica {
@@ -280,4 +291,37 @@ async fn a_server_that_refuses_is_named_without_the_password() {
     let said = refusal(folder.path(), &["--database-url", &url]);
     assert!(said.contains("nowhere") && said.contains("does not exist"), "{said}");
     assert!(!said.contains("S3cret"), "{said}");
+}
+
+#[tokio::test]
+async fn one_supervisor_with_a_file_has_several_fleets() {
+    let broker = Mosquitto::start();
+    let folder = tempfile::tempdir().unwrap();
+    let address: DatabaseAddress = format!("sqlite:{}", folder.path().join("v.sqlite3").display()).parse().unwrap();
+    let fleets = ["f1", "f2"].map(|fleet| Name::new(fleet).unwrap());
+    let service = Service::start(ServiceOptions {
+        name: "s".to_owned(),
+        fleets: fleets.to_vec(),
+        database: address,
+        lease_time_to_live: LEASE_TIME_TO_LIVE,
+        broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
+        mqtt_port: 0,
+        http: ([127, 0, 0, 1], 0).into(),
+        params: Params::nguyen_2021(Formulation::Published),
+    })
+    .await
+    .unwrap();
+    let robots = fleets.each_ref().map(|fleet| start_fleet(fleet.as_str(), broker.port()));
+    until_true("contacts of both", async || {
+        let whiskers = service.store.whiskers().await.unwrap();
+        let touched = |fleet: &Name| whiskers.iter().any(|one| one.fleet == fleet.as_str() && one.contacts > 20);
+        fleets.iter().all(touched)
+    })
+    .await;
+    let standings = service.readiness.fleets();
+    assert!(fleets.iter().all(|fleet| standings[fleet] == Standing::Owned { epoch: 1 }), "{standings:?}");
+    for fleet in robots {
+        fleet.stop().await;
+    }
+    service.stop().await;
 }

@@ -64,13 +64,16 @@ impl std::fmt::Debug for DatabaseAddress {
 }
 
 impl DatabaseAddress {
-    /// Whether what is said to the server can be read on the way to it.
+    /// Whether somebody on the way to the server could read what is said, or answer in its place.
     #[must_use]
-    pub fn is_plain_text(&self) -> bool {
+    pub fn is_exposed(&self) -> bool {
         match self {
             Self::Sqlite(_) => false,
             Self::Postgres(options) => {
-                matches!(options.get_ssl_mode(), PgSslMode::Disable | PgSslMode::Allow | PgSslMode::Prefer)
+                let is_here = options.get_socket().is_some()
+                    || matches!(options.get_host(), "localhost" | "127.0.0.1" | "::1")
+                    || options.get_host().starts_with('/');
+                !is_here && !matches!(options.get_ssl_mode(), PgSslMode::VerifyFull | PgSslMode::VerifyCa)
             }
         }
     }
@@ -79,6 +82,14 @@ impl DatabaseAddress {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_server_elsewhere_is_exposed_unless_its_certificate_is_verified() {
+        let is_exposed = |text: &str| text.parse::<DatabaseAddress>().unwrap().is_exposed();
+        assert!(is_exposed("postgres://u@db/d") && is_exposed("postgres://u@db/d?sslmode=require"));
+        assert!(!is_exposed("postgres://u@db/d?sslmode=verify-full"));
+        assert!(!is_exposed("postgres://u@127.0.0.1/d") && !is_exposed("sqlite:v"));
+    }
 
     #[test]
     fn an_address_is_a_file_or_a_server_and_keeps_its_password() {

@@ -28,7 +28,7 @@ pub use lease::{FleetLease, Lease, Roll, Supervisor};
 pub use load::StoredRobot;
 pub use writer::Writer;
 
-use database::{Either, Options, Pool, on};
+use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
 use error::failed;
 
 /// An open database, for reading.
@@ -82,8 +82,12 @@ impl Store {
     /// # Errors
     /// It does not.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        on!(&self.pool, |pool| sqlx::query("SELECT 1").execute(pool).await.map(drop))
-            .map_err(failed("ask whether it is there"))
+        const WHAT: &str = "ask whether it is there";
+        let asked = async { on!(&self.pool, |pool| sqlx::query("SELECT 1").execute(pool).await.map(drop)) };
+        match tokio::time::timeout(ACQUIRE_PATIENCE, asked).await {
+            Ok(answered) => answered.map_err(failed(WHAT)),
+            Err(_) => Err(StoreError::NoAnswer { what: WHAT, patience: ACQUIRE_PATIENCE }),
+        }
     }
 
     /// Closes all connections, so that a file is complete by itself.
