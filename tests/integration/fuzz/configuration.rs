@@ -64,7 +64,7 @@ fn what_is_bent_is_good_before() {
 }
 
 proptest! {
-    #![proptest_config(cases(8000))]
+    #![proptest_config(cases(4000))]
 
     #[test]
     fn a_file_is_taken_or_every_problem_is_told(input in files()) {

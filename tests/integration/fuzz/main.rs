@@ -46,12 +46,20 @@ impl fmt::Debug for Input {
 pub(crate) fn in_time<T>(mut work: impl FnMut() -> T) -> T {
     let mut least = Duration::MAX;
     for _ in 0..5 {
-        let start = Instant::now();
+        let (start, before) = (Instant::now(), processor_time());
         let result = work();
-        least = least.min(start.elapsed());
+        let took = start.elapsed();
+        // What others took from us does not count.
+        least = least.min(before.zip(processor_time()).map_or(took, |(before, after)| took.min(after - before)));
         if least <= PATIENCE {
             return result;
         }
     }
     panic!("took {least:?} at best");
+}
+
+/// How long this thread has run; none where the system does not tell.
+fn processor_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse().map(Duration::from_nanos).ok()
 }

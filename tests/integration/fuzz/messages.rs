@@ -82,7 +82,7 @@ fn what_is_bent_is_good_before() {
 }
 
 proptest! {
-    #![proptest_config(cases(30_000))]
+    #![proptest_config(cases(10_000))]
 
     #[test]
     fn a_payload_is_taken_and_kept_or_refused_briefly((kind, input) in payloads()) {

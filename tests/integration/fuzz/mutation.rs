@@ -168,10 +168,10 @@ fn bend_tree(tree: &mut Node, mutation: &Mutation) {
             Some(Node::Leaf(_)) | None => {}
         },
         Mutation::Rename(place, entry, name) => {
-            if let Some(Node::Object(fields)) = tree.pick(*place, |node| matches!(node, Node::Object(_))) {
-                if let Some(index) = at(*entry, fields.len()) {
-                    fields[index].0.clone_from(name);
-                }
+            if let Some(Node::Object(fields)) = tree.pick(*place, |node| matches!(node, Node::Object(_)))
+                && let Some(index) = at(*entry, fields.len())
+            {
+                fields[index].0.clone_from(name);
             }
         }
         Mutation::Flip(..) | Mutation::Truncate(..) | Mutation::Insert(..) | Mutation::Echo(..) => {}

@@ -21,7 +21,7 @@ fn topics() -> impl Strategy<Value = Input> {
 }
 
 proptest! {
-    #![proptest_config(cases(20_000))]
+    #![proptest_config(cases(8000))]
 
     #[test]
     fn a_topic_is_read_or_refused_briefly(input in topics()) {

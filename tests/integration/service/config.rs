@@ -126,22 +126,18 @@ fn for_every_key_flags_win_over_the_environment_over_the_file_over_the_default()
         let [in_file, in_environment, in_flag] = values(key);
         std::fs::write(folder.path().join("v.toml"), format!("{key} = {}\n", toml(key, in_file))).unwrap();
         let flag = format!("--{}={in_flag}", key.flag());
-        let file = ["--config", "v.toml"];
-        let mut layers: Vec<(Vec<&str>, Vec<(&str, &str)>, String, String)> =
-            vec![(file.to_vec(), vec![], in_file.to_owned(), "file v.toml".to_owned())];
-        let variable = (key.environment(), in_environment);
-        let from = format!("environment {}", key.environment());
-        layers.push((file.to_vec(), vec![variable], in_environment.to_owned(), from));
-        let from = format!("flag --{}", key.flag());
-        layers.push(([&file[..], &[&flag]].concat(), vec![variable], in_flag.to_owned(), from));
-        for (arguments, environment, value, from) in layers {
-            let shown = shown(folder.path(), &[&arguments[..], companions(key)].concat(), &environment);
+        let (variable, file) = ([(key.environment(), in_environment)], ["--config", "v.toml"]);
+        let holds = |flags: &[&str], variables: &[(&str, &str)], value: &str, from: &str| {
+            let shown = shown(folder.path(), &[&file[..], flags, companions(key)].concat(), variables);
             let expected = match key.kind() {
                 Kind::Secret => format!("# {} = \"***\"  # {from}", key.section().1),
-                _ => format!("{} = {}  # {from}", key.section().1, toml(key, &value)),
+                _ => format!("{} = {}  # {from}", key.section().1, toml(key, value)),
             };
             assert_eq!(line(&shown, key), expected);
-        }
+        };
+        holds(&[], &[], in_file, "file v.toml");
+        holds(&[], &variable, in_environment, &format!("environment {}", key.environment()));
+        holds(&[&flag], &variable, in_flag, &format!("flag --{}", key.flag()));
     }
 }
 

@@ -11,6 +11,8 @@ use super::problem::{Origin, Problem, did_you_mean};
 
 /// The largest configuration file, bytes: far above any real one.
 pub const FILE_MAX_BYTES: usize = 64 * 1024;
+/// The longest list: far above any real one.
+pub(super) const LIST_MAX: usize = 256;
 
 /// Variables that others read: the file's name, the simulator's scenario, the tests' faults.
 const KNOWN_ELSEWHERE: [&str; 3] = ["VIBRISSA_CONFIG", "VIBRISSA_SCENARIO", "VIBRISSA_TEST_FAULT"];
@@ -223,7 +225,8 @@ fn written(kind: Kind, texts: &[String]) -> Value {
         Kind::Text | Kind::Secret | Kind::DatabaseUrl | Kind::File => text.into(),
         Kind::Texts | Kind::Files => {
             let items = texts.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|text| !text.is_empty());
-            items.map(str::to_owned).collect::<Vec<String>>().into()
+            // One too many is refused as a whole: the rest need not go through the layers.
+            items.take(LIST_MAX + 1).map(str::to_owned).collect::<Vec<String>>().into()
         }
         Kind::Number { .. } => text.parse::<f64>().map_or_else(|_| text.into(), Into::into),
         Kind::Whole { .. } => text.parse::<i64>().map_or_else(|_| text.into(), Into::into),

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use figment::value::Value;
 
 use super::keys::{Key, Kind};
-use super::layers::Layers;
+use super::layers::{LIST_MAX, Layers};
 use super::problem::{Origin, Problem};
 use crate::secret::Secret;
 
@@ -17,9 +17,8 @@ pub(super) const MASK: &str = "***";
 /// The longest password file, bytes: a longer one is another file.
 const PASSWORD_MAX_BYTES: u64 = 4096;
 
-/// The longest text, bytes, and the longest list: far above any real one.
+/// The longest text, bytes: far above any real one.
 const TEXT_MAX_BYTES: usize = 4096;
-const LIST_MAX: usize = 256;
 
 /// Reads values; what is wrong is collected.
 pub(super) struct Reader {
@@ -95,7 +94,7 @@ impl Reader {
         self.read(key, |value| {
             let items = value.as_array().ok_or_else(|| wrong_type(key, value))?;
             if items.len() > LIST_MAX {
-                return Err(format!("must have at most {LIST_MAX} entries, not {}", items.len()));
+                return Err(format!("must have at most {LIST_MAX} entries"));
             }
             let text = |item: &Value| match item.as_str() {
                 Some(text) if text.len() > TEXT_MAX_BYTES => {
