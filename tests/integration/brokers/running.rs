@@ -51,8 +51,14 @@ impl Running {
         })
         .await
         .unwrap();
-        until_true("the connection to the broker", async || service.metrics.broker_connected.get() == 1).await;
-        Self { service, folder }
+        let running = Self { service, folder };
+        until_true("the connection to the broker", async || running.is_connected()).await;
+        running
+    }
+
+    /// Whether robots are heard.
+    pub(crate) fn is_connected(&self) -> bool {
+        self.service.metrics.of_fleet(&Name::new("lab").unwrap()).broker_connected.get() == 1
     }
 
     /// Contacts in the database.

@@ -278,17 +278,14 @@ async fn a_robot_whose_stored_state_cannot_be_read_starts_anew_and_its_trims_hav
 async fn a_predecessors_late_will_does_not_stay_the_last_word() {
     let broker = Mosquitto::start();
     let folder = tempfile::tempdir().unwrap();
-    Program::start(&database_in(&folder), broker.port()).end(Ending::Terminated).await;
-    let program = Program::start(&database_in(&folder), broker.port());
     let topic = "whisker/v1/f/supervisor/state";
     let mut observer = Observer::subscribed(broker.port(), "observer", &[topic]).await;
-    let online = async |observer: &mut Observer| {
-        until("online in epoch 2", async || {
-            Some(next_supervisor_state(observer).await).filter(|state| *state == (SupervisorPresence::Online, 2))
-        })
-        .await
-    };
-    online(&mut observer).await;
+    let program = Program::start(&database_in(&folder), broker.port());
+    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Online, 1));
+    program.end(Ending::Terminated).await;
+    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, 1));
+    let program = Program::start(&database_in(&folder), broker.port());
+    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Online, 2));
     let will = SupervisorState {
         boot_id: BootId::new("before").unwrap(),
         seq: 1,
@@ -297,6 +294,6 @@ async fn a_predecessors_late_will_does_not_stay_the_last_word() {
     };
     observer.publish(topic, encode(&will), true).await;
     assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, 1));
-    online(&mut observer).await;
+    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Online, 2));
     program.end(Ending::Terminated).await;
 }

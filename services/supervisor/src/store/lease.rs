@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use sqlx::postgres::PgRow;
 use sqlx::{PgConnection, Row, SqliteConnection};
 use tokio::time::Instant;
 use vibrissa_protocol::Name;
@@ -209,6 +210,9 @@ impl Writer {
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
                 let epoch = raise_epoch(&mut tx, sql, supervisor, fleet).await.map_err(failed(WHAT))?;
                 let is_shared = matches!(tx, Either::Postgres(_));
+                if let Either::Postgres(tx) = &mut tx {
+                    forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
+                }
                 tx.commit().await.map_err(failed(WHAT))?;
                 Ok((epoch, is_shared))
             })
@@ -327,12 +331,6 @@ async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease])
     .bind(time_to_live)
     .execute(&mut *tx)
     .await?;
-    // Long gone: whoever comes again comes under a new name.
-    sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(&mut *tx).await?;
-    sqlx::query("INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING")
-        .bind(&fleets)
-        .execute(&mut *tx)
-        .await?;
     let renewed = sqlx::query_scalar(
         "UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
          JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
@@ -344,12 +342,16 @@ async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease])
     .bind(held.iter().map(|lease| lease.epoch as i64).collect::<Vec<_>>())
     .fetch_all(&mut *tx)
     .await?;
-    let rows = sqlx::query(
-        "SELECT fleet, epoch, owner, holder, expires_us <= clock_us() AS free FROM leases WHERE fleet = ANY($1)",
-    )
-    .bind(&fleets)
-    .fetch_all(&mut *tx)
-    .await?;
+    let mut rows = lease_rows(&mut *tx, &fleets).await?;
+    if rows.len() < fleets.len() {
+        sqlx::query(
+            "INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING",
+        )
+        .bind(&fleets)
+        .execute(&mut *tx)
+        .await?;
+        rows = lease_rows(&mut *tx, &fleets).await?;
+    }
     let leases = rows.iter().filter_map(|row| {
         Some(FleetLease {
             fleet: Name::new(row.get("fleet")).ok()?,
@@ -367,4 +369,18 @@ async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease])
         (row.get("supervisor"), fleets)
     });
     Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
+}
+
+/// Supervisors that were killed long ago: whoever comes again comes under a new name.
+async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
+    sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(tx).await.map(drop)
+}
+
+async fn lease_rows(tx: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
+    sqlx::query(
+        "SELECT fleet, epoch, owner, holder, expires_us <= clock_us() AS free FROM leases WHERE fleet = ANY($1)",
+    )
+    .bind(fleets)
+    .fetch_all(tx)
+    .await
 }
