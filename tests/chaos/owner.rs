@@ -1,6 +1,6 @@
 //! Who supervises, as the database says, and since when to some effect.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use sqlx::postgres::{PgConnectOptions, PgConnection};
@@ -28,10 +28,19 @@ pub struct Reign {
     pub first_commit: Instant,
 }
 
+/// What was seen so far.
+#[derive(Debug, Default)]
+struct Seen {
+    /// Owners that have recorded contacts, in their order.
+    reigns: Vec<Reign>,
+    /// The newest epoch, whether or not its owner has recorded anything.
+    epoch: i64,
+}
+
 /// Keeps looking; dropped, it looks no more.
 #[derive(Debug)]
 pub struct Watch {
-    reigns: Arc<Mutex<Vec<Reign>>>,
+    seen: Arc<Mutex<Seen>>,
     task: JoinHandle<()>,
 }
 
@@ -44,21 +53,24 @@ impl Drop for Watch {
 impl Watch {
     /// Begins to look.
     pub fn start(database: PgConnectOptions) -> Self {
-        let reigns = Arc::new(Mutex::new(Vec::new()));
-        let task = tokio::spawn(look(database, reigns.clone()));
-        Self { reigns, task }
+        let seen = Arc::new(Mutex::new(Seen::default()));
+        let task = tokio::spawn(look(database, seen.clone()));
+        Self { seen, task }
     }
 
     /// All so far, in their order.
     pub fn reigns(&self) -> Vec<Reign> {
-        self.reigns.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        locked(&self.seen).reigns.clone()
     }
 
-    /// The owner with the highest epoch that has recorded contacts: waits for one whose epoch is at least that.
+    /// The owner, as soon as it has recorded contacts; its epoch is at least that.
     pub async fn owner(&self, epoch_min: i64) -> Option<Reign> {
         let deadline = Instant::now() + OWNER_PATIENCE;
         loop {
-            let last = self.reigns().pop().filter(|reign| reign.epoch >= epoch_min);
+            let last = {
+                let seen = locked(&self.seen);
+                seen.reigns.last().filter(|reign| reign.epoch == seen.epoch && reign.epoch >= epoch_min).cloned()
+            };
             if last.is_some() || Instant::now() > deadline {
                 return last;
             }
@@ -74,7 +86,11 @@ struct Look {
     newest: i64,
 }
 
-async fn look(database: PgConnectOptions, reigns: Arc<Mutex<Vec<Reign>>>) {
+fn locked(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
+    seen.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
     let mut connection = None;
     let mut candidate: Option<Look> = None;
     loop {
@@ -85,12 +101,15 @@ async fn look(database: PgConnectOptions, reigns: Arc<Mutex<Vec<Reign>>>) {
             Some(known) if known.epoch == seen.epoch => {
                 let Some(holder) = seen.holder.filter(|_| seen.newest > known.newest) else { continue };
                 let reign = Reign { epoch: seen.epoch, holder, first_commit: Instant::now() };
-                let mut reigns = reigns.lock().unwrap_or_else(PoisonError::into_inner);
-                if reigns.last().is_none_or(|last: &Reign| last.epoch < seen.epoch) {
-                    reigns.push(reign);
+                let mut all = locked(&all);
+                if all.reigns.last().is_none_or(|last| last.epoch < seen.epoch) {
+                    all.reigns.push(reign);
                 }
             }
-            Some(_) | None => candidate = Some(seen),
+            Some(_) | None => {
+                locked(&all).epoch = seen.epoch;
+                candidate = Some(seen);
+            }
         }
     }
 }
