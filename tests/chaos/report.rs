@@ -172,7 +172,7 @@ impl fmt::Display for Report {
             let mark = if count > 0 { "  VIOLATION" } else { "" };
             writeln!(f, "{name:<42}{count:>9}{mark}")?;
         }
-        writeln!(f, "\n{:<42}{:>9}  {}", "fault", "at, s", "takeover, s")?;
+        writeln!(f, "\n{:<42}{:>9}  takeover, s", "fault", "at, s")?;
         for fault in &self.faults {
             write!(f, "{:<42}{:>9.1}", fault.fault, fault.at_s)?;
             match fault.takeover {

@@ -70,7 +70,7 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
         ..WhiskerScenario::default()
     };
     // Every other one may ask a neighbour; the rest help themselves.
-    let array_type = if number % 2 == 0 { ArrayType::Type1 } else { ArrayType::Type2 };
+    let array_type = if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 };
     RobotScenario {
         robot: Name::robot(&format!("r{number:03}")).expect("a name"),
         model: "chaos".to_owned(),

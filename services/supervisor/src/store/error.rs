@@ -91,10 +91,9 @@ impl StoreError {
         match self {
             Self::NoFolder { .. } | Self::InUse { .. } | Self::Lock { .. } | Self::TooOld { .. } => false,
             Self::Open { source, .. } | Self::Query { source, .. } => passes(source),
-            Self::Migrate { source, .. } => match source {
-                sqlx::migrate::MigrateError::Execute(source) => passes(source),
-                _ => false,
-            },
+            Self::Migrate { source, .. } => {
+                matches!(source, sqlx::migrate::MigrateError::Execute(source) if passes(source))
+            }
             Self::NoAnswer { .. } => true,
             Self::LeaseLost { .. } => false,
         }
@@ -103,14 +102,12 @@ impl StoreError {
 
 /// Whether a server that gives this answer may give another one soon.
 fn passes(problem: &sqlx::Error) -> bool {
-    match problem {
-        sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_) => true,
+    if let sqlx::Error::Database(told) = problem {
         // Connection trouble, lack of resources, shutting down or starting up, and conflicts.
-        sqlx::Error::Database(told) => {
-            told.code().is_some_and(|code| ["08", "53", "57", "40", "55"].iter().any(|class| code.starts_with(class)))
-        }
-        _ => false,
+        let code = told.code().unwrap_or_default();
+        return ["08", "53", "57", "40", "55"].iter().any(|class| code.starts_with(class));
     }
+    matches!(problem, sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_))
 }
 
 /// Names what a query is for, if it fails.
