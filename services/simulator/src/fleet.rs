@@ -175,6 +175,20 @@ impl Fleet {
         self.robots.iter().find(|robot| robot.name() == name)
     }
 
+    /// Contacts that all robots have made.
+    #[must_use]
+    pub fn contacts_made(&self) -> u64 {
+        self.robots.iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
+    }
+
+    /// Whether all that was made is receipted; asked of robots at rest.
+    #[must_use]
+    pub fn is_receipted(&self) -> bool {
+        // Contacts that still wait for their message to fill up are due at once when a robot rests.
+        let is_sent = |robot: &mut Robot| robot.messages_kept() == 0 && robot.next_deadline() > robot.start_us();
+        self.robots.iter().all(|robot| robot.with(is_sent))
+    }
+
     /// No robot makes contacts any more; what was made is sent until it is receipted.
     pub fn rest(&self) {
         self.robots.iter().for_each(|robot| robot.with(Robot::rest));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{Duration, sleep};
 use tracing::{error, info, warn};
 use vibrissa_protocol::Name;
 
@@ -16,6 +16,9 @@ use crate::store::{Roll, StoreError, Supervisor, Writer};
 
 /// Turns in a time to live: each renews the leases and looks for free ones.
 const TURNS_A_TIME_TO_LIVE: u32 = 8;
+
+/// From one turn to the next at least: an owner may be renewing at this moment.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(20);
 
 /// The part of readiness that is kept here.
 const PART: &str = "ownership";
@@ -50,13 +53,7 @@ impl Ownership {
 
     /// Keeps at it until told to stop, then gives everything back.
     pub(crate) async fn run(mut self, mut stop: watch::Receiver<bool>) {
-        let mut turns = interval(self.supervisor.time_to_live / TURNS_A_TIME_TO_LIVE);
-        turns.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
-            tokio::select! {
-                _ = turns.tick() => {}
-                () = stopped(&mut stop) => break,
-            }
             let turn = tokio::select! {
                 turn = self.turn() => turn,
                 () = stopped(&mut stop) => break,
@@ -65,13 +62,23 @@ impl Ownership {
                 self.shared.metrics.database_errors.inc();
                 warn!(%problem, "cannot keep the leases; trying again");
             }
+            let pause = *turn.as_ref().unwrap_or(&self.pause());
             self.shared.readiness.set(PART, turn.err().map(|problem| problem.to_string()));
+            tokio::select! {
+                () = sleep(pause) => {}
+                () = stopped(&mut stop) => break,
+            }
         }
         self.leave().await;
     }
 
-    /// One turn: renew, look, give back, take.
-    async fn turn(&mut self) -> Result<(), StoreError> {
+    fn pause(&self) -> Duration {
+        self.supervisor.time_to_live / TURNS_A_TIME_TO_LIVE
+    }
+
+    /// One turn: renew, look, give back, take. Tells when the next one is due: at the latest when a lease of
+    /// somebody else's expires unless it is renewed.
+    async fn turn(&mut self) -> Result<Duration, StoreError> {
         if !self.is_prepared {
             self.shared.store.prepare().await?;
             self.is_prepared = true;
@@ -105,7 +112,13 @@ impl Ownership {
             let holder = lease.holder.clone().filter(|_| !lease.free);
             self.shared.readiness.stands(&lease.fleet, Standing::Standby { holder });
         }
-        Ok(())
+        let soonest = roll
+            .leases
+            .iter()
+            .filter(|lease| !self.fleets.contains_key(&lease.fleet))
+            .filter_map(|lease| lease.free_in)
+            .min();
+        Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
     }
 
     /// Fleets whose supervision has ended by itself, and those whose end is through.

@@ -80,6 +80,7 @@ mod tests {
             owner: owner.map(str::to_owned),
             holder: owner.map(str::to_owned),
             free: owner.is_none(),
+            free_in: None,
         });
         let present = present.iter().map(|one| ((*one).to_owned(), fleets.clone())).collect();
         Roll { leases: leases.collect(), present }

@@ -7,7 +7,7 @@ use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::wait::until_true;
 
 use crate::link::{Link, PASSWORD, plain, tls, with_certificate, with_password};
-use crate::running::{Running, everything_is_recorded, fleet, made};
+use crate::running::{Running, everything_is_recorded, fleet};
 
 /// With TLS, a certificate of the supervisor's own, and users.
 fn broker(folder: &TempDir) -> (Mosquitto, BrokerAddress) {
@@ -38,8 +38,8 @@ async fn a_broker_with_tls_and_passwords_that_is_killed_is_used_again_and_nothin
     until_true("contacts", async || running.contacts().await > 100).await;
     broker.kill();
     until_true("no connection", async || !running.is_connected()).await;
-    let during = made(&fleet);
-    until_true("contacts without a broker", async || made(&fleet) > during + 20).await;
+    let during = fleet.contacts_made();
+    until_true("contacts without a broker", async || fleet.contacts_made() > during + 20).await;
     broker.restart();
     // Only with new subscriptions can these arrive.
     everything_is_recorded(&fleet, &running, 100).await;

@@ -85,16 +85,13 @@ pub(crate) fn fleet(port: u16, ca_file: Option<&Path>) -> Fleet {
     Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &broker).unwrap()
 }
 
-/// Contacts that the robots have made.
-pub(crate) fn made(fleet: &Fleet) -> u64 {
-    fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
-}
-
 /// Waits until robots have made `more` contacts more, lets them rest, and waits until each is in the database.
 pub(crate) async fn everything_is_recorded(fleet: &Fleet, running: &Running, more: u64) {
-    let goal = made(fleet) + more;
-    until_true("more contacts", async || made(fleet) >= goal).await;
+    let goal = fleet.contacts_made() + more;
+    until_true("more contacts", async || fleet.contacts_made() >= goal).await;
     fleet.rest();
-    until_true("every contact recorded", async || running.contacts().await == i64::try_from(made(fleet)).unwrap())
-        .await;
+    until_true("every contact recorded", async || {
+        running.contacts().await == i64::try_from(fleet.contacts_made()).unwrap()
+    })
+    .await;
 }

@@ -105,14 +105,8 @@ impl Stage {
     /// Lets the robots rest until everything is receipted: each contact must be there once.
     async fn assert_each_contact_is_there_once(&self, fleet: &Fleet) {
         fleet.rest();
-        until_true("every message receipted", async || {
-            fleet
-                .robots()
-                .iter()
-                .all(|robot| robot.with(|robot| robot.messages_kept() == 0 && robot.next_deadline() > robot.start_us()))
-        })
-        .await;
-        let made = fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum::<u64>() as i64;
+        until_true("every message receipted", async || fleet.is_receipted()).await;
+        let made = fleet.contacts_made() as i64;
         assert_eq!(self.counted().await, (made, made));
     }
 }

@@ -41,28 +41,17 @@ fn start_fleet(broker: &Mosquitto) -> Fleet {
     Fleet::start(&scenario, &Broker::new("127.0.0.1", broker.port())).unwrap()
 }
 
-fn made(fleet: &Fleet) -> u64 {
-    fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
-}
-
 /// Waits until the robots have made that many contacts more.
 async fn more_contacts(fleet: &Fleet, more: u64) {
-    let goal = made(fleet) + more;
-    until_true("more contacts", async || made(fleet) >= goal).await;
+    let goal = fleet.contacts_made() + more;
+    until_true("more contacts", async || fleet.contacts_made() >= goal).await;
 }
 
 /// Lets the robots rest until every message is receipted; then every contact must be there once.
 async fn assert_each_contact_is_there_once(fleet: &Fleet, database: &Database) {
     fleet.rest();
-    until_true("every message receipted", async || {
-        // Contacts that still wait for their message to fill up are due at once when a robot rests.
-        fleet
-            .robots()
-            .iter()
-            .all(|robot| robot.with(|robot| robot.messages_kept() == 0 && robot.next_deadline() > robot.start_us()))
-    })
-    .await;
-    let made = made(fleet) as i64;
+    until_true("every message receipted", async || fleet.is_receipted()).await;
+    let made = fleet.contacts_made() as i64;
     assert_eq!(database.counted().await, (made, made));
 }
 

@@ -129,7 +129,7 @@ async fn watch(store: &Store) -> anyhow::Result<()> {
 /// Lets the robots rest until every contact is receipted; true if that came about.
 async fn settle(fleet: &Fleet, store: &Store) -> anyhow::Result<bool> {
     fleet.rest();
-    let made: u64 = fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum();
+    let made = fleet.contacts_made();
     let deadline = Instant::now() + Duration::from_secs(5);
     while Instant::now() < deadline {
         let kept: usize = fleet.robots().iter().map(|robot| robot.with(|robot| robot.messages_kept())).sum();

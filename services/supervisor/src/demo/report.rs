@@ -285,7 +285,7 @@ impl Report {
     }
 
     async fn contacts(&mut self, store: &Store, fleet: &Fleet, settled: bool) -> anyhow::Result<()> {
-        let made: u64 = fleet.robots().iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum();
+        let made = fleet.contacts_made();
         let recorded = store.contact_count().await?;
         let _ = writeln!(self.text, "Contacts: {made} made, {recorded} recorded");
         if !settled || recorded as u64 != made {

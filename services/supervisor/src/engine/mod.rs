@@ -5,6 +5,7 @@
 //! is published is therefore always committed; what is not committed is sent again by the robots.
 
 mod intake;
+mod outage;
 mod publication;
 mod record;
 
@@ -15,13 +16,12 @@ use std::time::{Duration, SystemTime};
 use bytes::Bytes;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
-use tracing::{error, info, warn};
+use tracing::{error, info};
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::{Event, Outcome, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
-use crate::backoff::Backoff;
 use crate::fault::{self, Fault};
 use crate::metrics::Metrics;
 use crate::mqtt::Inbox;
@@ -30,6 +30,8 @@ use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
 use crate::words::Word;
 
 pub use publication::Publication;
+
+use outage::{LeaseLost, Outage};
 
 /// How long messages are gathered for one commit.
 const GATHER: Duration = Duration::from_millis(10);
@@ -263,40 +265,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Waits before the next attempt, and says why; a lost lease is not waited for.
-    async fn wait_out(&mut self, outage: &mut Outage, problem: StoreError, so: &str) -> Result<(), LeaseLost> {
-        if let StoreError::LeaseLost { .. } = problem {
-            warn!(%problem, "nothing more is written");
-            return Err(LeaseLost);
-        }
-        self.metrics.database_errors.inc();
-        error!(%problem, fleet = %self.fleet, "{so}; trying again");
-        self.readiness.set(self.part(), Some(format!("fleet {}: {so}: {problem}", self.fleet)));
-        outage.since.get_or_insert_with(Instant::now);
-        outage.backoff.wait().await;
-        Ok(())
-    }
-
-    /// The database answers again.
-    fn end_of(&mut self, outage: &Outage) {
-        let Some(since) = outage.since else { return };
-        info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "the database takes what is written again");
-        self.readiness.set(self.part(), None);
-        self.listen_anew();
-    }
-
-    fn part(&self) -> String {
-        format!("fleet {}, database", self.fleet)
-    }
-
-    /// No robot was silent while we were deaf.
-    fn listen_anew(&mut self) {
-        let now = wall_clock();
-        for known in self.robots.values_mut() {
-            known.robot.listen_from(now);
-        }
-    }
-
     /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
     /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
     fn publish(&mut self, outbox: &mpsc::Sender<Publication>) {
@@ -326,17 +294,6 @@ fn take_up(stored: StoredRobot, epoch: u64) -> Known {
     };
     Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs: publication::Seqs::default() }
 }
-
-/// An outage of the database, if there is one.
-#[derive(Debug, Default)]
-struct Outage {
-    since: Option<Instant>,
-    backoff: Backoff,
-}
-
-/// The fleet is somebody else's.
-#[derive(Debug)]
-struct LeaseLost;
 
 /// A pressure as a bare number, if there is one.
 fn mpa(pressure: Option<Megapascal>) -> Option<f64> {

@@ -16,6 +16,7 @@ mod postgres;
 pub mod read;
 pub mod readings;
 mod records;
+mod roll;
 mod sqlite;
 mod writer;
 
@@ -24,8 +25,9 @@ use std::sync::Arc;
 pub use address::DatabaseAddress;
 pub use batch::Batch;
 pub use error::StoreError;
-pub use lease::{FleetLease, Lease, Roll, Supervisor};
+pub use lease::Lease;
 pub use load::StoredRobot;
+pub use roll::{FleetLease, Roll, Supervisor};
 pub use writer::Writer;
 
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};

@@ -1,0 +1,260 @@
+//! Who is there and who has what: supervisors sign in, take fleets, and give them back.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use sqlx::postgres::PgRow;
+use sqlx::{PgConnection, Row, SqliteConnection};
+use tokio::time::Instant;
+use vibrissa_protocol::Name;
+
+use super::database::{Either, Tx, on};
+use super::lease::micros;
+use super::{Lease, StoreError, Writer, failed};
+
+/// A supervisor, as the others know it.
+#[derive(Debug, Clone)]
+pub struct Supervisor {
+    /// One start of one supervisor.
+    pub id: Arc<str>,
+    /// What it is called.
+    pub name: String,
+    /// The fleets that it may own.
+    pub fleets: Vec<Name>,
+    /// How long it stays the owner of what it owns without a word.
+    pub time_to_live: Duration,
+}
+
+/// Who has a fleet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FleetLease {
+    /// Fleet.
+    pub fleet: Name,
+    /// The newest epoch.
+    pub epoch: u64,
+    /// Whose it is or was.
+    pub owner: Option<String>,
+    /// The same, for people.
+    pub holder: Option<String>,
+    /// Whether it can be had.
+    pub free: bool,
+    /// When it can be had, if its owner falls silent now; none where that never frees it.
+    pub free_in: Option<Duration>,
+}
+
+/// Everything that a supervisor must know to take its share.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Roll {
+    /// The fleets that it may own.
+    pub leases: Vec<FleetLease>,
+    /// Those that are there, itself among them, and the fleets that they may own.
+    pub present: Vec<(String, Vec<Name>)>,
+}
+
+impl Writer {
+    /// Says that a supervisor is there, keeps what it holds for another time to live, and tells who has what.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn sign_in(&mut self, supervisor: &Supervisor, held: &[Lease]) -> Result<Roll, StoreError> {
+        const WHAT: &str = "keep the leases";
+        let asked = Instant::now();
+        let (roll, renewed) = self
+            .attempt(WHAT, supervisor.time_to_live, async |link| {
+                let mut tx = link.begin().await.map_err(failed(WHAT))?;
+                let signed_in = match &mut tx {
+                    Either::Sqlite(tx) => (sqlite_roll(&mut *tx, supervisor).await.map_err(failed(WHAT))?, Vec::new()),
+                    Either::Postgres(tx) => sign_in(&mut *tx, supervisor, held).await.map_err(failed(WHAT))?,
+                };
+                tx.commit().await.map_err(failed(WHAT))?;
+                Ok(signed_in)
+            })
+            .await?;
+        for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
+            lease.confirmed(asked);
+        }
+        Ok(roll)
+    }
+
+    /// Takes a fleet that is free, in a new epoch; none if somebody else was quicker.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name) -> Result<Option<Lease>, StoreError> {
+        const WHAT: &str = "take a fleet";
+        let asked = Instant::now();
+        let (epoch, is_shared) = self
+            .attempt(WHAT, supervisor.time_to_live, async |link| {
+                let mut tx = link.begin().await.map_err(failed(WHAT))?;
+                let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
+                let epoch = raise_epoch(&mut tx, sql, supervisor, fleet).await.map_err(failed(WHAT))?;
+                let is_shared = matches!(tx, Either::Postgres(_));
+                if let Either::Postgres(tx) = &mut tx {
+                    forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
+                }
+                tx.commit().await.map_err(failed(WHAT))?;
+                Ok((epoch, is_shared))
+            })
+            .await?;
+        Ok(epoch.map(|epoch| Lease::taken(supervisor, fleet, epoch, asked, is_shared)))
+    }
+
+    /// Gives a fleet back: it can be had at once.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn release(&mut self, lease: &Lease) -> Result<(), StoreError> {
+        const WHAT: &str = "give a fleet back";
+        const SQL: &str =
+            "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3";
+        self.attempt(WHAT, lease.time_to_live(), async |link| {
+            on!(link, |link| sqlx::query(SQL)
+                .bind(lease.fleet().as_str())
+                .bind(lease.epoch() as i64)
+                .bind(lease.owner())
+                .execute(link)
+                .await
+                .map(drop))
+            .map_err(failed(WHAT))
+        })
+        .await
+    }
+
+    /// Says that a supervisor is leaving.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn sign_out(&mut self, supervisor: &Supervisor) -> Result<(), StoreError> {
+        const WHAT: &str = "sign out";
+        const SQL: &str = "DELETE FROM supervisors WHERE supervisor = $1";
+        self.attempt(WHAT, supervisor.time_to_live, async |link| {
+            on!(link, |link| sqlx::query(SQL).bind(&*supervisor.id).execute(link).await.map(drop)).map_err(failed(WHAT))
+        })
+        .await
+    }
+}
+
+/// SQLite's lock is the lease: whoever has the file may have every fleet.
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, 1, $2, $3) \
+    ON CONFLICT (fleet) DO UPDATE SET epoch = epoch + 1, owner = excluded.owner, holder = excluded.holder, \
+    commits = 0 RETURNING epoch";
+
+/// A row that is locked is somebody's who is at work. Our own may have been taken without our hearing of it.
+const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = epoch + 1, owner = $2, holder = $3, commits = 0, \
+    expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
+    AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
+
+async fn raise_epoch(
+    tx: &mut Tx<'_>,
+    sql: &'static str,
+    supervisor: &Supervisor,
+    fleet: &Name,
+) -> sqlx::Result<Option<i64>> {
+    const HISTORY: &str = "INSERT INTO epochs (fleet, epoch, owner, holder, began_us) VALUES ($1, $2, $3, $4, $5)";
+    let epoch: Option<i64> = on!(&mut *tx, |tx| sqlx::query_scalar(sql)
+        .bind(fleet.as_str())
+        .bind(&*supervisor.id)
+        .bind(&supervisor.name)
+        .bind(micros(supervisor.time_to_live))
+        .fetch_optional(&mut **tx)
+        .await)?;
+    if let Some(epoch) = epoch {
+        on!(tx, |tx| sqlx::query(HISTORY)
+            .bind(fleet.as_str())
+            .bind(epoch)
+            .bind(&*supervisor.id)
+            .bind(&supervisor.name)
+            .bind(crate::engine::wall_clock().0 as i64)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+    }
+    Ok(epoch)
+}
+
+async fn sqlite_roll(tx: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Roll> {
+    let rows = sqlx::query("SELECT fleet, epoch, owner, holder FROM leases").fetch_all(tx).await?;
+    let leases = supervisor.fleets.iter().map(|fleet| {
+        let row = rows.iter().find(|row| row.get::<&str, _>("fleet") == fleet.as_str());
+        let owner: Option<String> = row.and_then(|row| row.get("owner"));
+        FleetLease {
+            fleet: fleet.clone(),
+            epoch: row.map_or(0, |row| row.get::<i64, _>("epoch")) as u64,
+            free: owner.as_deref() != Some(&*supervisor.id),
+            free_in: None,
+            owner,
+            holder: row.and_then(|row| row.get("holder")),
+        }
+    });
+    let present = vec![(supervisor.id.to_string(), supervisor.fleets.clone())];
+    Ok(Roll { leases: leases.collect(), present })
+}
+
+/// The roll, and the fleets whose leases were renewed. A row that a commit of ours has locked is left to it.
+async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease]) -> sqlx::Result<(Roll, Vec<String>)> {
+    let time_to_live = micros(supervisor.time_to_live);
+    let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
+    sqlx::query(
+        "INSERT INTO supervisors (supervisor, holder, fleets, alive_us) VALUES ($1, $2, $3, clock_us() + $4) \
+         ON CONFLICT (supervisor) DO UPDATE SET alive_us = excluded.alive_us",
+    )
+    .bind(&*supervisor.id)
+    .bind(&supervisor.name)
+    .bind(fleets.join(","))
+    .bind(time_to_live)
+    .execute(&mut *tx)
+    .await?;
+    let renewed = sqlx::query_scalar(
+        "UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
+         JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
+         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet",
+    )
+    .bind(time_to_live)
+    .bind(&*supervisor.id)
+    .bind(held.iter().map(|lease| lease.fleet().as_str()).collect::<Vec<_>>())
+    .bind(held.iter().map(|lease| lease.epoch() as i64).collect::<Vec<_>>())
+    .fetch_all(&mut *tx)
+    .await?;
+    let mut rows = lease_rows(&mut *tx, &fleets).await?;
+    if rows.len() < fleets.len() {
+        sqlx::query(
+            "INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING",
+        )
+        .bind(&fleets)
+        .execute(&mut *tx)
+        .await?;
+        rows = lease_rows(&mut *tx, &fleets).await?;
+    }
+    let leases = rows.iter().filter_map(|row| {
+        Some(FleetLease {
+            fleet: Name::new(row.get("fleet")).ok()?,
+            epoch: row.get::<i64, _>("epoch") as u64,
+            owner: row.get("owner"),
+            holder: row.get("holder"),
+            free: row.get::<i64, _>("left_us") <= 0,
+            free_in: u64::try_from(row.get::<i64, _>("left_us")).ok().map(Duration::from_micros),
+        })
+    });
+    let present = sqlx::query("SELECT supervisor, fleets FROM supervisors WHERE alive_us > clock_us()")
+        .fetch_all(&mut *tx)
+        .await?;
+    let present = present.iter().map(|row| {
+        let fleets = row.get::<&str, _>("fleets").split(',').filter_map(|fleet| Name::new(fleet).ok()).collect();
+        (row.get("supervisor"), fleets)
+    });
+    Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
+}
+
+/// Supervisors that were killed long ago: whoever comes again comes under a new name.
+async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
+    sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(tx).await.map(drop)
+}
+
+async fn lease_rows(tx: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
+    sqlx::query(
+        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us FROM leases WHERE fleet = ANY($1)",
+    )
+    .bind(fleets)
+    .fetch_all(tx)
+    .await
+}
