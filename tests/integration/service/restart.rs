@@ -202,6 +202,38 @@ async fn a_message_from_before_the_restart_changes_nothing_when_it_comes_again()
     running.service.stop().await;
 }
 
+#[tokio::test]
+async fn what_is_held_beyond_a_gap_survives_a_restart() {
+    let broker = Mosquitto::start();
+    let running = Running::with(quick(), Some(broker.port())).await;
+    let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type2, &[70.0])).await;
+    let one = |robot: &mut HandRobot| vec![robot.contact(0)];
+    let contacts = one(&mut robot);
+    let before = robot.send(contacts).await.seq;
+    let contacts = one(&mut robot);
+    let lost = robot.message(contacts);
+    let contacts = one(&mut robot);
+    let beyond = robot.send(contacts).await;
+    let receipt = async |robot: &mut HandRobot, next: u64, held: &[(u64, u64)]| {
+        robot
+            .hear("the receipt", |heard| match &heard.message {
+                Message::Receipt(told) => (told.next == next && told.held == held).then_some(()),
+                _ => None,
+            })
+            .await;
+    };
+    receipt(&mut robot, before + 1, &[(beyond.seq, beyond.seq)]).await;
+
+    let running = running.again(quick(), Some(broker.port())).await;
+    robot.say(RobotTopic::Contacts, encode(&beyond)).await;
+    receipt(&mut robot, before + 1, &[(beyond.seq, beyond.seq)]).await;
+    robot.say(RobotTopic::Contacts, encode(&lost)).await;
+    receipt(&mut robot, beyond.seq + 1, &[]).await;
+    assert_eq!(running.metric("vibrissa_duplicates_total").await, 1.0);
+    assert_eq!(running.database.counted().await, (3, 3));
+    running.service.stop().await;
+}
+
 /// Learns a whisker, cuts it and gives the setpoint that follows.
 async fn cut(robot: &mut HandRobot, length_mm: f64) -> vibrissa_protocol::Setpoint {
     robot.touch(0, LEARNED + 20).await;
