@@ -9,7 +9,8 @@ use super::{Batch, Lease, StoreError, failed, postgres, records, sqlite};
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
     let asked = Instant::now();
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
-    if lease.begin(&mut tx).await? {
+    let is_new = lease.begin(&mut tx).await?;
+    if is_new {
         for layout in &batch.layouts {
             records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
         }
@@ -19,7 +20,7 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
         }
     }
     tx.commit().await.map_err(failed("commit"))?;
-    lease.committed(asked);
+    lease.committed(is_new.then_some(asked));
     Ok(())
 }
 

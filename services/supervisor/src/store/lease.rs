@@ -119,10 +119,13 @@ impl Lease {
         if commits == Some(before + 1) { Ok(false) } else { Err(self.lost()) }
     }
 
-    /// The transaction that [`Lease::begin`] began, when the database was asked, is committed.
-    pub(super) fn committed(&self, asked: Instant) {
+    /// The next transaction is committed: by the attempt that asked the database at that moment, which keeps the
+    /// lease; or, with none, by one before it whose moment is not known.
+    pub(super) fn committed(&self, asked: Option<Instant>) {
         self.commits.fetch_add(1, Ordering::Relaxed);
-        self.confirmed(asked);
+        if let Some(asked) = asked {
+            self.confirmed(asked);
+        }
     }
 }
 
