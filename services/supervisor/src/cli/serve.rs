@@ -58,7 +58,8 @@ pub struct DemoArgs {
 /// # Errors
 /// Something cannot be started.
 pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
-    log("error");
+    // Its broker and its clients end together: who of them goes first is nobody's concern.
+    log("error,mqtt5=error,rumqttc=error");
     let options = DemoOptions {
         folder: args.folder,
         seed: args.seed,
