@@ -22,6 +22,9 @@ const OUTBOX_MESSAGES: usize = 10_000;
 /// receipted, and robots send it again.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
+/// The part of readiness that is kept here.
+const TAKING_UP: &str = "taking up";
+
 /// What all fleets of a supervisor share.
 #[derive(Debug, Clone)]
 pub(crate) struct Shared {
@@ -77,12 +80,11 @@ impl Fleet {
 async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>) {
     let fleet = lease.fleet().clone();
     let metrics = shared.metrics.of_fleet(&fleet);
-    let part = format!("fleet {fleet}, taking up");
     let engine = tokio::select! {
-        engine = take_up(&lease, &shared, &metrics, &part) => engine,
+        engine = take_up(&lease, &shared, &metrics) => engine,
         () = stopped(&mut stop) => None,
     };
-    shared.readiness.set(&part, None);
+    shared.readiness.set_of(&fleet, TAKING_UP, None);
     if let Some((engine, boot_id)) = engine {
         let connection = Connection {
             broker: shared.broker.clone(),
@@ -92,16 +94,16 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
             epoch: lease.epoch(),
             link: LinkState::default(),
         };
-        shared.readiness.listens(&fleet, Some(connection.link.clone()));
+        shared.readiness.listens(&fleet, connection.link.clone());
         run(engine, &connection, &metrics, stop).await;
     }
-    shared.readiness.listens(&fleet, None);
+    shared.readiness.forget(&fleet);
     metrics.forget_fleet();
     info!(%fleet, epoch = lease.epoch(), "supervised here no more");
 }
 
 /// Loads the fleet; waits for a database that is away.
-async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics, part: &str) -> Option<(Engine, BootId)> {
+async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(Engine, BootId)> {
     // New with each epoch: its numbers of messages begin anew.
     let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
@@ -129,7 +131,7 @@ async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics, part: &str) 
             Err(problem) => {
                 shared.metrics.database_errors.inc();
                 error!(%problem, fleet = %lease.fleet(), "cannot take the fleet up; trying again");
-                shared.readiness.set(part, Some(problem.to_string()));
+                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.to_string()));
                 backoff.wait().await;
             }
         }

@@ -51,13 +51,21 @@ impl Readiness {
         self.parts().fleets.insert(fleet.clone(), standing);
     }
 
-    /// Says through what a fleet is listened to, or that it is not listened to here.
-    pub(crate) fn listens(&self, fleet: &Name, link: Option<LinkState>) {
+    /// Says what is wrong with a part of a fleet's supervision, or that nothing is.
+    pub fn set_of(&self, fleet: &Name, part: &str, problem: Option<String>) {
+        self.set(format!("{}{part}", prefix(fleet)), problem.map(|problem| format!("fleet {fleet}: {problem}")));
+    }
+
+    /// Says through what a fleet is listened to.
+    pub(crate) fn listens(&self, fleet: &Name, link: LinkState) {
+        self.parts().links.insert(fleet.clone(), link);
+    }
+
+    /// A fleet is not supervised here any more: what is wrong with it is another's concern.
+    pub(crate) fn forget(&self, fleet: &Name) {
         let mut parts = self.parts();
-        match link {
-            Some(link) => drop(parts.links.insert(fleet.clone(), link)),
-            None => drop(parts.links.remove(fleet)),
-        }
+        parts.links.remove(fleet);
+        parts.problems.retain(|part, _| !part.starts_with(&prefix(fleet)));
     }
 
     /// Everything that is wrong, each thing once.
@@ -75,5 +83,27 @@ impl Readiness {
 
     fn parts(&self) -> MutexGuard<'_, Parts> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What the names of a fleet's parts begin with; no fleet's name has a slash.
+fn prefix(fleet: &Name) -> String {
+    format!("fleet/{fleet}/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_what_was_wrong_with_a_fleet_goes_with_it() {
+        let readiness = Readiness::default();
+        let [a, ab] = ["a", "ab"].map(|fleet| Name::new(fleet).unwrap());
+        readiness.set_of(&a, "database", Some("nothing is recorded".to_owned()));
+        readiness.set_of(&ab, "database", Some("nothing is recorded".to_owned()));
+        readiness.listens(&a, LinkState::default());
+        assert_eq!(readiness.problems().len(), 3);
+        readiness.forget(&a);
+        assert_eq!(readiness.problems(), BTreeSet::from(["fleet ab: nothing is recorded".to_owned()]));
     }
 }

@@ -1,4 +1,4 @@
-//! The service put together: broker, database, the two connections, the engine, HTTP.
+//! The service put together: broker, database, the keeper of the leases, HTTP.
 
 use std::net::SocketAddr;
 use std::sync::Arc;

@@ -231,6 +231,26 @@ async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
     fleet.stop().await;
 }
 
+/// Whoever has the fleet after an outage: the other stands by, and complains of nothing any more.
+#[tokio::test]
+async fn regress_all_supervisors_are_ready_again_after_an_outage() {
+    let mut stage = Stage::new().await;
+    let a = stage.replica("a", "f", 1.0);
+    a.says(200, "OWNED").await;
+    let b = stage.replica("b", "f", 1.0);
+    b.says(200, "STANDBY").await;
+    let fleet = stage.fleet("f");
+    stage.more_recorded(100).await;
+    stage.server.kill();
+    a.says(503, "nothing is recorded").await;
+    stage.server.restart().await;
+    stage.more_recorded(100).await;
+    a.says(200, "").await;
+    b.says(200, "").await;
+    stage.assert_each_contact_is_there_once(&fleet).await;
+    fleet.stop().await;
+}
+
 #[tokio::test]
 async fn a_supervisor_starts_without_its_server_and_goes_to_work_when_it_comes() {
     let mut stage = Stage::new().await;

@@ -7,6 +7,9 @@ use super::{Engine, wall_clock};
 use crate::backoff::Backoff;
 use crate::store::StoreError;
 
+/// The part of readiness that is kept here.
+const PART: &str = "database";
+
 /// An outage of the database, if there is one.
 #[derive(Debug, Default)]
 pub(super) struct Outage {
@@ -32,7 +35,7 @@ impl Engine {
         }
         self.metrics.database_errors.inc();
         error!(%problem, fleet = %self.fleet, "{so}; trying again");
-        self.readiness.set(self.part(), Some(format!("fleet {}: {so}: {problem}", self.fleet)));
+        self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {problem}")));
         outage.since.get_or_insert_with(Instant::now);
         outage.backoff.wait().await;
         Ok(())
@@ -42,12 +45,8 @@ impl Engine {
     pub(super) fn end_of(&mut self, outage: &Outage) {
         let Some(since) = outage.since else { return };
         info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "the database takes what is written again");
-        self.readiness.set(self.part(), None);
+        self.readiness.set_of(&self.fleet, PART, None);
         self.listen_anew();
-    }
-
-    fn part(&self) -> String {
-        format!("fleet {}, database", self.fleet)
     }
 
     /// No robot was silent while we were deaf.
