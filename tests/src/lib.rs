@@ -9,4 +9,3 @@ pub mod proxy;
 pub mod robot;
 pub mod wait;
 pub mod web;
-pub mod world;

@@ -1,7 +1,7 @@
 //! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
 //!
 //! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
-//! [`broker`], [`edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
+//! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
 //! [`config`], [`demo`] and [`cli`].
 
 pub mod service;
@@ -14,8 +14,6 @@ mod sharing;
 pub mod broker;
 pub mod mqtt;
 
-pub mod edge;
-
 pub mod engine;
 
 pub mod store;
@@ -26,7 +24,6 @@ pub mod secret;
 
 pub mod http;
 pub mod metrics;
-pub mod words;
 
 pub mod calibration_file;
 pub mod plot;

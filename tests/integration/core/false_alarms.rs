@@ -3,8 +3,8 @@
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{Condition, Effect};
+use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
-use vibrissa_tests::world::World;
 
 /// At one false alarm in a million contacts, 20 whiskers with 20,000 contacts each see 0.4 alarms on average
 /// and hardly ever a false trim: an alarm must be borne out by the contacts after it.

@@ -4,9 +4,9 @@ use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, Fault};
 use vibrissa_core::robot::event::GaugeState;
 use vibrissa_core::robot::{Event as CoreEvent, Params};
+use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event};
-use vibrissa_tests::world::World;
 
 const AT_CONTACT: u64 = 400;
 

@@ -4,9 +4,9 @@ use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::policy::{Case, LongerForShorter, Refused};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{Decision, Effect};
+use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event};
-use vibrissa_tests::world::World;
 
 fn after_cuts(lengths_mm: &[f64], cuts: &[(u64, u16, f64)], longer_for_shorter: LongerForShorter) -> World {
     let mut scenario = super::scenario(41, ArrayType::Type1, lengths_mm);

@@ -5,9 +5,9 @@ use std::process::Command;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::{Params, Robot};
 use vibrissa_core::units::Micros;
+use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event, Scenario};
-use vibrissa_tests::world::World;
 
 fn eventful() -> Scenario {
     let mut scenario = super::scenario(3, ArrayType::Type1, &[70.0, 66.0, 70.0, 68.0]);

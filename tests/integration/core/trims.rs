@@ -4,9 +4,9 @@ use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::policy::{Case, Refused};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, Effect, Trim};
+use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event, Scenario};
-use vibrissa_tests::world::World;
 
 const CUT_AT: u64 = 300;
 

@@ -9,7 +9,7 @@ use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::plot::{Axes, COLOURS, Panel, chart, drawing, legend};
 use crate::store::Store;
 use crate::store::readings::{CompensationReading, ErrorBinReading, LengthPoint};
-use crate::words::Z95;
+use vibrissa_edge::words::Z95;
 
 /// Every so many contacts one point of a curve.
 const EVERY: i64 = 15;

@@ -9,7 +9,7 @@ use vibrissa_simulator::Fleet;
 use super::scenario::{INCIDENTS, Incident, What};
 use crate::store::Store;
 use crate::store::readings::{CompensationReading, TrimReading, WhiskerReading};
-use crate::words::Word;
+use vibrissa_edge::words::Word;
 
 /// The paper's measured mean error of case 1 and self-compensation.
 const PAPER_ERROR: f64 = 0.203_85;
@@ -198,7 +198,7 @@ impl Report {
             format!("{}/{}/{}", incident.robot, incident.array, incident.whisker),
             whisker.condition,
             truth.length_mm,
-            format!("{:.2} +- {:.2}", whisker.length_mm, crate::words::Z95 * whisker.length_sd_mm),
+            format!("{:.2} +- {:.2}", whisker.length_mm, vibrissa_edge::words::Z95 * whisker.length_sd_mm),
             or_dash(contacts.map(|contacts| contacts.to_string())),
             case,
             or_dash(served.and_then(|one| one.compensator_whisker).map(|by| by.to_string())),

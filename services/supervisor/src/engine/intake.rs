@@ -8,9 +8,9 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
 use super::{Engine, Incoming, Known, publication};
-use crate::edge;
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
+use vibrissa_edge as edge;
 
 /// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
 const ROBOTS_MAX: usize = 10_000;

@@ -27,7 +27,7 @@ use crate::metrics::Metrics;
 use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
 use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
-use crate::words::Word;
+use vibrissa_edge::words::Word;
 
 pub use publication::Publication;
 

@@ -7,7 +7,7 @@ use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_protocol::{self as protocol, BootId, Name, QualityOfService, RequestKind, RobotTopic, Timestamp, encode};
 
 use super::Engine;
-use crate::words::setpoint_reason;
+use vibrissa_edge::words::setpoint_reason;
 
 /// Names of setpoints are made from this and (fleet, robot, epoch, version): the same setpoint has the same
 /// name whenever and wherever it is sent again.

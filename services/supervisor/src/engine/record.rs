@@ -11,7 +11,7 @@ use crate::store::batch::{
     CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, ResponseRow, RobotRow, SetpointRow,
     WhiskerRow,
 };
-use crate::words::{Word, Z95};
+use vibrissa_edge::words::{Word, Z95};
 
 /// Numbers of a robot's trims and compensations are unique in the database: robot, then count.
 fn wide_id(robot_id: i64, number: u32) -> i64 {

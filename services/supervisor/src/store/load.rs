@@ -9,7 +9,7 @@ use vibrissa_core::robot::{Numbers, Robot};
 
 use super::database::{Link, Tx, on};
 use super::{Lease, StoreError, Writer, failed};
-use crate::words::Word;
+use vibrissa_edge::words::Word;
 
 /// A robot as it was committed last.
 #[derive(Debug)]

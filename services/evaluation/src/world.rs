@@ -1,11 +1,11 @@
 //! A simulated robot and the core face to face, in simulated time: real messages, no network, no waiting.
 
-use vibrissa::edge;
-use vibrissa::words::setpoint_reason;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::Micros;
+use vibrissa_edge as edge;
+use vibrissa_edge::words::setpoint_reason;
 use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Timestamp, decode, encode};
 use vibrissa_simulator::robot::Outgoing;
 use vibrissa_simulator::{Robot as SimulatedRobot, RobotConfig, Scenario};

@@ -1,5 +1,7 @@
 //! The edge: checked messages become the core's events, once. Nothing behind it sees MQTT or JSON.
 
+pub mod words;
+
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport,
     WhiskerSheet, WhiskerStatus,
