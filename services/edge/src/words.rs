@@ -102,6 +102,8 @@ words! {
         AlarmKind::SetpointFailed => "SETPOINT_FAILED",
         AlarmKind::SensitivityLoss => "SENSITIVITY_LOSS",
         AlarmKind::Eroding => "ERODING",
+        AlarmKind::ArrayShift => "ARRAY_SHIFT",
+        AlarmKind::BaselineDrift => "BASELINE_DRIFT",
         AlarmKind::Fault(fault) => fault.word(),
     }
     ArrayKind {

@@ -95,7 +95,7 @@ impl Metrics {
                 "vibrissa_alarms_total",
                 "Alarms raised.",
                 "kind",
-                &["UNCOMPENSATED", "SETPOINT_FAILED", "SENSITIVITY_LOSS", "ERODING"],
+                &["UNCOMPENSATED", "SETPOINT_FAILED", "SENSITIVITY_LOSS", "ERODING", "ARRAY_SHIFT", "BASELINE_DRIFT"],
             )?,
             whiskers: gauges(r, "vibrissa_whiskers", "Whiskers, by fault or else condition.", &["fleet", "health"])?,
             lease_held: gauges(r, "vibrissa_lease_held", "1 for each fleet that is supervised here.", &["fleet"])?,

@@ -100,15 +100,14 @@ fn a_whisker_cut_too_short_is_left_unserved_with_an_alarm() {
 
 #[test]
 fn erosion_is_called_erosion() {
-    let mut one = super::scenario(10, ArrayType::Type2, &[70.0, 70.0, 70.0, 70.0]);
     for whisker in 0..4 {
+        let mut one = super::scenario(10, ArrayType::Type2, &[70.0, 70.0, 70.0, 70.0]);
         let rate_mm_per_contact = 0.001 * f64::from(whisker + 1);
         let change = Change::Erode { rate_mm_per_contact, until_length_mm: 60.0 };
         one.robots[0].events.push(Event::at_contact(CUT_AT, super::name("left"), whisker, change));
-    }
-    let world = run(&one, 3000);
-    assert_eq!(trims(&world), [], "erosion is no trim");
-    for index in 0..4 {
+        let world = run(&one, 3000);
+        assert_eq!(trims(&world), [], "erosion is no trim");
+        let index = usize::from(whisker);
         let view = world.core.whisker(index).unwrap();
         assert_eq!(view.condition, Condition::Eroding, "whisker {index}");
         let truth = world.robot.whiskers()[index].plant().length_mm();

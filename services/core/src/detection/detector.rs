@@ -1,50 +1,51 @@
-//! The detector: a mixture of Shiryaev-Roberts statistics over supposed shifts, then a fresh look.
+//! The detector: a mixture of Shiryaev-Roberts statistics over supposed changes, then a fresh look.
 //!
 //! **Why this statistic.** With R_j <- (1 + R_j) * likelihood ratio_j and weights that sum to one, the mixture
 //! R minus the number of contacts is a martingale while nothing changes. So the mean number of contacts to
-//! R >= A is at least A, for any mixture, any order of contact ratios and any predictable signature: **the
-//! threshold is the stated mean number of contacts between false alarms itself.** It needs standardised
-//! innovations that are independent and standard normal, which the filter gives from the first contact on
-//! because its ignorance is part of their variance; it sums over all starts of the change, so it keeps no
-//! history, and over shifts, so it need not know the size.
+//! R >= A is at least A, for any mixture, any order of contact ratios and any predictable signature; more exactly,
+//! it is the mean of R where it passes A. So **the threshold is the stated mean number of contacts between
+//! false alarms, times a share for passing it by** (`THRESHOLD_SHARE`). It needs innovations whose
+//! density is known, which the filter gives from the first contact on because its ignorance is part of their
+//! variance and that of the noise's scale is part of their density ([`crate::estimation::outlier`]); it sums
+//! over all starts of the change, so it keeps no history, and over sizes and kinds, so it need not know them.
 //!
 //! **What an alarm becomes.** An alarm is a suspicion. A sequential probability ratio test on the contacts
 //! that come after it (error probabilities 2 %) confirms or dismisses it: most false alarms end there, so
-//! false trims are rarer than stated. Then step and slope are told apart by how much of the data's log
-//! likelihood each gains, a slope being no faster than erosion can be: a large step at once, a small one or an
-//! erosion when the contacts allow it. After a decision everything starts anew.
+//! false trims are rarer than stated. Then the kinds are told apart ([`super::kinds`]) and the array's other
+//! whiskers are asked whether they feel it too. After a decision everything starts anew.
 //!
 //! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts nothing is called.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::candidate::{Candidate, log_likelihood_ratio};
+use super::candidate::{Candidate, Fit};
+use super::hypothesis::{ALL, COUNT, CUTS, Kind};
+use super::kinds::{Change, Explanation, best};
+use super::trend::Trend;
 use crate::estimation::Innovation;
 
-/// Supposed shifts of ln length, with their weights in the mixture. 0.3 to 8.4 mm of 70 shorter; and longer,
-/// which no trim explains: a gauge that comes loose, or a whisker that was exchanged.
-const SHIFTS: [(f64, f64); 9] = [
-    (-0.004, 0.12),
-    (-0.008, 0.12),
-    (-0.015, 0.14),
-    (-0.03, 0.14),
-    (-0.06, 0.14),
-    (-0.12, 0.14),
-    (0.01, 0.06),
-    (0.04, 0.07),
-    (0.15, 0.07),
-];
-/// Shifts smaller than this are not looked for on a whisker that erodes: its filter lags behind.
+/// Threshold per stated mean number of contacts between false alarms: the statistic passes it by a factor,
+/// and the mean number of contacts is the mean of where it arrives. With normal noise, everything learned, a threshold
+/// of 1e3, 1e4 and 1e5 gave 1.7, 1.9 and 2.3 (more than 1000, 400 and 170 alarms) times as many contacts; with two outliers
+/// in a hundred, half of that.
+const THRESHOLD_SHARE: f64 = 0.56;
+/// Steps smaller than this are not looked for on a whisker that erodes: its filter lags behind.
 const LEAST_SHIFT_WHILE_ERODING: f64 = 0.02;
 /// ln 50: both error probabilities of the fresh look are 2 %.
 const FRESH_LOOK_LOG_RATIO: f64 = 3.9;
-/// How much more log likelihood than a slope a step must gain to be called one. A slope's window hardly ever
-/// begins where the slope did, so the slope's gain is understated.
-const STEP_LOG_RATIO: f64 = 8.0;
-/// How much more than a step a slope must gain.
-const SLOPE_LOG_RATIO: f64 = 4.0;
+/// How much more log likelihood than any gradual change a step must gain to be called one. A wrong trim
+/// moves air; a late one can wait.
+const STEP_LOG_RATIO: f64 = 9.0;
+/// How much more than a step a gradual change must gain.
+const GRADUAL_LOG_RATIO: f64 = 3.0;
+/// Log likelihood that a further loss beside the step may gain and still be chance: nine tenths of a standard deviation.
+const GOES_ON_LOG_RATIO: f64 = 0.4;
+/// The same from which it is none: two standard deviations.
+const SURELY_GOES_ON_LOG_RATIO: f64 = 2.0;
 /// They are told apart by less after this many times the contacts at the alarm, and some more.
-const PATIENCE: (u32, u32) = (3, 300);
+const PATIENCE: (u32, u32) = (4, 400);
+/// A likelihood ratio that says something is going on.
+const CALM_BELOW: f64 = 20.0;
 
 /// What the detector is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,16 +67,30 @@ impl Default for DetectionParams {
 /// The detector's state for one whisker.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Detector {
-    candidates: [Candidate; SHIFTS.len()],
+    candidates: [Candidate; COUNT],
+    trends: [Trend; CUTS],
     suspicion: Option<Suspicion>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Suspicion {
     candidate: u8,
-    shift: f64,
+    /// Size at the alarm, fitted.
+    size: f64,
     contacts_at_alarm: u32,
+    contacts_since: u32,
     fresh_log_ratio: f64,
+}
+
+/// What the array's other whiskers feel of a suspected change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Others {
+    /// Nothing like it, or there are too few to ask.
+    Not,
+    /// The same: it is the array's, not the whisker's.
+    Too,
+    /// They have hardly been touched since.
+    NotYet,
 }
 
 /// What the detector says after a contact.
@@ -91,41 +106,23 @@ pub enum Verdict {
     Dismissed,
     /// It did.
     Changed(Change),
-}
-
-/// A confirmed change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Change {
-    /// Step or slope.
-    pub kind: ChangeKind,
-    /// Size: the step of ln length, or the slope of ln length per contact; negative is shorter.
-    pub size: f64,
-    /// Variance of the size.
-    pub variance: f64,
-    /// What the filter's state lacks by now per unit of size.
-    pub lacking: [f64; 3],
-    /// Contacts since the likeliest start.
-    pub contacts: u32,
-}
-
-/// What kind of change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChangeKind {
-    /// At once.
-    Step,
-    /// Slowly, contact by contact.
-    Slope,
+    /// It did, and the others feel it too.
+    Shared(Change),
 }
 
 impl Detector {
-    /// Takes one innovation in.
-    pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool) -> Verdict {
-        for (candidate, (shift, _)) in self.candidates.iter_mut().zip(SHIFTS) {
-            candidate.update(shift, seen);
+    /// Takes one innovation in. `others` is asked for only where it matters.
+    pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool, others: Others) -> Verdict {
+        let fresh = self.suspicion.map(|suspicion| self.fresh_log_ratio(&suspicion, seen));
+        for (index, (candidate, supposed)) in self.candidates.iter_mut().zip(&ALL).enumerate() {
+            let felt = candidate.update(supposed, seen);
+            if let Some(trend) = self.trends.get_mut(index) {
+                trend.update(seen, felt);
+            }
         }
-        match self.suspicion {
-            None => self.watch(params, eroding),
-            Some(suspicion) => self.look(params, suspicion, seen, eroding),
+        match (self.suspicion, fresh) {
+            (Some(suspicion), Some(fresh)) => self.look(params, suspicion, fresh, eroding, others),
+            (_, _) => self.watch(params, eroding),
         }
     }
 
@@ -134,7 +131,35 @@ impl Detector {
     /// It depends on past contacts alone, so what is learned is not biased by it.
     #[must_use]
     pub fn is_calm(&self) -> bool {
-        self.suspicion.is_none() && self.candidates.iter().all(|candidate| candidate.cusum() < 3.0)
+        self.suspicion.is_none() && self.candidates.iter().all(|candidate| candidate.cusum() < CALM_BELOW)
+    }
+
+    /// Whether a change is suspected.
+    #[must_use]
+    pub fn is_suspicious(&self) -> bool {
+        self.suspicion.is_some()
+    }
+
+    /// The suspected change of log length as a step, negative or positive, if one is suspected. What it is in the
+    /// end may be another matter.
+    #[must_use]
+    pub fn suspected_shift(&self) -> Option<Fit> {
+        let suspicion = self.suspicion?;
+        let kind = ALL[usize::from(suspicion.candidate)].kind;
+        let least = suspicion.contacts_since;
+        match kind {
+            Kind::Drifting => None,
+            Kind::LessSensitive => best(&self.candidates, kind, 0.0, least).map(|one| one.fit),
+            Kind::Shorter | Kind::Eroding => best(&self.candidates, Kind::Shorter, 0.0, least).map(|one| one.fit),
+        }
+    }
+
+    /// The likeliest step of log length of the same sign as the given one, if any contact since its start
+    /// speaks for it.
+    #[must_use]
+    pub fn felt(&self, like: f64) -> Option<Fit> {
+        let kind = if like < 0.0 { Kind::Shorter } else { Kind::LessSensitive };
+        best(&self.candidates, kind, 0.0, 1).map(|one| one.fit)
     }
 
     /// The mixture of Shiryaev-Roberts statistics; an alarm is raised where it reaches the stated mean number
@@ -145,25 +170,30 @@ impl Detector {
     }
 
     fn weighted(&self, eroding: bool) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let looked_for = move |shift: f64| !eroding || shift.abs() >= LEAST_SHIFT_WHILE_ERODING;
-        let pairs = self.candidates.iter().zip(SHIFTS).enumerate();
+        let pairs = self.candidates.iter().zip(&ALL).enumerate();
+        let looked_for = move |kind: Kind, size: f64| match kind {
+            _ if !eroding => true,
+            Kind::Shorter | Kind::LessSensitive => size.abs() >= LEAST_SHIFT_WHILE_ERODING,
+            Kind::Eroding | Kind::Drifting => false,
+        };
         pairs
-            .filter(move |(_, (_, (shift, _)))| looked_for(*shift))
-            .map(|(index, (candidate, (_, weight)))| (index, weight * candidate.shiryaev()))
+            .filter(move |(_, (_, supposed))| looked_for(supposed.kind, supposed.size))
+            .map(|(index, (candidate, supposed))| (index, supposed.weight * candidate.shiryaev()))
     }
 
     fn watch(&mut self, params: &DetectionParams, eroding: bool) -> Verdict {
-        if self.statistic(eroding) < params.contacts_between_false_alarms {
+        if self.statistic(eroding) < THRESHOLD_SHARE * params.contacts_between_false_alarms {
             return Verdict::Quiet;
         }
         let likeliest = self.weighted(eroding).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
         let evidence = self.candidates[likeliest].evidence();
-        match evidence.step() {
-            Some((shift, _)) => {
+        match evidence.fit((f64::NEG_INFINITY, f64::INFINITY)) {
+            Some(fit) => {
                 self.suspicion = Some(Suspicion {
                     candidate: likeliest as u8,
-                    shift,
+                    size: fit.size,
                     contacts_at_alarm: evidence.contacts(),
+                    contacts_since: 0,
                     fresh_log_ratio: 0.0,
                 });
                 Verdict::Alarm
@@ -176,78 +206,100 @@ impl Detector {
         }
     }
 
+    fn fresh_log_ratio(&self, suspicion: &Suspicion, seen: &Innovation) -> f64 {
+        let signature = self.candidates[usize::from(suspicion.candidate)].signature(seen);
+        let under = seen.density.at(seen.standardised - signature * suspicion.size);
+        (under.density / seen.seen.density).ln()
+    }
+
     fn look(
         &mut self,
         params: &DetectionParams,
         mut suspicion: Suspicion,
-        seen: &Innovation,
+        fresh_log_ratio: f64,
         eroding: bool,
+        others: Others,
     ) -> Verdict {
-        let candidate = &self.candidates[usize::from(suspicion.candidate)];
-        let lacking = candidate.lacks_by_step();
-        let expected: f64 = (0..3).map(|i| seen.row[i] * lacking[i]).sum::<f64>() / seen.variance.sqrt();
-        suspicion.fresh_log_ratio += log_likelihood_ratio(expected * suspicion.shift, seen.standardised);
-        if suspicion.fresh_log_ratio <= -FRESH_LOOK_LOG_RATIO || candidate.evidence().step().is_none() {
-            *self = Self::default();
+        suspicion.fresh_log_ratio += fresh_log_ratio;
+        suspicion.contacts_since = suspicion.contacts_since.saturating_add(1);
+        let gone = self.candidates[usize::from(suspicion.candidate)].evidence().contacts() == 0;
+        if suspicion.fresh_log_ratio <= -FRESH_LOOK_LOG_RATIO || gone {
+            self.dismiss();
             return Verdict::Dismissed;
         }
         let confirmed = suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO;
-        match confirmed.then(|| self.told_apart(params, &suspicion, eroding)).flatten() {
-            Some(change) => {
-                *self = Self::default();
-                Verdict::Changed(change)
-            }
-            None => {
-                self.suspicion = Some(suspicion);
-                Verdict::Looking
+        let verdict = if confirmed { self.decided(params, &suspicion, eroding, others) } else { Verdict::Looking };
+        if verdict == Verdict::Looking {
+            self.suspicion = Some(suspicion);
+        } else {
+            *self = Self::default();
+        }
+        verdict
+    }
+
+    /// The alarm is over. Slow changes keep their starts: one that was dismissed too early would look like a
+    /// step the next time.
+    fn dismiss(&mut self) {
+        self.suspicion = None;
+        self.trends = Default::default();
+        for (candidate, supposed) in self.candidates.iter_mut().zip(&ALL) {
+            if supposed.kind.is_gradual() {
+                candidate.calm();
+            } else {
+                *candidate = Candidate::default();
             }
         }
     }
 
-    /// The change as a step or as a slope; none while they cannot be told apart.
-    ///
-    /// Each candidate's window began where its own size of shift is likeliest to have begun: a slope has a
-    /// long window with the smallest shift, a step a window that fits it.
-    fn told_apart(&self, params: &DetectionParams, suspicion: &Suspicion, eroding: bool) -> Option<Change> {
-        let step = self.as_step(suspicion)?;
-        if step.size > 0.0 && !eroding {
-            return Some(step);
+    /// What a confirmed suspicion is: looking on while that cannot be said.
+    fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, eroding: bool, others: Others) -> Verdict {
+        let kind = ALL[usize::from(suspicion.candidate)].kind;
+        let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
+        match (kind, others) {
+            (Kind::Drifting, _) | (_, Others::Not) => {}
+            (_, Others::NotYet) if impatient => {}
+            (_, Others::NotYet) => return Verdict::Looking,
+            (_, Others::Too) => {
+                let felt = if kind == Kind::LessSensitive { kind } else { Kind::Shorter };
+                let felt = best(&self.candidates, felt, params.erosion_per_contact_max, suspicion.contacts_since);
+                return felt.map_or(Verdict::Looking, |felt| Verdict::Shared(Change::of(&self.candidates, &felt)));
+            }
         }
-        let limit = params.erosion_per_contact_max.copysign(step.size);
-        let (slope, gain_of_slope) = self.as_slope(limit);
-        let gain_of_step = self.candidates.iter().map(|one| one.evidence().gain_of_step()).fold(0.0, f64::max);
-        let impatient = slope.contacts > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
-        if gain_of_step - gain_of_slope > STEP_LOG_RATIO {
-            Some(step)
-        } else if eroding || gain_of_slope - gain_of_step > SLOPE_LOG_RATIO {
+        match self.told_apart(params, suspicion.contacts_since, eroding, impatient) {
+            Some(explained) => Verdict::Changed(Change::of(&self.candidates, &explained)),
+            None => Verdict::Looking,
+        }
+    }
+
+    /// The kind that explains the contacts; none while that cannot be said.
+    fn told_apart(
+        &self,
+        params: &DetectionParams,
+        contacts_since: u32,
+        eroding: bool,
+        impatient: bool,
+    ) -> Option<Explanation> {
+        let best_of = |kind| best(&self.candidates, kind, params.erosion_per_contact_max, contacts_since);
+        let gain = |one: &Option<Explanation>| one.map_or(0.0, |one| one.fit.gain);
+        let larger = |a: Option<Explanation>, b: Option<Explanation>| if gain(&b) > gain(&a) { b } else { a };
+        let step = larger(best_of(Kind::Shorter), best_of(Kind::LessSensitive));
+        let gradual = larger(best_of(Kind::Eroding), best_of(Kind::Drifting));
+        let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == Kind::Drifting);
+        let lead = gain(&step) - gain(&gradual);
+        let goes_on = step.map_or(0.0, |step| self.gain_of_going_on(step.index));
+        if lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO {
+            step
+        } else if eroding || (lead < -GRADUAL_LOG_RATIO && (goes_on > SURELY_GOES_ON_LOG_RATIO || drifts)) {
             // On a whisker that erodes, the filter lags behind or runs ahead: no new change.
-            Some(slope)
+            gradual.or(step)
         } else if impatient {
-            Some(if gain_of_step > gain_of_slope + SLOPE_LOG_RATIO { step } else { slope })
+            if goes_on < SURELY_GOES_ON_LOG_RATIO && !drifts { step.or(gradual) } else { gradual.or(step) }
         } else {
             None
         }
     }
 
-    fn as_step(&self, suspicion: &Suspicion) -> Option<Change> {
-        let candidate = &self.candidates[usize::from(suspicion.candidate)];
-        let (size, variance) = candidate.evidence().step()?;
-        let contacts = candidate.evidence().contacts();
-        Some(Change { kind: ChangeKind::Step, size, variance, lacking: candidate.lacks_by_step(), contacts })
-    }
-
-    fn as_slope(&self, limit: f64) -> (Change, f64) {
-        let fits = self.candidates.iter().map(|candidate| (candidate, candidate.evidence().slope(limit)));
-        let best = fits.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
-        let (candidate, fit) =
-            best.unwrap_or_else(|| (&self.candidates[0], self.candidates[0].evidence().slope(limit)));
-        let change = Change {
-            kind: ChangeKind::Slope,
-            size: fit.per_contact,
-            variance: fit.variance,
-            lacking: candidate.lacks_by_slope(),
-            contacts: candidate.evidence().contacts(),
-        };
-        (change, fit.gain)
+    fn gain_of_going_on(&self, index: usize) -> f64 {
+        self.trends.get(index).map_or(0.0, |trend| trend.gain_of_going_on(self.candidates[index].evidence()))
     }
 }

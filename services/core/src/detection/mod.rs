@@ -1,10 +1,16 @@
 //! When a change is no longer chance.
 //!
-//! Knows innovations and shifts of log length, not whiskers: what a change means is decided in
-//! [`crate::robot`]. [`candidate`] follows one supposed shift, [`detector`] mixes them and decides.
+//! Knows innovations and changes of a whisker's state, not whiskers: what a change means is decided in
+//! [`crate::robot`]. [`hypothesis`] lists what is looked for, [`candidate`] follows one of them, [`detector`]
+//! mixes them and decides, [`kinds`] and [`trend`] tell them apart.
 
 pub mod candidate;
 pub mod detector;
+pub mod hypothesis;
+pub mod kinds;
+pub mod trend;
 
-pub use candidate::{Candidate, Evidence, SlopeFit};
-pub use detector::{Change, ChangeKind, DetectionParams, Detector, Verdict};
+pub use candidate::{Candidate, Evidence, Fit};
+pub use detector::{DetectionParams, Detector, Others, Verdict};
+pub use hypothesis::Kind;
+pub use kinds::Change;

@@ -64,6 +64,13 @@ impl ResponseBins {
         }
     }
 
+    /// Every log deviation is another by this much: what was measured is brought to a new scale.
+    pub fn shift(&mut self, log_shift: f64) {
+        for bin in &mut self.bins {
+            bin.sum += log_shift * bin.weight;
+        }
+    }
+
     /// The bin around `CONTACT_RATIOS[index]`.
     #[must_use]
     pub fn bin(&self, index: usize) -> &Bin {

@@ -1,13 +1,16 @@
 //! The Kalman filter behind a whisker's length.
 //!
-//! State: x = (o0, o1, lambda). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
-//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`. One contact at
-//! known contact ratio, deflection and pressure observes
-//! `ln(strain / deflection) = ln s_model(a, L e^lambda, Q) + o0 + o1 (a - 0.725) + noise`.
+//! State: x = (o0, o1, lambda, b). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
+//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the
+//! gauge's baseline, the strain that it shows without deflection. One contact at known contact ratio,
+//! deflection d and pressure observes
+//! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725)) + b) + noise`.
 //!
 //! Offset and length are told apart by their priors: at the start the length is known (the factsheet says
 //! it) and the offset is not; afterwards the length may wander (erosion, trims) and the offset does not,
-//! except when the pressure moves, which changes the model's error but not the length.
+//! except when the pressure moves, which changes the model's error but not the length. The baseline is told
+//! apart by the deflection: it counts for small ones, so what is left is the slope of strain against
+//! deflection. Gauges drift under cyclic load by many times their noise.
 //!
 //! The filter never stops learning, so its standardised innovations are independent and of unit variance
 //! while nothing changes, from the first contact on: the error of what was learned is part of their
@@ -15,16 +18,26 @@
 //! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
 
 use borsh::{BorshDeserialize, BorshSerialize};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix4, Vector4};
 
 use super::noise::{NoiseScale, SensorNoise};
+use super::outlier::{InnovationDensity, Seen};
 use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
+/// Number of states.
+pub const STATES: usize = 4;
 /// Index of lambda in the state.
 pub const LENGTH: usize = 2;
-/// Beyond this many standard deviations a contact counts less, in proportion.
-const INFLUENCE_BOUND: f64 = 3.0;
+/// Index of the baseline in the state.
+pub const BASELINE: usize = 3;
+/// An outlier still counts this much, so that nothing can lock the filter out.
+const LEAST_SOUND: f64 = 1e-3;
+/// Relative standard deviation of the model's d ln s / d ln L: over calibrations 10 % off, in either formulation.
+/// Contacts cannot tell it, so every change of length is uncertain by it for good.
+const MODEL_SLOPE_SD: f64 = 0.015;
+/// The least share of the expected strain that deflection must explain.
+const LEAST_BY_DEFLECTION: f64 = 0.2;
 
 /// Prior and process noise, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +54,12 @@ pub struct FilterParams {
     pub erosion_wander_mm: f64,
     /// New uncertainty of the offset for a move of pressure, log sensitivity per MPa.
     pub offset_per_mpa: f64,
+    /// Baseline at the start, m/m.
+    pub baseline_strain: f64,
+    /// Random walk of the baseline, m/m per square root of a contact.
+    pub baseline_wander_strain: f64,
+    /// The same for a gauge that is known to drift.
+    pub drifting_baseline_wander_strain: f64,
 }
 
 impl Default for FilterParams {
@@ -52,6 +71,9 @@ impl Default for FilterParams {
             wander_mm: 2e-4,
             erosion_wander_mm: 0.03,
             offset_per_mpa: 1.0,
+            baseline_strain: 2e-5,
+            baseline_wander_strain: 5e-7,
+            drifting_baseline_wander_strain: 1e-5,
         }
     }
 }
@@ -60,8 +82,17 @@ impl Default for FilterParams {
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct LengthFilter {
     whole_length_mm: f64,
-    mean: [f64; 3],
-    covariance: [[f64; 3]; 3],
+    mean: [f64; STATES],
+    covariance: [[f64; STATES]; STATES],
+}
+
+/// How far the state may wander from one contact to the next, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wander {
+    /// The length, mm.
+    pub length_mm: f64,
+    /// The baseline, m/m.
+    pub baseline_strain: f64,
 }
 
 /// A length with its standard deviation.
@@ -84,10 +115,14 @@ pub struct Innovation {
     pub noise_variance: f64,
     /// residual / sqrt(variance).
     pub standardised: f64,
+    /// Its density while nothing changes.
+    pub density: InnovationDensity,
+    /// That density here, and how likely the contact is no outlier.
+    pub seen: Seen,
     /// d(log sensitivity) / d(state).
-    pub row: [f64; 3],
+    pub row: [f64; STATES],
     /// Kalman gain, already lowered for an outlier.
-    pub gain: [f64; 3],
+    pub gain: [f64; STATES],
     /// The noise variance that this gain stands for.
     gain_noise_variance: f64,
     /// The model's sensitivity with the learned offset, per mm.
@@ -120,20 +155,22 @@ impl LengthFilter {
     /// A whisker fresh from its factsheet: length known, offset not.
     #[must_use]
     pub fn new(whole_length: Millimetre, params: &FilterParams) -> Self {
-        let mut covariance = [[0.0; 3]; 3];
+        let mut covariance = [[0.0; STATES]; STATES];
         covariance[0][0] = params.offset_level.powi(2);
         covariance[1][1] = params.offset_slope.powi(2);
         covariance[LENGTH][LENGTH] = (params.length_mm / whole_length.mm()).powi(2);
-        Self { whole_length_mm: whole_length.mm(), mean: [0.0; 3], covariance }
+        covariance[BASELINE][BASELINE] = params.baseline_strain.powi(2);
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
     }
 
     /// Present length with its standard deviation.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {
         let length_mm = (self.whole_length_mm * self.mean[LENGTH].exp()).clamp(1.0, 1000.0);
+        let by_model = MODEL_SLOPE_SD * self.mean[LENGTH];
         LengthEstimate {
             length: Millimetre::known(length_mm),
-            sd_mm: length_mm * self.covariance[LENGTH][LENGTH].max(0.0).sqrt(),
+            sd_mm: length_mm * (self.covariance[LENGTH][LENGTH].max(0.0) + by_model.powi(2)).sqrt(),
         }
     }
 
@@ -141,6 +178,12 @@ impl LengthFilter {
     #[must_use]
     pub fn offset(&self) -> Offset {
         Offset { level: self.mean[0], slope: self.mean[1] }
+    }
+
+    /// Present baseline, m/m, and its standard deviation.
+    #[must_use]
+    pub fn baseline_strain(&self) -> (f64, f64) {
+        (self.mean[BASELINE], self.covariance[BASELINE][BASELINE].max(0.0).sqrt())
     }
 
     /// Compares one contact with the prediction; changes nothing.
@@ -158,31 +201,48 @@ impl LengthFilter {
         let length = self.length().length;
         let (model_per_mm, log_slope) = model.sensitivity_and_slope(contact.ratio, length, morphology)?;
         let predicted = model_per_mm * self.offset().at(contact.ratio).exp();
-        let expected_strain = predicted * contact.deflection_mm;
-        if expected_strain < noise.least_strain() || contact.strain <= 0.0 {
+        let by_deflection = predicted * contact.deflection_mm;
+        let expected_strain = by_deflection + self.mean[BASELINE];
+        let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
+        if expected_strain < least || by_deflection < least || contact.strain <= 0.0 {
             return Err(NoInformation::TooWeak);
         }
         let residual = (contact.strain / expected_strain).ln();
         // A = a (L + elongation), so d ln A / d ln L is a little under one.
         let elongated_mm = length.mm() + morphology.elongation_mm;
-        let row = Vector3::new(1.0, contact.ratio.a() - Offset::CENTRE, log_slope * length.mm() / elongated_mm);
+        let share = by_deflection / expected_strain;
+        let row = Vector4::new(
+            share,
+            share * (contact.ratio.a() - Offset::CENTRE),
+            share * log_slope * length.mm() / elongated_mm,
+            1.0 / expected_strain,
+        );
         let noise_variance = scale.variance() * noise.log_variance(expected_strain, contact.ratio, log_slope);
-        Ok(self.innovation(residual, row, noise_variance, predicted))
+        Ok(self.innovation(residual, row, noise_variance, scale.density(), predicted))
     }
 
-    fn innovation(&self, residual: f64, row: Vector3<f64>, noise_variance: f64, predicted: f64) -> Innovation {
-        let spread = Matrix3::from(self.covariance) * row;
+    fn innovation(
+        &self,
+        residual: f64,
+        row: Vector4<f64>,
+        noise_variance: f64,
+        density: InnovationDensity,
+        predicted: f64,
+    ) -> Innovation {
+        let spread = Matrix4::from(self.covariance) * row;
         let state_variance = row.dot(&spread);
         let variance = state_variance + noise_variance;
         let standardised = residual / variance.sqrt();
-        let excess = (standardised.abs() / INFLUENCE_BOUND).max(1.0);
-        let gain_noise_variance = noise_variance * excess.powi(2);
+        let seen = density.at(standardised);
+        let gain_noise_variance = noise_variance / seen.sound.max(LEAST_SOUND);
         let gain = spread / (state_variance + gain_noise_variance);
         Innovation {
             residual,
             variance,
             noise_variance,
             standardised,
+            density,
+            seen,
             row: row.into(),
             gain: gain.into(),
             gain_noise_variance,
@@ -190,26 +250,43 @@ impl LengthFilter {
         }
     }
 
-    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the length wander.
-    pub fn learn(&mut self, seen: &Innovation, wander_mm: f64) {
-        let gain = Vector3::from(seen.gain);
-        let mean = Vector3::from(self.mean) + gain * seen.residual;
-        let keep = Matrix3::identity() - gain * Vector3::from(seen.row).transpose();
-        let mut covariance = keep * Matrix3::from(self.covariance) * keep.transpose()
+    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander.
+    pub fn learn(&mut self, seen: &Innovation, wander: Wander) {
+        let gain = Vector4::from(seen.gain);
+        let mean = Vector4::from(self.mean) + gain * seen.residual;
+        let keep = Matrix4::identity() - gain * Vector4::from(seen.row).transpose();
+        let mut covariance = keep * Matrix4::from(self.covariance) * keep.transpose()
             + gain * gain.transpose() * seen.gain_noise_variance;
-        covariance[(LENGTH, LENGTH)] += (wander_mm / self.whole_length_mm).powi(2);
+        covariance[(LENGTH, LENGTH)] += (wander.length_mm / self.whole_length_mm).powi(2);
+        covariance[(BASELINE, BASELINE)] += wander.baseline_strain.powi(2);
         self.mean = mean.into();
         self.covariance = covariance.into();
+    }
+
+    /// The noise turned out to be another: so is the variance of what was learned by averaging it away.
+    ///
+    /// Only for the cold start, and only for what the contacts have told better than the prior.
+    pub fn rescale(&mut self, factor: f64, params: &FilterParams) {
+        let prior = [params.offset_level, params.offset_slope, 0.0, params.baseline_strain];
+        let by: [f64; STATES] = std::array::from_fn(|state| {
+            let told = self.covariance[state][state] < 0.5 * prior[state].powi(2);
+            if told { factor.sqrt() } else { 1.0 }
+        });
+        for (row, by_row) in self.covariance.iter_mut().zip(by) {
+            for (one, by_column) in row.iter_mut().zip(by) {
+                *one *= by_row * by_column;
+            }
+        }
     }
 
     /// The state lacks `lacking` times `size`, of which the variance is given: a change was found.
     ///
     /// The model is linearised at the old length, so a tenth of the change of lambda is added to its standard
     /// deviation; the contacts that follow take that away again.
-    pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; 3]) {
-        let lacking = Vector3::from(lacking);
-        let mean = Vector3::from(self.mean) + lacking * size;
-        let mut covariance = Matrix3::from(self.covariance) + lacking * lacking.transpose() * variance;
+    pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) {
+        let lacking = Vector4::from(lacking);
+        let mean = Vector4::from(self.mean) + lacking * size;
+        let mut covariance = Matrix4::from(self.covariance) + lacking * lacking.transpose() * variance;
         covariance[(LENGTH, LENGTH)] += (0.1 * size * lacking[LENGTH]).powi(2);
         self.mean = mean.into();
         self.covariance = covariance.into();
@@ -220,5 +297,13 @@ impl LengthFilter {
         let sd = params.offset_per_mpa * by_mpa;
         self.covariance[0][0] += sd.powi(2);
         self.covariance[1][1] += sd.powi(2);
+    }
+
+    /// Every whisker of the array reads by about this much more or less, in log sensitivity: no length.
+    ///
+    /// How much of it this whisker's offset has taken up already is not known: it is learned anew.
+    pub fn shared_shift(&mut self, log_shift: f64) {
+        self.covariance[0][0] += log_shift.powi(2);
+        self.covariance[1][1] += log_shift.powi(2);
     }
 }

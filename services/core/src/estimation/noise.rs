@@ -2,6 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::outlier::{InnovationDensity, MEAN_SQUARE_SEEN};
 use crate::units::ContactRatio;
 
 /// The stated noise of a robot's readings, as standard deviations.
@@ -44,8 +45,8 @@ impl SensorNoise {
 
 /// The learned factor between a whisker's true noise variance and the stated one.
 ///
-/// Squared standardised innovations are averaged, each cut at 9 so that one outlier in a hundred cannot
-/// inflate it; the prior counts as [`NoiseScale::PRIOR_CONTACTS`] contacts, the past as at most
+/// Squared standardised innovations are averaged, each by its probability of being no outlier; the stated
+/// noise counts as [`NoiseScale::PRIOR_CONTACTS`] contacts, the past as at most
 /// [`NoiseScale::MEMORY_CONTACTS`].
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct NoiseScale {
@@ -61,11 +62,9 @@ impl Default for NoiseScale {
 
 impl NoiseScale {
     /// Weight of the stated noise at the start.
-    pub const PRIOR_CONTACTS: f64 = 30.0;
+    pub const PRIOR_CONTACTS: f64 = 6.0;
     /// Contacts that are remembered.
-    pub const MEMORY_CONTACTS: f64 = 2000.0;
-    /// E[min(w^2, 9)] of a standard normal w: what the cut takes away.
-    const MEAN_OF_CUT: f64 = 0.995;
+    pub const MEMORY_CONTACTS: f64 = 4000.0;
 
     /// Factor on the stated variance, dimensionless, between 1/16 and 16.
     #[must_use]
@@ -73,10 +72,21 @@ impl NoiseScale {
         self.variance
     }
 
-    /// Takes one standardised innovation in; call it only while nothing is suspected.
-    pub fn learn(&mut self, standardised: f64) {
-        let square = standardised.powi(2).min(9.0) / Self::MEAN_OF_CUT;
-        self.contacts = (self.contacts + 1.0).min(Self::MEMORY_CONTACTS);
-        self.variance = (self.variance * (1.0 + (square - 1.0) / self.contacts)).clamp(0.0625, 16.0);
+    /// The density of an innovation that was standardised by this scale.
+    #[must_use]
+    pub fn density(&self) -> InnovationDensity {
+        InnovationDensity::learned_from(self.contacts)
+    }
+
+    /// Takes one standardised innovation in; call it only while nothing is suspected. `share` is that of the
+    /// noise in the innovation's variance, 0 to 1: what is not known of the state says nothing of the noise.
+    ///
+    /// Returns the factor by which the scale's variance has changed.
+    pub fn learn(&mut self, standardised: f64, share: f64) -> f64 {
+        let before = self.variance;
+        let square = self.density().at(standardised).sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
+        self.contacts = (self.contacts + share).min(Self::MEMORY_CONTACTS);
+        self.variance = (before * (1.0 + share * (square - 1.0) / self.contacts)).clamp(0.0625, 16.0);
+        self.variance / before
     }
 }

@@ -5,7 +5,7 @@ use super::effect::{AlarmKind, Condition, ContactRecord, Effect, Trim, WhiskerIn
 use super::event::Contact;
 use super::params::Params;
 use super::whisker::PendingTrim;
-use crate::detection::{Change, ChangeKind, Verdict};
+use crate::detection::{Change, Kind, Others, Verdict};
 use crate::estimation::{LengthEstimate, LengthFilter};
 use crate::units::Micros;
 
@@ -22,6 +22,8 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
+        let suspicious = self.whiskers[index].detector.is_suspicious();
+        let others = if suspicious { self.others_feel(index) } else { Others::Not };
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else {
             effects.push(Effect::UnknownWhisker { position });
@@ -29,12 +31,13 @@ impl Robot {
         };
         whisker.heard = Some(now);
         whisker.changed = true;
-        let felt = whisker.feel(params, model, contact);
+        let felt = whisker.feel(params, model, contact, others);
         effects.push(Effect::Contact(ContactRecord {
             position,
             whisker: index,
             used: felt.used,
             residual: felt.innovation.map(|seen| seen.residual),
+            standardised: felt.innovation.map(|seen| seen.standardised),
             length: whisker.filter.length(),
         }));
         self.refresh_fault(params, now, index, effects);
@@ -55,7 +58,8 @@ impl Robot {
             }
             Verdict::Quiet | Verdict::Looking => {}
             Verdict::Alarm => {
-                if whisker.condition == Condition::Healthy {
+                self.ask_others(index);
+                if self.whiskers[index].condition == Condition::Healthy {
                     self.set_condition(index, Condition::Suspected, effects);
                 }
             }
@@ -64,22 +68,26 @@ impl Robot {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
             }
-            Verdict::Changed(change) => self.changed_length(params, index, &change, effects),
+            Verdict::Changed(change) => self.changed(params, index, &change, effects),
+            Verdict::Shared(change) => self.shared_shift(params, index, &change, effects),
         }
+        self.watch_baseline(params, index, effects);
         self.settle_trim(params, index, effects);
     }
 
-    fn changed_length(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
+    fn changed(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
-            ChangeKind::Step if change.size > 0.0 => {
+            Kind::LessSensitive => {
                 // Not a length: the estimate stays, and the offset is learned anew.
                 whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
                 effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::SensitivityLoss });
             }
-            ChangeKind::Step => {
+            // What it has lost it may get back; that is no cut, and people were told to look at it.
+            Kind::Shorter if whisker.condition == Condition::SensitivityLoss => whisker.jump(change),
+            Kind::Shorter => {
                 whisker.jump(change);
                 if whisker.is_at_nominal_pressure() {
                     whisker.whole_offset.get_or_insert(whisker.filter.offset());
@@ -91,13 +99,35 @@ impl Robot {
                     contacts_since_confirmed: 0,
                 });
             }
-            ChangeKind::Slope => {
+            Kind::Eroding => {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
                     self.set_condition(index, Condition::Eroding, effects);
                     effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::Eroding });
                 }
             }
+            Kind::Drifting => {
+                whisker.jump(change);
+                whisker.drifting = true;
+                if whisker.condition == Condition::Suspected {
+                    self.set_condition(index, Condition::Healthy, effects);
+                }
+                self.tell_of_drift(index, effects);
+            }
+        }
+    }
+
+    /// A baseline that was followed all the way is told of too, once it is far off.
+    fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let (baseline_strain, sd_strain) = self.whiskers[index].filter.baseline_strain();
+        if baseline_strain.abs() - 2.0 * sd_strain > params.health.baseline_strain_max {
+            self.tell_of_drift(index, effects);
+        }
+    }
+
+    fn tell_of_drift(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        if !std::mem::replace(&mut self.whiskers[index].drift_told, true) {
+            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::BaselineDrift });
         }
     }
 

@@ -91,6 +91,8 @@ pub struct ContactRecord {
     pub used: ContactUse,
     /// Log sensitivity against the prediction, if it was used.
     pub residual: Option<f64>,
+    /// The residual in standard deviations of what was expected; standard normal while nothing changes.
+    pub standardised: Option<f64>,
     /// Length after it.
     pub length: LengthEstimate,
 }
@@ -362,6 +364,10 @@ pub enum AlarmKind {
     SensitivityLoss,
     /// A whisker erodes.
     Eroding,
+    /// The whole array reads more or less than before: deflection mis-scaled, or temperature. Taken out.
+    ArrayShift,
+    /// The gauge's baseline drifts. It is followed and taken out.
+    BaselineDrift,
     /// A fault.
     Fault(Fault),
 }

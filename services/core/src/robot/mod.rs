@@ -6,7 +6,7 @@
 //! The same events give the same effects, byte for byte.
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `compensation` (who serves whom), `command` (setpoints) and `measure` (Eq. 35).
+//! `shared` (what a whole array feels), `compensation` (who serves whom), `command` (setpoints) and `measure` (Eq. 35).
 
 mod command;
 mod compensation;
@@ -17,6 +17,7 @@ mod health;
 mod measure;
 pub mod params;
 pub mod sequence;
+mod shared;
 mod stored;
 mod view;
 pub mod whisker;

@@ -52,6 +52,8 @@ pub struct HealthParams {
     pub unheld_after: Micros,
     /// Contacts in a row that make a gauge fault, and twice as many good ones end it.
     pub gauge_contacts: u8,
+    /// A gauge's baseline further off than this is told of, m/m: twenty times the noise floor.
+    pub baseline_strain_max: f64,
     /// A trim is acted on when the length's standard deviation is down to this, mm ...
     pub length_sd_max_mm: f64,
     /// ... or after this many further contacts.
@@ -108,6 +110,7 @@ impl Default for HealthParams {
             settled_within_mpa: 0.004,
             unheld_after: Micros::from_s(4.0),
             gauge_contacts: 5,
+            baseline_strain_max: 1e-4,
             length_sd_max_mm: 0.3,
             length_contacts_max: 25,
         }

@@ -5,8 +5,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
 use super::event::{Contact, GaugeState, RegulatorState, WhiskerSheet};
 use super::params::Params;
-use crate::detection::{Change, Detector, Verdict};
-use crate::estimation::filter::{NoInformation, Observation};
+use crate::detection::{Change, Detector, Others, Verdict};
+use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::{Innovation, LengthFilter, NoiseScale, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
 use crate::units::{Megapascal, Micros};
@@ -42,6 +42,12 @@ pub struct Whisker {
     pub(super) not_before: Micros,
     /// The last setpoint failed for good, in this boot.
     pub(super) given_up: bool,
+    /// Its contacts since any whisker of its array raised an alarm.
+    pub(super) contacts_since_alarm: u16,
+    /// Its gauge's baseline drifts.
+    pub(super) drifting: bool,
+    /// People were told so.
+    pub(super) drift_told: bool,
     /// A trim that no decision has been made about.
     pub(super) undecided: bool,
     #[borsh(skip)]
@@ -133,6 +139,9 @@ impl Whisker {
             attempts: 0,
             not_before: Micros::default(),
             given_up: false,
+            contacts_since_alarm: 0,
+            drifting: false,
+            drift_told: false,
             undecided: false,
             changed: true,
             sheet,
@@ -151,7 +160,7 @@ impl Whisker {
     }
 
     /// One contact: is it fit for use, what does it say, and has anything changed?
-    pub(super) fn feel(&mut self, params: &Params, model: &Model, contact: &Contact<'_>) -> Felt {
+    pub(super) fn feel(&mut self, params: &Params, model: &Model, contact: &Contact<'_>, others: Others) -> Felt {
         self.air.measured = Some(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
@@ -170,29 +179,52 @@ impl Whisker {
         match seen {
             Err(NoInformation::OnChamber(_)) => Felt::unused(ContactUse::OnChamber),
             Err(NoInformation::TooWeak) => Felt::unused(ContactUse::TooWeak),
-            Ok(seen) => self.take(params, contact, &seen),
+            Ok(seen) => self.take(params, contact, &seen, others),
         }
     }
 
-    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation) -> Felt {
+    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> Felt {
         self.contacts += 1;
+        self.contacts_since_alarm = self.contacts_since_alarm.saturating_add(1);
         let calm = self.detector.is_calm() && self.pending_trim.is_none();
         if calm {
-            self.noise.learn(seen.standardised);
+            self.learn_noise(params, seen);
             if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
                 // Against the model at whole length: the residual is against the present estimate.
                 let estimate = self.filter.length().length.mm();
-                let shift = seen.row[2] * (estimate / self.sheet.length.mm()).ln();
+                let shift = seen.row[LENGTH] * (estimate / self.sheet.length.mm()).ln();
                 let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
-                self.whole.add(contact.ratio, deviation, seen.noise_variance);
+                // An outlier counts for what it is worth.
+                self.whole.add(contact.ratio, deviation, seen.noise_variance / seen.seen.sound.max(1e-3));
             }
         }
         let eroding = self.condition == Condition::Eroding;
         let learning = self.condition == Condition::Learning;
-        let verdict = if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding) };
-        self.filter.learn(seen, if eroding { params.filter.erosion_wander_mm } else { params.filter.wander_mm });
+        let verdict =
+            if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
+        self.filter.learn(seen, self.wander(params));
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         Felt { used, innovation: Some(*seen), verdict }
+    }
+
+    fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
+        let factor = self.noise.learn(seen.standardised, seen.noise_variance / seen.variance);
+        if self.condition == Condition::Learning {
+            self.filter.rescale(factor, &params.filter);
+        }
+    }
+
+    fn wander(&self, params: &Params) -> Wander {
+        let eroding = self.condition == Condition::Eroding;
+        let (filter, drifting) = (&params.filter, self.drifting);
+        Wander {
+            length_mm: if eroding { filter.erosion_wander_mm } else { filter.wander_mm },
+            baseline_strain: if drifting {
+                filter.drifting_baseline_wander_strain
+            } else {
+                filter.baseline_wander_strain
+            },
+        }
     }
 
     /// Moves the estimate by a confirmed change.

@@ -1,0 +1,141 @@
+//! What an array feels in common: its deflection mis-scaled, its temperature changed. No whisker's length.
+//!
+//! A single whisker cannot tell such a shift from a cut. So before a change is called, the array's other healthy whiskers
+//! are asked whether they feel the same. Each speaks from its own contacts, and the majority decides: one whisker that was
+//! really cut, or never touched, moves nothing. It costs a trim no contact, unless the others have not
+//! been touched since the alarm.
+
+use super::Robot;
+use super::effect::{AlarmKind, Condition, Effect, WhiskerIndex};
+use super::params::Params;
+use crate::detection::{Change, Fit, Others};
+use crate::mechanics::Model;
+use crate::units::ContactRatio;
+
+/// With fewer others, nobody can say who is right.
+const OTHERS_MIN: usize = 2;
+/// Log likelihood ratio from which another whisker feels it too.
+const FEELS: f64 = 3.0;
+/// Whiskers feel the same shift alike up to this share: their curves differ a little.
+const ALIKE: f64 = 0.1;
+/// Contacts after the alarm from which another whisker can say that it does not.
+const CONTACTS_TO_DENY: u16 = 3;
+
+impl Robot {
+    /// Whether the other healthy whiskers of the array feel what this one suspects.
+    pub(super) fn others_feel(&self, index: WhiskerIndex) -> Others {
+        let Some(own) = self.whiskers[index].detector.suspected_shift() else {
+            return Others::Not;
+        };
+        let (mut others, mut feel, mut untouched) = (0, 0, 0);
+        for other in self.sound_whiskers_of(index).filter(|&other| other != index) {
+            let whisker = &self.whiskers[other];
+            others += 1;
+            if whisker.detector.felt(own.size).is_some_and(|other| feels(&own, &other)) {
+                feel += 1;
+            } else if whisker.contacts_since_alarm < CONTACTS_TO_DENY {
+                untouched += 1;
+            }
+        }
+        if others < OTHERS_MIN {
+            Others::Not
+        } else if 2 * feel > others {
+            Others::Too
+        } else if 2 * (feel + untouched) > others {
+            Others::NotYet
+        } else {
+            Others::Not
+        }
+    }
+
+    /// The whiskers of the same array that have learned what they should feel, and are whole.
+    fn sound_whiskers_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
+        let array = self.whiskers[index].array;
+        let sound = move |&other: &WhiskerIndex| {
+            let whisker = &self.whiskers[other];
+            whisker.array == array
+                && whisker.fault.is_none()
+                && matches!(whisker.condition, Condition::Healthy | Condition::Suspected)
+        };
+        (0..self.whiskers.len()).filter(sound)
+    }
+
+    /// A whisker has raised an alarm: from now on the others' contacts count as answers to it.
+    pub(super) fn ask_others(&mut self, index: WhiskerIndex) {
+        let array = self.whiskers[index].array;
+        for whisker in self.whiskers.iter_mut().filter(|whisker| whisker.array == array) {
+            whisker.contacts_since_alarm = 0;
+            whisker.changed = true;
+        }
+    }
+
+    /// Takes a shift of the whole array out: every whisker's offset is learned anew around it, and what was
+    /// measured before is brought to the same scale.
+    pub(super) fn shared_shift(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        change: &Change,
+        effects: &mut Vec<Effect>,
+    ) {
+        let shift = self.median_shift(index, change.size);
+        let array = self.whiskers[index].array;
+        let members: Vec<WhiskerIndex> =
+            (0..self.whiskers.len()).filter(|&other| self.whiskers[other].array == array).collect();
+        for &member in &members {
+            let whisker = &mut self.whiskers[member];
+            let Some(model) = whisker.model(params) else { continue };
+            let log_shift = shift * whisker.log_slope_with_length(model);
+            whisker.take_out(log_shift);
+            for running in self.compensations.iter_mut().filter(|one| one.compensator() == member) {
+                running.after.shift(log_shift);
+                if let Some(before) = &mut running.before {
+                    before.shift(log_shift);
+                }
+            }
+            if self.whiskers[member].condition == Condition::Suspected {
+                self.set_condition(member, Condition::Healthy, effects);
+            }
+        }
+        self.changed = true;
+        effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::ArrayShift });
+    }
+
+    /// The median of what the whiskers feel, as a change of log length that would explain it.
+    fn median_shift(&self, index: WhiskerIndex, own: f64) -> f64 {
+        let others = self.sound_whiskers_of(index).filter(|&other| other != index);
+        let mut felt: Vec<f64> =
+            others.filter_map(|other| Some(self.whiskers[other].detector.felt(own)?.size)).collect();
+        felt.push(own);
+        felt.sort_by(f64::total_cmp);
+        felt[felt.len() / 2]
+    }
+}
+
+/// Whether another whisker feels something, and as much of it as this one, within two standard deviations.
+fn feels(own: &Fit, other: &Fit) -> bool {
+    let sd = (own.variance + other.variance).sqrt();
+    other.gain >= FEELS && (other.size - own.size).abs() <= 2.0 * sd + ALIKE * own.size.abs()
+}
+
+impl super::Whisker {
+    /// d ln sensitivity / d ln length in the middle of the contact ratios; 0 where the model does not hold.
+    fn log_slope_with_length(&self, model: &Model) -> f64 {
+        let middle = ContactRatio::known(crate::mechanics::Offset::CENTRE);
+        let length = self.filter.length().length;
+        let morphology = model.morphology(self.air.setpoint);
+        model
+            .sensitivity_and_slope(middle, length, &morphology)
+            .map_or(0.0, |(_, slope)| slope * length.mm() / (length.mm() + morphology.elongation_mm))
+    }
+
+    fn take_out(&mut self, log_shift: f64) {
+        self.filter.shared_shift(log_shift);
+        self.whole.shift(log_shift);
+        if let Some(offset) = &mut self.whole_offset {
+            offset.level += log_shift;
+        }
+        self.detector = crate::detection::Detector::default();
+        self.changed = true;
+    }
+}

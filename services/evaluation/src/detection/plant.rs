@@ -1,0 +1,95 @@
+//! A whisker in truth, as bare as a detector sees it: contacts at random contact ratios, 5 % of noise.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+
+/// Where contacts are.
+pub const RATIOS: (f64, f64) = (0.45, 1.0);
+/// How deep contacts are, mm.
+pub const DEFLECTIONS_MM: (f64, f64) = (0.2, 6.0);
+/// Length of a whole whisker, mm.
+pub const WHOLE_MM: f64 = 70.0;
+/// How far its true length is off that, as a standard deviation, mm.
+pub const WHOLE_SD_MM: f64 = 0.1;
+/// Its pressure, MPa.
+pub const PRESSURE_MPA: f64 = 0.1;
+/// Standard deviation of the log sensitivity of one contact.
+pub const NOISE: f64 = 0.05;
+/// An outlier has this many times the noise.
+pub const OUTLIER_FACTOR: f64 = 10.0;
+
+/// One contact as the robot reads it, with what only the oracle knows.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch {
+    /// Contact ratio.
+    pub ratio: ContactRatio,
+    /// Deflection, mm.
+    pub deflection_mm: f64,
+    /// Strain, m/m.
+    pub strain: f64,
+    /// ln(measured / true whole sensitivity), had it been no outlier: the oracle is spared them, since without a
+    /// guard of its own it would take them for the change.
+    pub log_deviation: f64,
+}
+
+/// A whisker whose truth differs from the model by up to `off` in each parameter, in either formulation.
+pub struct Plant {
+    model: Model,
+    morphology: Morphology,
+    /// Length as it was built in, mm: near what the factsheet says.
+    pub whole_mm: f64,
+    /// Length now, mm.
+    pub length_mm: f64,
+    outliers: f64,
+    random: ChaCha8Rng,
+}
+
+impl Plant {
+    /// A whole whisker. `outliers` is the share of contacts with ten times the noise.
+    #[must_use]
+    pub fn new(seed: u64, off: f64, outliers: f64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let built_in = Calibration::nguyen_2021();
+        let mut by = |value: f64| value * (1.0 + off * random.random_range(-1.0..=1.0));
+        let calibration = Calibration {
+            c: by(built_in.c),
+            a: by(built_in.a),
+            b_per_mpa: by(built_in.b_per_mpa),
+            elongation_gain_mm: by(built_in.elongation_gain_mm),
+            ..built_in
+        };
+        let formulation = if random.random() { Formulation::Published } else { Formulation::Consistent };
+        let model = Model::new(Geometry::nguyen_2021(), calibration, formulation)
+            .unwrap_or_else(|_| Model::nguyen_2021(formulation));
+        let morphology = model.morphology(Megapascal::known(PRESSURE_MPA));
+        let unit: f64 = StandardNormal.sample(&mut random);
+        let whole_mm = WHOLE_MM + WHOLE_SD_MM * unit;
+        Self { model, morphology, whole_mm, length_mm: whole_mm, outliers, random }
+    }
+
+    /// The next contact.
+    pub fn touch(&mut self) -> Touch {
+        let ratio = ContactRatio::known((self.random.random_range(RATIOS.0..=RATIOS.1) * 1e4_f64).round() / 1e4);
+        let deflection_mm = self.random.random_range(DEFLECTIONS_MM.0..=DEFLECTIONS_MM.1);
+        let unit: f64 = StandardNormal.sample(&mut self.random);
+        let outlier = self.random.random::<f64>() < self.outliers;
+        let noise = NOISE * unit * if outlier { OUTLIER_FACTOR } else { 1.0 };
+        let strain = self.per_mm(ratio, self.length_mm) * deflection_mm * noise.exp();
+        let log_deviation = NOISE * unit + self.log_shift(ratio, self.length_mm);
+        Touch { ratio, deflection_mm, strain, log_deviation }
+    }
+
+    /// ln(sensitivity at a length / at whole length).
+    #[must_use]
+    pub fn log_shift(&self, ratio: ContactRatio, length_mm: f64) -> f64 {
+        (self.per_mm(ratio, length_mm) / self.per_mm(ratio, self.whole_mm)).ln()
+    }
+
+    fn per_mm(&self, ratio: ContactRatio, length_mm: f64) -> f64 {
+        let length = Millimetre::known(length_mm);
+        self.model.sensitivity_per_mm(ratio, length, &self.morphology).unwrap_or(f64::NAN)
+    }
+}
