@@ -96,13 +96,13 @@ fn any_robot(params: &Params, random: &mut Random) -> Robot {
         .map(|index| (0..count).filter(|&other| other != index && random.one_in(2)).map(|other| other as u16).collect())
         .collect();
     let mut robot = robot(params, kind, &lengths_mm, |index| beside[index].clone());
-    for index in 0..count {
+    for (index, whole_mm) in lengths_mm.into_iter().enumerate() {
         let whisker = &mut robot.whiskers[index];
         whisker.sheet.pressure = Megapascal::known(random.between(0.06, 0.14));
         whisker.sheet.pressure_max = Megapascal::known(random.between(0.14, 0.2));
         match random.below(12) {
             0..=4 => {
-                let length_mm = lengths_mm[index] - random.between(1.0, 18.0);
+                let length_mm = whole_mm - random.between(1.0, 18.0);
                 cut(params, &mut robot, index, length_mm);
             }
             5 => whisker.fault = Some(Fault::Leak),
