@@ -36,7 +36,8 @@ impl LargeArray {
     pub fn new(whiskers: usize, broken: usize) -> Self {
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = CONTACTS as u32;
-        let lengths_mm = (0..whiskers).map(|index| if (index + index / COLUMNS) % 2 == 0 { 70.0 } else { 66.0 });
+        let lengths_mm =
+            (0..whiskers).map(|index| if (index + index / COLUMNS).is_multiple_of(2) { 70.0 } else { 66.0 });
         let lengths_mm: Vec<f64> = lengths_mm.collect();
         let robot = Robot::new(1, Numbers::default());
         let mut array = Self { robot, params, lengths_mm, now: Micros(1_000_000_000_000) };

@@ -101,8 +101,8 @@ async fn record() -> Recording {
     let pool = reader(&folder.path().join("v.sqlite3")).await;
     const APPLIED: &str = "SELECT count(*) FROM setpoints WHERE state = 'APPLIED'";
     until_true("both setpoints applied", async || count(&pool, APPLIED).await == 2).await;
-    let more = fleet.contacts_made() + 30;
-    until_true("contacts at the new pressures", async || fleet.contacts_made() >= more).await;
+    let more = fleet.contacts_made() + 300;
+    until_true("contacts at the new pressures, and a status", async || fleet.contacts_made() >= more).await;
     fleet.rest();
     const CONTACTS: &str = "SELECT count(*) FROM contacts";
     until_true("every contact recorded", async || count(&pool, CONTACTS).await == fleet.contacts_made()).await;
