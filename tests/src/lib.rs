@@ -1,6 +1,7 @@
 //! What the integration tests share.
 
 pub mod certificates;
+pub mod large_array;
 pub mod mosquitto;
 pub mod observer;
 pub mod postgres;

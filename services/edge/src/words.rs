@@ -81,6 +81,7 @@ words! {
         EndReason::CompensatorBroken => "COMPENSATOR_BROKEN",
         EndReason::Reassigned => "REASSIGNED",
         EndReason::SetpointFailed => "SETPOINT_FAILED",
+        EndReason::Replaced => "REPLACED",
     }
     CommandState {
         CommandState::Pending => "PENDING",

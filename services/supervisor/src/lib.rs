@@ -2,7 +2,7 @@
 //!
 //! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
 //! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
-//! [`config`], [`demo`] and [`cli`].
+//! [`record`] and [`replay`], [`config`], [`demo`] and [`cli`].
 
 pub mod service;
 
@@ -15,6 +15,9 @@ pub mod broker;
 pub mod mqtt;
 
 pub mod engine;
+
+pub mod record;
+pub mod replay;
 
 pub mod store;
 

@@ -139,7 +139,7 @@ impl Service {
 }
 
 /// What makes the name of a start its own: the time, the process, and where.
-fn start_seed() -> Vec<u8> {
+pub(crate) fn start_seed() -> Vec<u8> {
     let mut seed = wall_clock().0.to_le_bytes().to_vec();
     seed.extend(std::process::id().to_le_bytes());
     seed.extend(std::fs::read("/proc/sys/kernel/random/uuid").unwrap_or_default());

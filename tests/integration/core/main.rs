@@ -6,7 +6,9 @@ mod false_alarms;
 mod faults;
 mod policy;
 mod purity;
+mod replaced;
 mod trims;
+mod what_if;
 
 use vibrissa_protocol::{ArrayType, Name};
 use vibrissa_simulator::scenario::{ArrayScenario, Behaviour, Noise, RobotScenario, Scenario, WhiskerScenario};

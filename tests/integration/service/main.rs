@@ -14,6 +14,7 @@ mod web;
 mod bad_input;
 mod config;
 mod http;
+mod replaced;
 mod restart;
 mod setpoints;
 mod start;

@@ -230,6 +230,6 @@ impl super::Whisker {
     }
 }
 
-fn state_of(command: CommandKey, state: CommandState) -> Effect {
+pub(super) fn state_of(command: CommandKey, state: CommandState) -> Effect {
     Effect::CommandState { command, state, rejection: None, pressure: None }
 }

@@ -82,6 +82,8 @@ impl Robot {
         for array in 0..self.arrays.len() {
             self.decide_array(params, array as u16, effects);
         }
+        // What the decisions ended themselves is decided already.
+        self.undecided = false;
         for index in 0..self.whiskers.len() {
             self.reconcile(params, now, index, effects);
         }
@@ -117,16 +119,42 @@ impl Robot {
     }
 
     fn decide_array(&mut self, params: &Params, array: u16, effects: &mut Vec<Effect>) {
-        let broken = |one: &Whisker| one.array == array && one.condition == Condition::Trimmed;
-        let targets: Vec<usize> = (0..self.whiskers.len()).filter(|&index| broken(&self.whiskers[index])).collect();
+        let targets: Vec<usize> = (0..self.whiskers.len())
+            .filter(|&index| self.whiskers[index].array == array && self.is_target(index))
+            .collect();
         if targets.is_empty() {
             return;
         }
         let asked: Vec<Asked> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
         let chosen = choose(params, &targets, &asked);
-        for &target in &targets {
-            self.follow(target, chosen.get(&target).copied(), &asked, effects);
+        let chosen_for = |target: usize| chosen.get(&target).copied();
+        let news: Vec<usize> = targets.into_iter().filter(|&target| self.is_news(target, chosen_for(target))).collect();
+        // Everything that ends, before anything begins: what one whisker lets go of, another may take.
+        for &target in &news {
+            if let Some((id, _)) = self.server(target) {
+                self.end(id, EndReason::Reassigned, effects);
+            }
         }
+        for target in news {
+            self.follow(target, chosen_for(target), &asked, effects);
+        }
+    }
+
+    /// Whether somebody must serve it: it is trimmed, or it is served although it has become something else
+    /// since (which keeps its compensator from being given away).
+    fn is_target(&self, index: WhiskerIndex) -> bool {
+        let one = &self.whiskers[index];
+        one.condition == Condition::Trimmed || one.undecided || self.server(index).is_some()
+    }
+
+    /// The compensation that serves it, and by whom.
+    fn server(&self, target: WhiskerIndex) -> Option<(u32, WhiskerIndex)> {
+        self.compensations.iter().find(|one| one.target() == target).map(|one| (one.id, one.compensator()))
+    }
+
+    /// Whether there is anything to say: not if it is still served by the same whisker, or still by none.
+    fn is_news(&self, target: WhiskerIndex, chosen: Option<WhiskerIndex>) -> bool {
+        self.whiskers[target].undecided || self.server(target).map(|(_, compensator)| compensator) != chosen
     }
 
     /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
@@ -161,7 +189,7 @@ impl Robot {
         Asked { target, compensator, standing, proposal }
     }
 
-    /// Carries out what was chosen for one target, if it is new.
+    /// Carries out what was chosen for one target that nobody serves.
     fn follow(
         &mut self,
         target: WhiskerIndex,
@@ -169,18 +197,7 @@ impl Robot {
         asked: &[Asked],
         effects: &mut Vec<Effect>,
     ) {
-        let running =
-            self.compensations.iter().find(|one| one.target() == target).map(|one| (one.id, one.compensator()));
-        let undecided = std::mem::take(&mut self.whiskers[target].undecided);
-        let same = running.map(|(_, compensator)| compensator) == chosen;
-        // Nothing new to say: still served by the same whisker, or still by none.
-        if same && !undecided {
-            return;
-        }
-        if let Some((id, _)) = running {
-            self.end(id, EndReason::Reassigned, effects);
-            self.whiskers[target].undecided = false;
-        }
+        self.whiskers[target].undecided = false;
         self.whiskers[target].changed = true;
         let compensation = self.next_compensation;
         self.next_compensation += 1;
@@ -220,7 +237,7 @@ impl Robot {
             whisker: asked.compensator,
             case: proposal.map_or(unasked_case, |proposal| proposal.case),
             length: estimate,
-            pressure_before: one.air.setpoint,
+            pressure_before: one.sheet.pressure,
             pressure: setpoint.map(|setpoint| setpoint.pressure),
             predicted_error_by_ratio: setpoint.map(|setpoint| setpoint.error.by_ratio),
             predicted_error: setpoint.map(|setpoint| setpoint.error.mean),
@@ -236,7 +253,6 @@ impl Robot {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
-        let pressure_before = if is_self { one.air.setpoint } else { one.sheet.pressure };
         self.compensations.push(Compensation {
             id,
             target: chosen.target as u32,
@@ -244,7 +260,7 @@ impl Robot {
             case,
             predicted_error: setpoint.error.mean,
             length: one.filter.length().length,
-            pressure_before,
+            pressure_before: one.sheet.pressure,
             pressure: setpoint.pressure,
             before: (!is_self).then(|| one.whole.clone()),
             after: ResponseBins::default(),
@@ -265,13 +281,14 @@ impl Robot {
 
 /// The assignment with the least total cost: for each served target its compensator.
 fn choose(params: &Params, targets: &[usize], asked: &[Asked]) -> BTreeMap<usize, usize> {
-    let mut columns: Vec<usize> = asked.iter().map(|one| one.compensator).collect();
+    let able: Vec<(&Asked, f64)> = asked.iter().filter_map(|one| Some((one, one.cost(params)?))).collect();
+    // Only those who can serve anybody: the others would be empty columns.
+    let mut columns: Vec<usize> = able.iter().map(|(one, _)| one.compensator).collect();
     columns.sort_unstable();
     columns.dedup();
-    let offers: Vec<Offer> = asked
+    let offers: Vec<Offer> = able
         .iter()
-        .filter_map(|one| {
-            let cost = one.cost(params)?;
+        .filter_map(|&(one, cost)| {
             let target = targets.binary_search(&one.target).ok()?;
             let compensator = columns.binary_search(&one.compensator).ok()?;
             Some(Offer { target, compensator, cost })
@@ -319,13 +336,19 @@ impl Whisker {
         broken || faulty
     }
 
-    /// As the policy sees it: itself as it is now, a neighbour as it is in its own role.
+    /// As the policy sees it: in its own role, at its nominal pressure. A compensation that is over may still
+    /// hold its pressure, and the release be on its way: that must decide nothing.
     fn fitness<'p>(&self, model: &'p crate::mechanics::Model, is_self: bool) -> Fitness<'p> {
-        let (pressure, offset) = if is_self {
-            (self.air.setpoint, self.filter.offset())
-        } else {
-            (self.sheet.pressure, self.whole_offset())
-        };
-        Fitness { model, length: self.filter.length().length, pressure, pressure_max: self.sheet.pressure_max, offset }
+        Fitness {
+            model,
+            length: self.filter.length().length,
+            pressure: self.sheet.pressure,
+            pressure_max: self.sheet.pressure_max,
+            // A trimmed whisker's offset is best known as it is now.
+            offset: if is_self { self.filter.offset() } else { self.whole_offset() },
+        }
     }
 }
+
+#[cfg(test)]
+mod tests;

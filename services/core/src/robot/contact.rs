@@ -162,6 +162,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let from = std::mem::replace(&mut whisker.condition, to);
         if from != to {
+            self.undecided = true;
             effects.push(Effect::Condition { whisker: index, from, to });
         }
     }

@@ -188,7 +188,7 @@ pub struct CandidateRecord {
     pub case: Case,
     /// Its length.
     pub length: LengthEstimate,
-    /// Pressure before.
+    /// Pressure before: the nominal one, whatever it may hold for somebody else.
     pub pressure_before: Megapascal,
     /// Pressure to hold, or the clamped one where there is none in range.
     pub pressure: Option<Megapascal>,
@@ -205,7 +205,7 @@ pub struct CandidateRecord {
 /// Why a compensation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum EndReason {
-    /// A factsheet says that something else is on the robot; what still stands is decided anew.
+    /// A factsheet does not have one of the two whiskers any more, or not as neighbours.
     LayoutChanged,
     /// The target was trimmed again.
     TargetTrimmedAgain,
@@ -215,6 +215,8 @@ pub enum EndReason {
     Reassigned,
     /// Its setpoint failed for good.
     SetpointFailed,
+    /// One of the two whiskers was replaced by a new one.
+    Replaced,
 }
 
 /// Names a setpoint on its robot.

@@ -51,6 +51,14 @@ pub enum Event<'a> {
         /// By the robot's clock.
         robot_time: Micros,
     },
+    /// Somebody has put a new whisker in the place of an old one, as the factsheet describes it. One that is
+    /// not on the robot changes nothing.
+    Replaced {
+        /// Name of the array.
+        array: &'a str,
+        /// Number of the whisker.
+        whisker: u16,
+    },
     /// Time has passed.
     Tick,
 }

@@ -6,7 +6,8 @@
 //! The same events give the same effects, byte for byte.
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `shared` (what a whole array feels), `compensation` (who serves whom), `command` (setpoints) and `measure` (Eq. 35).
+//! `shared` (what a whole array feels), `layout` (what is on it), `compensation` (who serves whom), `what_if`, `command`
+//! (setpoints) and `measure` (Eq. 35).
 
 mod command;
 mod compensation;
@@ -14,12 +15,14 @@ mod contact;
 pub mod effect;
 pub mod event;
 mod health;
+mod layout;
 mod measure;
 pub mod params;
 pub mod sequence;
 mod shared;
 mod stored;
 mod view;
+mod what_if;
 pub mod whisker;
 
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -31,10 +34,10 @@ pub use params::Params;
 pub use sequence::{Admission, Sequence, Sequences};
 pub use stored::RestoreError;
 pub use view::WhiskerView;
+pub use what_if::{Planned, WhatIf, WhatIfError};
 pub use whisker::Whisker;
 
 use crate::units::Micros;
-use effect::{Condition, EndReason};
 use event::{ArrayKind, Factsheet, Link};
 
 /// One robot: its numbers, its whiskers, its compensations.
@@ -151,6 +154,10 @@ impl Robot {
                 self.setpoint_reported(params, now, command, report, effects);
                 Outcome::Taken
             }
+            Event::Replaced { array, whisker } => {
+                self.replaced(params, array, whisker, effects);
+                Outcome::Taken
+            }
             Event::Tick => {
                 for index in 0..self.whiskers.len() {
                     self.refresh_fault(params, now, index, effects);
@@ -187,6 +194,8 @@ impl Robot {
                 return Outcome::OldBoot;
             }
             self.abandon_commands(effects);
+            // Those who were given up may serve again.
+            self.undecided = true;
             self.boot_id = Some(boot_id.to_owned());
             self.robot_time = None;
         }
@@ -229,50 +238,6 @@ impl Robot {
             whisker.heard.get_or_insert(now);
         }
         Outcome::Taken
-    }
-
-    fn is_as_known(&self, factsheet: &Factsheet) -> bool {
-        let known = self.whiskers.iter().map(|one| (self.arrays[usize::from(one.array)].name.as_str(), &one.sheet));
-        let told =
-            factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
-        let arrays = self.arrays.iter().map(|array| (array.name.as_str(), array.kind));
-        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind))) && known.eq(told)
-    }
-
-    /// Another layout: whiskers that are as they were keep what is known of them, the others start anew.
-    fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
-        self.end_all(effects);
-        let old_arrays = std::mem::take(&mut self.arrays);
-        let mut old = std::mem::take(&mut self.whiskers);
-        for (at, array) in factsheet.arrays.iter().enumerate() {
-            let first = self.whiskers.len() as u32;
-            for sheet in &array.whiskers {
-                let same = |one: &Whisker| old_arrays[usize::from(one.array)].name == array.name && one.sheet == *sheet;
-                let kept = old.iter().position(same).map(|position| old.swap_remove(position));
-                let mut whisker = kept.unwrap_or_else(|| Whisker::new(at as u16, sheet.clone(), params));
-                whisker.array = at as u16;
-                whisker.neighbours = sheet
-                    .neighbours
-                    .iter()
-                    .filter_map(|number| array.whiskers.iter().position(|other| other.number == *number))
-                    .map(|position| first + position as u32)
-                    .collect();
-                whisker.undecided |= whisker.condition == Condition::Trimmed;
-                whisker.changed = true;
-                self.whiskers.push(whisker);
-            }
-            self.arrays.push(Array { name: array.name.clone(), kind: array.kind });
-        }
-        self.undecided = true;
-    }
-
-    /// A new layout ends every compensation; what still stands is decided anew at once.
-    fn end_all(&mut self, effects: &mut Vec<Effect>) {
-        let ids: Vec<u32> = self.compensations.iter().map(|one| one.id).collect();
-        for id in ids {
-            self.end(id, EndReason::LayoutChanged, effects);
-        }
-        self.abandon_commands(effects);
     }
 
     fn contacts(

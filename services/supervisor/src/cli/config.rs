@@ -81,6 +81,11 @@ impl ConfigArgs {
         check(&self.sources()?)
     }
 
+    /// Whether a key was given as a flag.
+    pub(super) fn is_given(&self, key: Key) -> bool {
+        self.flags.iter().any(|(given, _)| *given == key)
+    }
+
     fn sources(&self) -> Result<Sources, Problems> {
         let mut problems = Vec::new();
         let file = self.file.clone().and_then(|path| match std::fs::read_to_string(&path) {

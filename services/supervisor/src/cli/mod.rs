@@ -3,6 +3,8 @@
 pub mod calibrate;
 pub mod config;
 pub mod paper;
+pub mod record;
+pub mod replay;
 pub mod serve;
 pub mod solve;
 
@@ -27,6 +29,10 @@ enum Command {
     Config(config::ConfigArgs),
     /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
+    /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
+    Record(record::RecordArgs),
+    /// Recorded traffic through the core once more: every effect as a line of JSON, or two policies compared.
+    Replay(replay::ReplayArgs),
     /// One question to the model: which pressure makes this whisker feel like that one?
     Solve(solve::SolveArgs),
     /// The paper's table beside ours, and its curves.
@@ -46,6 +52,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Demo(args) => {
             serve::demo(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
+        Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),
         Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),

@@ -71,12 +71,12 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
 }
 
 /// Logs to standard error; `RUST_LOG` overrides the filter. The clients' chatter is left out unless it is asked for.
-fn log(filter: &str) {
+pub(super) fn log(filter: &str) {
     let filter = EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
 }
 
-fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
+pub(super) fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")
 }

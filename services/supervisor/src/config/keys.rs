@@ -118,6 +118,10 @@ keys! {
         "Whether a longer whisker may stand in for a shorter one: never, last-resort or allowed";
     PolicyPredictedErrorMax: "policy.predicted_error_max", Kind::Number { min: 0.0, max: 10.0 }, Some("0.5"),
         "Highest mean predicted error of a compensation, as a ratio";
+    PolicyOwnRoleCost: "policy.own_role_cost", Kind::Number { min: 0.0, max: 10.0 }, Some("0.25"),
+        "What it costs that a neighbour gives up its own role, in units of mean error: the trimmed whisker itself comes first unless a neighbour is better by more";
+    PolicyChangeMargin: "policy.change_margin", Kind::Number { min: 0.0, max: 10.0 }, Some("0.1"),
+        "An assignment in force is changed only for a gain above this, in units of mean error, for each whisker that changes";
     DetectionContactsBetweenFalseAlarms:
         "detection.contacts_between_false_alarms", Kind::Number { min: 1e3, max: 1e12 }, Some("1e6"),
         "Mean number of contacts of a healthy whisker between false alarms";
@@ -175,6 +179,7 @@ impl Key {
         #[allow(clippy::wildcard_enum_match_arm, reason = "few keys have one")]
         match self {
             Self::Fleets => Some("fleet"),
+            Self::MqttUrl => Some("broker"),
             Self::Calibrations => Some("calibration"),
             Self::HttpListen => Some("http"),
             _ => None,

@@ -12,6 +12,7 @@ pub mod show;
 
 mod database;
 mod mqtt;
+mod policy;
 mod reader;
 
 use std::collections::BTreeSet;
@@ -27,6 +28,7 @@ use vibrissa_protocol::Name;
 
 pub use keys::Key;
 pub use layers::Sources;
+pub use policy::policy_over;
 pub use problem::{Origin, Problem, Problems};
 
 use self::layers::Layers;
@@ -66,6 +68,10 @@ pub struct Config {
     pub longer_for_shorter: LongerForShorter,
     /// Highest mean predicted error of a compensation, as a ratio.
     pub predicted_error_max: f64,
+    /// What it costs that a neighbour gives up its own role, in units of mean error.
+    pub own_role_cost: f64,
+    /// What a change of an assignment in force must gain, in units of mean error.
+    pub change_margin: f64,
     /// Mean number of contacts of a healthy whisker between false alarms.
     pub contacts_between_false_alarms: f64,
     /// Contacts in which a whisker is learned.
@@ -115,6 +121,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
     let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
     let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
+    let own_role_cost = reader.number(Key::PolicyOwnRoleCost);
+    let change_margin = reader.number(Key::PolicyChangeMargin);
     let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
     let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
     Some(Config {
@@ -131,6 +139,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
         objective: objective?.into(),
         longer_for_shorter: longer_for_shorter?.into(),
         predicted_error_max: predicted_error_max?,
+        own_role_cost: own_role_cost?,
+        change_margin: change_margin?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
     })
@@ -185,15 +195,26 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
     Some(models.split_off(built_in))
 }
 
+impl Config {
+    /// The core's parameters.
+    #[must_use]
+    pub fn params(&self) -> Params {
+        let mut params = Params::nguyen_2021(self.formulation);
+        params.models.extend(self.models.iter().cloned());
+        params.policy.objective = self.objective;
+        params.policy.longer_for_shorter = self.longer_for_shorter;
+        params.policy.predicted_error_max = self.predicted_error_max;
+        params.policy.own_role_cost = self.own_role_cost;
+        params.policy.change_margin = self.change_margin;
+        params.detection.contacts_between_false_alarms = self.contacts_between_false_alarms;
+        params.detection.cold_start_contacts = self.cold_start_contacts;
+        params
+    }
+}
+
 impl From<Config> for ServiceOptions {
     fn from(config: Config) -> Self {
-        let mut params = Params::nguyen_2021(config.formulation);
-        params.models.extend(config.models);
-        params.policy.objective = config.objective;
-        params.policy.longer_for_shorter = config.longer_for_shorter;
-        params.policy.predicted_error_max = config.predicted_error_max;
-        params.detection.contacts_between_false_alarms = config.contacts_between_false_alarms;
-        params.detection.cold_start_contacts = config.cold_start_contacts;
+        let params = config.params();
         Self {
             name: config.name,
             fleets: config.fleets,

@@ -3,7 +3,7 @@
 //! Nothing rests on the broker's sessions: each connection starts clean under a name of its own, and
 //! subscribes anew, so that retained births and factsheets come again.
 //!
-//! [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
+//! [`tap`] is a third, for recordings. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
 
 mod address;
 mod tls;
@@ -13,6 +13,8 @@ mod receive;
 mod inbox;
 
 mod publish;
+
+mod tap;
 
 mod dial;
 mod link;
@@ -31,6 +33,7 @@ pub use inbox::Inbox;
 pub use link::LinkState;
 pub use publish::publish;
 pub use receive::receive;
+pub use tap::tap;
 pub use tls::{PrepareError, Prepared, prepare};
 
 /// The largest packet that is taken. Larger ones the broker must not send; without this limit, one would

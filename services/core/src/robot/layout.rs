@@ -1,0 +1,206 @@
+//! What is on the robot: a new layout, or a new whisker in the place of an old one.
+
+use std::collections::BTreeMap;
+
+use super::command::state_of;
+use super::effect::{CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
+use super::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
+use super::params::Params;
+use super::whisker::{Air, Desired, Whisker};
+use super::{Array, Compensation, Robot};
+
+/// Where the whiskers of a new layout come from, and where those of the old one go.
+struct Moves {
+    /// By new index: the old one, if the whisker was there.
+    from: Vec<Option<WhiskerIndex>>,
+    /// By old index.
+    to: Vec<Fate>,
+}
+
+/// What becomes of a whisker in a new layout.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Fate {
+    /// It is as it was, at that index.
+    Stays(WhiskerIndex),
+    /// There is another one in its place, at that index.
+    Replaced(WhiskerIndex),
+    /// Its place is no more.
+    Gone,
+}
+
+impl Robot {
+    pub(super) fn is_as_known(&self, factsheet: &Factsheet) -> bool {
+        let known = self.whiskers.iter().map(|one| (self.arrays[usize::from(one.array)].name.as_str(), &one.sheet));
+        let told =
+            factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
+        let arrays = self.arrays.iter().map(|array| (array.name.as_str(), array.kind));
+        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind))) && known.eq(told)
+    }
+
+    /// Another layout: whiskers that are as they were keep what is known of them, and the compensations between
+    /// them go on. The others start anew.
+    pub(super) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
+        let moves = self.moves(factsheet);
+        self.end_moved(factsheet, &moves, effects);
+        let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
+        self.arrays.clear();
+        for array in &factsheet.arrays {
+            self.add_array(params, array, &moves, &mut old, effects);
+        }
+        for gone in old.into_iter().flatten() {
+            effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
+        }
+        for one in &mut self.compensations {
+            let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
+            (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
+        }
+        self.undecided = true;
+    }
+
+    fn moves(&self, factsheet: &Factsheet) -> Moves {
+        let sheets =
+            factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
+        let told: BTreeMap<(&str, u16), (WhiskerIndex, &WhiskerSheet)> =
+            sheets.enumerate().map(|(index, (array, sheet))| ((array, sheet.number), (index, sheet))).collect();
+        let fate = |one: &Whisker| {
+            let name = self.arrays[usize::from(one.array)].name.as_str();
+            match told.get(&(name, one.sheet.number)) {
+                None => Fate::Gone,
+                Some(&(index, sheet)) if one.sheet.is_same_whisker(sheet) => Fate::Stays(index),
+                Some(&(index, _)) => Fate::Replaced(index),
+            }
+        };
+        let to: Vec<Fate> = self.whiskers.iter().map(fate).collect();
+        let mut from = vec![None; told.len()];
+        for (old, fate) in to.iter().enumerate() {
+            if let Some(new) = fate.index() {
+                from[new] = Some(old);
+            }
+        }
+        Moves { from, to }
+    }
+
+    /// Ends the compensations of whiskers that are not what they were; by old indices.
+    fn end_moved(&mut self, factsheet: &Factsheet, moves: &Moves, effects: &mut Vec<Effect>) {
+        let over: Vec<(u32, EndReason)> = self
+            .compensations
+            .iter()
+            .filter_map(|one| {
+                let fates = [moves.to[one.target()], moves.to[one.compensator()]];
+                let is_replaced = fates.iter().any(|fate| matches!(fate, Fate::Replaced(_)));
+                if fates.contains(&Fate::Gone) || !self.is_still_allowed(one, factsheet) {
+                    Some((one.id, EndReason::LayoutChanged))
+                } else {
+                    is_replaced.then_some((one.id, EndReason::Replaced))
+                }
+            })
+            .collect();
+        for (id, reason) in over {
+            self.end(id, reason, effects);
+        }
+    }
+
+    /// Whether a factsheet has the two as neighbours, who may serve each other.
+    fn is_still_allowed(&self, one: &Compensation, factsheet: &Factsheet) -> bool {
+        let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
+        if one.target() == one.compensator() {
+            return true;
+        }
+        let name = &self.arrays[usize::from(target.array)].name;
+        factsheet.arrays.iter().find(|array| array.name == *name).is_some_and(|array| {
+            let sheet = array.whiskers.iter().find(|sheet| sheet.number == target.sheet.number);
+            array.kind == ArrayKind::Type1
+                && sheet.is_some_and(|sheet| sheet.neighbours.contains(&compensator.sheet.number))
+        })
+    }
+
+    fn add_array(
+        &mut self,
+        params: &Params,
+        array: &ArraySheet,
+        moves: &Moves,
+        old: &mut [Option<Whisker>],
+        effects: &mut Vec<Effect>,
+    ) {
+        let (at, first) = (self.arrays.len() as u16, self.whiskers.len() as u32);
+        let positions: BTreeMap<u16, u32> = array.whiskers.iter().map(|sheet| sheet.number).zip(first..).collect();
+        for sheet in &array.whiskers {
+            let index = self.whiskers.len();
+            let from = moves.from[index];
+            let stays = from.is_some_and(|from| matches!(moves.to[from], Fate::Stays(_)));
+            let mut whisker = match from.and_then(|from| old[from].take()) {
+                None => Whisker::new(at, sheet.clone(), params),
+                Some(known) if stays => Whisker { sheet: sheet.clone(), ..known },
+                Some(replaced) => {
+                    effects.extend(replaced.leaves(index));
+                    replaced.renewed(sheet.clone(), params)
+                }
+            };
+            whisker.array = at;
+            whisker.neighbours = sheet.neighbours.iter().filter_map(|number| positions.get(number).copied()).collect();
+            if let Some(flight) = &mut whisker.command {
+                flight.command.whisker = index;
+            }
+            whisker.changed = true;
+            self.whiskers.push(whisker);
+        }
+        self.arrays.push(Array { name: array.name.clone(), kind: array.kind });
+    }
+
+    /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it
+    /// served, is let go.
+    pub(super) fn replaced(&mut self, params: &Params, array: &str, number: u16, effects: &mut Vec<Effect>) {
+        let Some(index) = self.find(array, number) else { return };
+        let concerned = self.compensations.iter().filter(|one| one.target() == index || one.compensator() == index);
+        let over: Vec<u32> = concerned.map(|one| one.id).collect();
+        for id in over {
+            self.end(id, EndReason::Replaced, effects);
+        }
+        let old = &self.whiskers[index];
+        effects.extend(old.leaves(index));
+        self.whiskers[index] = old.clone().renewed(old.sheet.clone(), params);
+        self.changed = true;
+        self.undecided = true;
+    }
+}
+
+impl Fate {
+    fn index(self) -> Option<WhiskerIndex> {
+        match self {
+            Self::Stays(index) | Self::Replaced(index) => Some(index),
+            Self::Gone => None,
+        }
+    }
+}
+
+impl WhiskerSheet {
+    /// Whether it can be the same piece of rubber at the same place: who is beside it does not matter.
+    fn is_same_whisker(&self, other: &Self) -> bool {
+        *self == Self { neighbours: self.neighbours.clone(), ..other.clone() }
+    }
+}
+
+impl Whisker {
+    /// That what was known of its condition is over; at its new index.
+    fn leaves(&self, index: WhiskerIndex) -> Option<Effect> {
+        let (from, to) = (self.condition, Condition::Learning);
+        (from != to).then_some(Effect::Condition { whisker: index, from, to })
+    }
+
+    /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure.
+    fn renewed(self, sheet: WhiskerSheet, params: &Params) -> Self {
+        let release = Desired { pressure: sheet.pressure, reason: Reason::Release, compensation: None, gain: None };
+        let mut renewed = Self {
+            neighbours: self.neighbours,
+            air: Air { learned_at: self.air.setpoint, ..self.air },
+            fault: self.fault,
+            heard: self.heard,
+            // Dropped at once where that is held already.
+            desired: Some(release),
+            command: self.command,
+            ..Self::new(self.array, sheet, params)
+        };
+        renewed.gauge.reported = self.gauge.reported;
+        renewed
+    }
+}

@@ -1,0 +1,106 @@
+//! `vibrissa record`: what is said in fleets into a file.
+
+use std::fs::File;
+use std::io::{Write, stdout};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use tokio::signal::unix::{SignalKind, signal};
+
+use super::config::ConfigArgs;
+use super::serve::{log, runtime};
+use crate::record::{Report, record};
+
+/// Arguments of `vibrissa record`.
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+One message is one line: {\"received_us\":..., \"topic\":\"...\", \"payload\":{...}}. A payload that is no JSON object is
+there as a text, one that is no UTF-8 as payload_base64. Whoever records needs to read whisker/v1/FLEET/# and nothing
+else; births and factsheets, which the broker retains, come first.")]
+pub struct RecordArgs {
+    /// Where it goes; - is standard output. A file that is there already is not touched.
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+    /// How long, such as 500ms, 60s, 5m or 1h; until Ctrl-C or SIGTERM if left out.
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    limit: Option<Duration>,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let bad = || "must be a number and a unit, such as 500ms, 60s, 5m or 1h".to_owned();
+    let digits = text.find(|c: char| !c.is_ascii_digit()).ok_or_else(bad)?;
+    let (number, unit) = text.split_at(digits);
+    let number: u64 = number.parse().map_err(|_| bad())?;
+    let unit_ms = match unit {
+        "ms" => 1,
+        "s" => 1_000,
+        "m" => 60_000,
+        "h" => 3_600_000,
+        _ => return Err(bad()),
+    };
+    number.checked_mul(unit_ms).filter(|&ms| ms > 0).map(Duration::from_millis).ok_or_else(bad)
+}
+
+/// Records until the time is over, Ctrl-C or SIGTERM.
+///
+/// # Errors
+/// There is no broker to record from, the file is there already, or some messages could not be written.
+pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
+    let config = args.config.read()?;
+    let Some(broker) = &config.broker else { bail!("say where to record: --broker mqtt://HOST:1883, or mqtt.url") };
+    log(&config.log);
+    let mut out: Box<dyn Write> = if args.out.as_os_str() == "-" {
+        Box::new(stdout())
+    } else {
+        let file = File::create_new(&args.out);
+        Box::new(file.with_context(|| format!("the recording {} cannot be begun", args.out.display()))?)
+    };
+    let report = runtime()?.block_on(async {
+        let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
+        let stop = async {
+            tokio::select! {
+                _ = tokio::signal::ctrl_c() => {}
+                _ = terminate.recv() => {}
+                () = over(args.limit) => {}
+            }
+        };
+        record(broker, &config.fleets, &mut out, stop).await
+    })?;
+    tell(report)
+}
+
+async fn over(limit: Option<Duration>) {
+    match limit {
+        Some(limit) => tokio::time::sleep(limit).await,
+        None => std::future::pending().await,
+    }
+}
+
+fn tell(Report { messages, lost, breaks }: Report) -> anyhow::Result<()> {
+    eprintln!("vibrissa: {messages} messages recorded");
+    if breaks > 0 {
+        eprintln!("vibrissa: the connection broke {breaks} times; what was said until it stood again is not recorded");
+    }
+    if lost > 0 {
+        bail!("{lost} messages could not be written");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_a_number_and_a_unit() {
+        let good = ["500ms", "60s", "5m", "1h"].map(|text| duration(text).unwrap().as_millis());
+        assert_eq!(good, [500, 60_000, 300_000, 3_600_000]);
+        for bad in ["", "60", "s", "1.5s", "-1s", "0s", "5 m", "1d", "99999999999999999999s", "9999999999999999999h"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+}

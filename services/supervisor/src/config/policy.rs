@@ -1,0 +1,85 @@
+//! Another policy, for comparisons: a file with some keys of `[policy]`.
+
+use std::path::PathBuf;
+
+use vibrissa_core::policy::PolicyParams;
+
+use super::choices::{LongerForShorterArg, ObjectiveArg};
+use super::keys::Key;
+use super::layers::{Layers, Sources};
+use super::problem::Problems;
+use super::reader::Reader;
+
+/// The section that such a file has.
+const SECTION: &str = "policy";
+
+/// A policy with what a file says of it; what the file does not say stays.
+///
+/// # Errors
+/// Everything that is wrong with the file; keys of other sections are.
+pub fn policy_over(base: PolicyParams, path: PathBuf, text: String) -> Result<PolicyParams, Problems> {
+    let sources = Sources { file: Some((path, text)), ..Sources::default() };
+    let mut reader = Reader::new(Layers::new(&sources));
+    let others = Key::ALL.iter().copied().filter(|key| key.section().0 != Some(SECTION));
+    for key in others.filter(|&key| reader.is_explicit(key)).collect::<Vec<_>>() {
+        reader.refuse(key, "is not of the policy: only keys of [policy] are compared");
+    }
+    let mut policy = base;
+    if reader.is_explicit(Key::PolicyObjective)
+        && let Some(word) = reader.word::<ObjectiveArg>(Key::PolicyObjective)
+    {
+        policy.objective = word.into();
+    }
+    if reader.is_explicit(Key::PolicyLongerForShorter)
+        && let Some(word) = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter)
+    {
+        policy.longer_for_shorter = word.into();
+    }
+    for (key, value) in [
+        (Key::PolicyPredictedErrorMax, &mut policy.predicted_error_max),
+        (Key::PolicyOwnRoleCost, &mut policy.own_role_cost),
+        (Key::PolicyChangeMargin, &mut policy.change_margin),
+    ] {
+        if reader.is_explicit(key)
+            && let Some(number) = reader.number(key)
+        {
+            *value = number;
+        }
+    }
+    if reader.problems.is_empty() { Ok(policy) } else { Err(Problems(reader.problems)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_core::mechanics::Objective;
+    use vibrissa_core::policy::LongerForShorter;
+
+    use super::*;
+
+    fn over(text: &str) -> Result<PolicyParams, Problems> {
+        let base = PolicyParams { change_margin: 0.07, ..PolicyParams::default() };
+        policy_over(base, "other.toml".into(), text.to_owned())
+    }
+
+    #[test]
+    fn a_file_changes_what_it_says_and_nothing_else() {
+        let text = "[policy]\nobjective = \"mean\"\nlonger_for_shorter = \"never\"\nown_role_cost = 0";
+        let policy = over(text).unwrap();
+        let expected = PolicyParams {
+            objective: Objective::Mean,
+            longer_for_shorter: LongerForShorter::Never,
+            own_role_cost: 0.0,
+            change_margin: 0.07,
+            ..PolicyParams::default()
+        };
+        assert_eq!(policy, expected);
+    }
+
+    #[test]
+    fn keys_of_other_sections_and_wrong_values_are_refused_with_their_names() {
+        let problems = over("fleets = [\"f\"]\n[policy]\nobjective = \"best\"\nmargin = 1").unwrap_err().to_string();
+        for part in ["fleets (file other.toml): is not of the policy", "policy.objective", "policy.margin"] {
+            assert!(problems.contains(part), "{problems}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! A connection that hears everything that is said in a fleet, and says nothing: for recordings.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rumqttc::{AsyncClient, Event, Packet, QoS, SubscribeFilterInput, SubscribeReasonCode};
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+
+use super::Connection;
+use super::link::{Backoff, Side};
+use super::poll::{Failure, Poller};
+use super::problem::{Cause, Problem};
+use crate::engine::{Incoming, wall_clock};
+
+/// Hears everything of the connection's fleet until the task is aborted, and connects again when the
+/// connection breaks: `breaks` counts that. A slow receiver makes the broker wait.
+pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<AtomicU64>) -> JoinHandle<()> {
+    tokio::spawn(async move {
+        let mut backoff = Backoff::new();
+        loop {
+            let (problem, was_heard) = listen(&connection, &heard).await;
+            if heard.is_closed() {
+                return;
+            }
+            if was_heard {
+                breaks.fetch_add(1, Ordering::Relaxed);
+                backoff.reset();
+            }
+            connection.link.broken(Side::Receiving, &problem);
+            tokio::time::sleep(backoff.pause()).await;
+        }
+    })
+}
+
+/// One connection, from the attempt to its end: why it ended, and whether anything could be heard.
+async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Problem, bool) {
+    let filter = format!("whisker/v1/{}/#", connection.fleet);
+    let problem = |cause| Problem::new(&connection.broker, cause);
+    let (options, reached) = connection.options("record");
+    let (client, events) = AsyncClient::builder(options).capacity(64).build();
+    let mut poller = Poller::new(events, connection, reached);
+    let mut was_heard = false;
+    loop {
+        match poller.next().await {
+            Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                let asked = SubscribeFilterInput::new(filter.clone(), QoS::AtLeastOnce);
+                if let Err(error) = client.try_subscribe_many([asked]) {
+                    return (problem(Cause::Lost(error.to_string())), was_heard);
+                }
+            }
+            Ok(Event::Incoming(Packet::SubAck(ack))) => {
+                let refused = ack.return_codes.iter().find(|code| !matches!(code, SubscribeReasonCode::Success(_)));
+                if let Some(code) = refused {
+                    return (problem(Cause::Subscription(format!("{filter} ({code:?})"))), was_heard);
+                }
+                was_heard = true;
+                connection.link.connected(Side::Receiving);
+            }
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                let incoming = Incoming { topic: publish.topic, payload: publish.payload, received: wall_clock() };
+                if heard.send(incoming).await.is_err() {
+                    return (problem(Cause::Lost("nobody listens any more".to_owned())), was_heard);
+                }
+            }
+            Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
+            Err(Failure::Broken(broken)) => return (broken, was_heard),
+            Err(Failure::Finished) => return (problem(Cause::Lost("it was ended".to_owned())), was_heard),
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Recorded messages and the time between them, given to the core as the service would.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::sync::Arc;
+
+use vibrissa_core::robot::effect::Effect;
+use vibrissa_core::robot::event::SetpointReport;
+use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Params, Robot};
+use vibrissa_core::units::Micros;
+use vibrissa_edge as edge;
+use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
+
+use super::answers::{Answer, Answers};
+use super::line::Recorded;
+use super::status;
+
+/// How often time is told to the core, as in the service.
+const TICK: Micros = Micros(250_000);
+/// Of a silence only a minute is told tick by tick, and then its end.
+const TICKS_MAX: u32 = 240;
+/// The replay's own.
+const EPOCH: u64 = 1;
+
+/// One thing that came of the traffic.
+#[derive(Debug)]
+pub struct Happened<'a> {
+    /// When, by the recorder's clock.
+    pub at: Micros,
+    /// Whose: fleet, name and the robot as it is then; none for a message of no robot.
+    pub robot: Option<(&'a Name, &'a Name, &'a Robot)>,
+    /// What.
+    pub what: What<'a>,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub enum What<'a> {
+    /// The core wants this done.
+    Effect {
+        /// The effect.
+        effect: &'a Effect,
+        /// The message whose contacts it is about.
+        source: Option<&'a protocol::Contacts>,
+        /// It rests on a setpoint that is taken to be applied.
+        assumed: bool,
+    },
+    /// A message, or a part of it, was not taken.
+    Refused {
+        /// The metric's label.
+        reason: &'static str,
+        /// What is wrong.
+        problem: String,
+        /// Where it came.
+        topic: &'a str,
+    },
+}
+
+/// Where everything goes that happens.
+pub type Sink<'a> = dyn FnMut(&Happened<'_>) -> io::Result<()> + 'a;
+
+/// Fleets under supervision, with no broker and no database.
+pub struct Replayer {
+    params: Arc<Params>,
+    fleets: Option<BTreeSet<Name>>,
+    robots: BTreeMap<(Name, Name), Known>,
+    next_tick: Option<Micros>,
+}
+
+struct Known {
+    robot: Robot,
+    answers: Answers,
+}
+
+/// One message on its way.
+struct Step<'a> {
+    at: Micros,
+    fleet: &'a Name,
+    name: &'a Name,
+    topic: &'a str,
+}
+
+impl Replayer {
+    /// Nothing is known yet. Only these fleets are looked at; all, if none are named.
+    #[must_use]
+    pub fn new(params: Arc<Params>, fleets: Option<BTreeSet<Name>>) -> Self {
+        Self { params, fleets, robots: BTreeMap::new(), next_tick: None }
+    }
+
+    /// The robots that were heard of.
+    pub fn robots(&self) -> impl Iterator<Item = (&Name, &Name, &Robot)> {
+        self.robots.iter().map(|((fleet, name), known)| (fleet, name, &known.robot))
+    }
+
+    /// Lets time pass up to a message, and takes it.
+    ///
+    /// # Errors
+    /// What `sink` says.
+    pub fn take(&mut self, recorded: &Recorded, sink: &mut Sink<'_>) -> io::Result<()> {
+        let topic = match Topic::parse(&recorded.topic) {
+            Ok(topic) => topic,
+            Err(refusal) => {
+                self.advance(recorded.received, sink)?;
+                let what =
+                    What::Refused { reason: refusal.label(), problem: refusal.to_string(), topic: &recorded.topic };
+                return sink(&Happened { at: recorded.received, robot: None, what });
+            }
+        };
+        if self.fleets.as_ref().is_some_and(|fleets| !fleets.contains(topic.fleet())) {
+            return Ok(());
+        }
+        self.advance(recorded.received, sink)?;
+        let Topic::Robot { fleet, robot: name, kind } = &topic else { return Ok(()) };
+        let step = Step { at: recorded.received, fleet, name, topic: &recorded.topic };
+        match protocol::decode(&topic, &recorded.payload) {
+            Ok(message) => self.message(&step, &message, sink),
+            // What the supervisor said is no input.
+            Err(_) if !kind.is_from_robot() => Ok(()),
+            Err(refusal) => {
+                self.refuse(&step, refusal.label(), &refusal, sink)?;
+                if *kind == RobotTopic::Contacts
+                    && let Some(envelope) = protocol::envelope(&recorded.payload)
+                {
+                    // As the service does: it is accounted for, or its robot would send it again for ever.
+                    let (boot_id, seq) = (envelope.boot_id, envelope.seq);
+                    let contacts = protocol::Contacts { boot_id, seq, contacts: Vec::new() };
+                    return self.message(&step, &Message::Contacts(contacts), sink);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Tells the time up to a moment, in the service's steps.
+    fn advance(&mut self, to: Micros, sink: &mut Sink<'_>) -> io::Result<()> {
+        // At the start, and where the recorder's clock was set back.
+        let Some(mut due) = self.next_tick.filter(|next| *next <= to.after(TICK)) else {
+            self.next_tick = Some(to.after(TICK));
+            return Ok(());
+        };
+        let mut ticks = 0;
+        while due <= to {
+            if ticks == TICKS_MAX {
+                due = due.after(Micros(to.since(due).0 / TICK.0 * TICK.0));
+            }
+            self.tick(due, sink)?;
+            ticks += 1;
+            due = due.after(TICK);
+        }
+        self.next_tick = Some(due);
+        Ok(())
+    }
+
+    fn tick(&mut self, at: Micros, sink: &mut Sink<'_>) -> io::Result<()> {
+        for ((fleet, name), known) in &mut self.robots {
+            let step = Step { at, fleet, name, topic: "" };
+            for (command, pressure) in known.answers.due(at, &known.robot) {
+                let Some(boot_id) = known.robot.connection_state().0.map(str::to_owned) else { continue };
+                let report = SetpointReport::Applied(pressure);
+                // No time of the robot's is known for what it did not say.
+                let event = Event::Setpoint { boot_id: &boot_id, command, report, robot_time: Micros::default() };
+                known.step(&self.params, &step, &event, (None, true), sink)?;
+            }
+            known.step(&self.params, &step, &Event::Tick, (None, false), sink)?;
+        }
+        Ok(())
+    }
+
+    fn refuse(
+        &self,
+        step: &Step<'_>,
+        reason: &'static str,
+        problem: &dyn std::fmt::Display,
+        sink: &mut Sink<'_>,
+    ) -> io::Result<()> {
+        let known = self.robots.get(&(step.fleet.clone(), step.name.clone()));
+        let robot = known.map(|known| (step.fleet, step.name, &known.robot));
+        sink(&Happened {
+            at: step.at,
+            robot,
+            what: What::Refused { reason, problem: problem.to_string(), topic: step.topic },
+        })
+    }
+
+    fn message(&mut self, step: &Step<'_>, message: &Message, sink: &mut Sink<'_>) -> io::Result<()> {
+        let key = (step.fleet.clone(), step.name.clone());
+        if !self.robots.contains_key(&key) {
+            match message {
+                Message::Connection(_) | Message::Factsheet(_) => {}
+                Message::Setpoint(_) | Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {
+                    return Ok(());
+                }
+                Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) => {
+                    let problem = "neither birth nor factsheet was recorded of this robot";
+                    return self.refuse(step, "unknown_robot", &problem, sink);
+                }
+            }
+        }
+        let params = self.params.clone();
+        let known = self
+            .robots
+            .entry(key)
+            .or_insert_with(|| Known { robot: Robot::new(EPOCH, Numbers::default()), answers: Answers::default() });
+        let refused = known.message(&params, step, message, sink)?;
+        for (reason, problem) in refused {
+            self.refuse(step, reason, &problem, sink)?;
+        }
+        Ok(())
+    }
+}
+
+/// A label and what is wrong.
+type Refused = (&'static str, String);
+
+impl Known {
+    /// Gives a message to the core; what of it is not taken.
+    fn message(
+        &mut self,
+        params: &Params,
+        step: &Step<'_>,
+        message: &Message,
+        sink: &mut Sink<'_>,
+    ) -> io::Result<Vec<Refused>> {
+        match message {
+            Message::Connection(told) => {
+                if self.robot.connection_state().0 != Some(told.boot_id.as_str())
+                    && told.state == protocol::ConnectionState::Online
+                {
+                    self.answers.forget();
+                }
+                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+                self.step(params, step, &event, (None, false), sink)?;
+            }
+            Message::Factsheet(told) => {
+                let models: Vec<&str> = params.models.iter().map(|(name, _)| name.as_str()).collect();
+                let factsheet = match edge::factsheet(told, &models) {
+                    Ok(factsheet) => factsheet,
+                    Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
+                };
+                let event = Event::Factsheet { boot_id: told.boot_id.as_str(), factsheet: &factsheet };
+                self.step(params, step, &event, (None, false), sink)?;
+            }
+            Message::Contacts(told) => return self.contacts(params, step, told, sink),
+            Message::Status(told) => {
+                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
+                let mut whiskers = match whiskers {
+                    Ok(whiskers) => whiskers,
+                    Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
+                };
+                for entry in &mut whiskers {
+                    status::correct(entry, &self.robot, &self.answers);
+                }
+                let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
+                self.step(params, step, &event, (None, false), sink)?;
+            }
+            Message::SetpointState(told) => return self.setpoint_state(params, step, told, sink),
+            Message::Setpoint(told) => self.answers.recorded(told, &self.robot),
+            Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+        }
+        Ok(Vec::new())
+    }
+
+    fn contacts(
+        &mut self,
+        params: &Params,
+        step: &Step<'_>,
+        told: &protocol::Contacts,
+        sink: &mut Sink<'_>,
+    ) -> io::Result<Vec<Refused>> {
+        let mut refused = Vec::new();
+        let mut contacts = Vec::with_capacity(told.contacts.len());
+        for contact in &told.contacts {
+            match edge::contact(contact) {
+                Ok(contact) => contacts.push(contact),
+                Err(problem) => refused.push((problem.label(), problem.to_string())),
+            }
+        }
+        let event = Event::Contacts { boot_id: told.boot_id.as_str(), seq: told.seq, contacts: &contacts };
+        match self.step(params, step, &event, (Some(told), false), sink)? {
+            Outcome::NotYet(Admission::TooManyGaps) => {
+                refused.push(("too_many_gaps", "contacts that cannot be taken yet".to_owned()));
+            }
+            Outcome::NotYet(Admission::UnknownBoot | Admission::New | Admission::Duplicate) => {
+                refused.push(("unknown_boot", "contacts that cannot be taken yet".to_owned()));
+            }
+            Outcome::Duplicate => refused.push(("duplicate", "contacts that were taken already".to_owned())),
+            Outcome::Taken | Outcome::OldBoot => {}
+        }
+        Ok(refused)
+    }
+
+    fn setpoint_state(
+        &mut self,
+        params: &Params,
+        step: &Step<'_>,
+        told: &protocol::SetpointState,
+        sink: &mut Sink<'_>,
+    ) -> io::Result<Vec<Refused>> {
+        let Some(Answer { key, instead }) = self.answers.answer(told, &self.robot) else { return Ok(Vec::new()) };
+        let commanded = self.robot.commands_under_way().find(|command| command.key == key);
+        let Some(pressure) = commanded.map(|command| command.pressure) else { return Ok(Vec::new()) };
+        let report = match (edge::setpoint_report(told, pressure), instead) {
+            (Ok(SetpointReport::Applied(_)), Some(pressure)) => SetpointReport::Applied(pressure),
+            (Ok(report), _) => report,
+            (Err(problem), _) => return Ok(vec![(problem.label(), problem.to_string())]),
+        };
+        let robot_time = Micros(told.t_us);
+        let event = Event::Setpoint { boot_id: told.boot_id.as_str(), command: key, report, robot_time };
+        self.step(params, step, &event, (None, instead.is_some()), sink)?;
+        Ok(Vec::new())
+    }
+
+    /// The core's step; what it wants done goes to `sink`.
+    fn step(
+        &mut self,
+        params: &Params,
+        step: &Step<'_>,
+        event: &Event<'_>,
+        (source, assumed): (Option<&protocol::Contacts>, bool),
+        sink: &mut Sink<'_>,
+    ) -> io::Result<Outcome> {
+        let mut effects = Vec::new();
+        let outcome = self.robot.step(params, step.at, event, &mut effects);
+        for effect in &effects {
+            if let Effect::Command(command) = effect
+                && let Some(view) = self.robot.whisker(command.whisker)
+            {
+                let place = (view.array.to_owned(), view.sheet.number);
+                self.answers.commanded(place, command, view.setpoint, params.command.resend_after);
+            }
+            let robot = Some((step.fleet, step.name, &self.robot));
+            sink(&Happened { at: step.at, robot, what: What::Effect { effect, source, assumed } })?;
+        }
+        Ok(outcome)
+    }
+}

@@ -1,0 +1,124 @@
+//! Recordings that were written by hand, or bent.
+
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::program::{effects, errors, replay, run};
+
+const START_US: u64 = 1_795_248_000_000_000;
+
+fn line(at_us: u64, topic: &str, payload: &Value) -> String {
+    json!({ "received_us": START_US + at_us, "topic": format!("whisker/v1/f/r/{topic}"), "payload": payload })
+        .to_string()
+}
+
+fn birth(at_us: u64) -> Vec<String> {
+    let whisker = json!({ "whisker": 0, "x_mm": 0.0, "y_mm": 0.0, "model": "nguyen-2021", "length_mm": 70.0,
+        "pressure_mpa": 0.1, "pressure_max_mpa": 0.2, "neighbours": [] });
+    let array = json!({ "array": "left", "type": "TYPE_2", "whiskers": [whisker] });
+    let timestamp = "2026-11-21T08:00:00.000Z";
+    vec![
+        line(at_us, "connection", &json!({ "boot_id": "b", "seq": 0, "timestamp": timestamp, "state": "ONLINE" })),
+        line(
+            at_us + 1,
+            "factsheet",
+            &json!({ "boot_id": "b", "seq": 0, "timestamp": timestamp, "model": "m", "on_supervisor_loss": "HOLD",
+                "arrays": [array] }),
+        ),
+    ]
+}
+
+fn status(at_us: u64, seq: u64) -> String {
+    let whisker = json!({ "array": "left", "whisker": 0, "pressure_mpa": 0.1, "setpoint_mpa": 0.1, "regulator": "OK",
+        "gauge": "OK" });
+    line(at_us, "status", &json!({ "boot_id": "b", "seq": seq, "t_us": START_US + at_us, "whiskers": [whisker] }))
+}
+
+fn file(lines: &[String]) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("recording.jsonl");
+    std::fs::write(&path, lines.join("\n")).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn bad_lines_are_told_with_their_number_and_passed_over() {
+    let mut lines = birth(0);
+    lines.insert(1, "nonsense".to_owned());
+    lines.push(String::new());
+    lines.push(json!({ "received_us": START_US, "topic": "whisker/v1/f/r/status", "payload": 7 }).to_string());
+    lines.push(status(1_000_000, 0));
+    let (_folder, path) = file(&lines);
+    let output = run(&["replay", path.to_str().unwrap()]);
+    assert!(output.status.success());
+    let told = errors(&output);
+    let name = path.display();
+    assert!(told.contains(&format!("{name}:2: not a recorded message: expected")), "{told}");
+    assert!(told.contains(&format!("{name}:5: payload must be an object, or a text")), "{told}");
+    assert!(told.contains("3 messages replayed, 2 bad lines"), "{told}");
+    // Without its bad lines it is the same.
+    let good: Vec<String> = [birth(0), vec![status(1_000_000, 0)]].concat();
+    let (_other, good) = file(&good);
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), replay(&good, &[]));
+}
+
+#[test]
+fn a_file_in_which_nothing_is_recorded_and_one_that_is_not_there_are_errors() {
+    let (folder, path) = file(&["{}".to_owned(), "[".to_owned()]);
+    let output = run(&["replay", path.to_str().unwrap()]);
+    assert!(!output.status.success() && errors(&output).contains("is a recorded message"), "{output:?}");
+    let output = run(&["replay", folder.path().join("none").to_str().unwrap()]);
+    assert!(!output.status.success() && errors(&output).contains("cannot be read"), "{output:?}");
+}
+
+#[test]
+fn what_the_service_refuses_is_told_by_its_label() {
+    let mut lines = birth(0);
+    let text = |topic: &str, payload: &str| json!({ "received_us": START_US + 5, "topic": topic, "payload": payload });
+    lines.push(text("whisker/v1/f/r/contacts", "no JSON").to_string());
+    lines.push(text("whisker/v2/f/r/contacts", "{}").to_string());
+    lines.push(text("whisker/v1/f/stranger/contacts", r#"{"boot_id":"b","seq":0,"contacts":[]}"#).to_string());
+    lines.push(
+        json!({ "received_us": START_US + 6, "topic": "whisker/v1/f/r/status", "payload_base64": "/w==" }).to_string(),
+    );
+    // A refused message whose number can be read is accounted for, as in the service.
+    let seq =
+        |seq: u64, contacts: Value| line(7, "contacts", &json!({ "boot_id": "b", "seq": seq, "contacts": contacts }));
+    lines.extend([seq(0, json!([{ "array": 7 }])), seq(0, json!([]))]);
+    // What a supervisor said is no input, whatever it is.
+    lines.push(text("whisker/v1/f/r/receipt", "no JSON").to_string());
+    lines.push(text("whisker/v1/f/supervisor/state", "no JSON").to_string());
+    let (_folder, path) = file(&lines);
+    let refused = effects(&replay(&path, &[]), "REFUSED");
+    let reasons: Vec<&str> = refused.iter().map(|line| line["reason"].as_str().unwrap()).collect();
+    assert_eq!(reasons, ["not_json", "unknown_topic", "unknown_robot", "not_json", "malformed", "duplicate"]);
+    assert_eq!((&refused[0]["robot"], &refused[1]["robot"]), (&json!("r"), &Value::Null));
+}
+
+#[test]
+fn time_passes_between_messages_and_a_long_silence_takes_no_time() {
+    let hours = 1_000 * 3_600_000_000;
+    let lines = [birth(0), vec![status(1_000_000, 0), status(40_000_000, 1), status(40_000_000 + hours, 2)]].concat();
+    let (_folder, path) = file(&lines);
+    let faults = effects(&replay(&path, &[]), "FAULT");
+    let told: Vec<(u64, &Value)> =
+        faults.iter().map(|line| (line["received_us"].as_u64().unwrap() - START_US, &line["becomes"])).collect();
+    // Silent for more than 15 s: told at the next quarter of a second; back with the next status.
+    let expected = [(16_250_000, json!("STALE")), (40_000_000, Value::Null), (55_250_000, json!("STALE"))];
+    assert_eq!(told.len(), 4, "{told:?}");
+    for ((at_us, becomes), (expected_us, expected)) in told.iter().zip(&expected) {
+        assert!(at_us.abs_diff(*expected_us) <= 250_000 && *becomes == expected, "{told:?}");
+    }
+}
+
+#[test]
+fn a_policy_with_other_keys_is_refused_by_name() {
+    let (folder, path) = file(&birth(0));
+    let other = folder.path().join("other.toml");
+    std::fs::write(&other, "fleets = [\"f\"]\n[policy]\nmargin = 1\n").unwrap();
+    let output = run(&["replay", path.to_str().unwrap(), "--policy", other.to_str().unwrap()]);
+    let told = errors(&output);
+    assert!(!output.status.success() && told.contains("policy.margin") && told.contains("not of the policy"), "{told}");
+}

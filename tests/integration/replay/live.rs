@@ -1,0 +1,292 @@
+//! A fleet with a trim, recorded while a supervisor works with it.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use nix::sys::signal::Signal;
+use serde_json::{Value, json};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions, SqliteRow};
+use tempfile::TempDir;
+use tokio::sync::OnceCell;
+use vibrissa::mqtt::BrokerAddress;
+use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa::store::DatabaseAddress;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
+use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::wait::until_true;
+
+use crate::program::{PROGRAM, effects, replay, run};
+
+/// Whisker 0 is cut to 65 mm and serves itself; 2 is cut too short for that, and 1 serves.
+const SCENARIO: &str = r#"
+fleet = "f"
+seed = 5
+[behaviour]
+contacts_per_second = 80.0
+message_after_s = 0.1
+[[robots]]
+robot = "r"
+[[robots.arrays]]
+array = "left"
+type = "TYPE_1"
+whiskers = [
+    { whisker = 0, length_mm = 70.0, neighbours = [1] },
+    { whisker = 1, length_mm = 65.0, neighbours = [0, 2] },
+    { whisker = 2, length_mm = 70.0, neighbours = [1] },
+]
+[[robots.events]]
+at_contact = 100
+array = "left"
+whisker = 0
+change = { kind = "TRIM", length_mm = 65.0 }
+[[robots.events]]
+at_contact = 130
+array = "left"
+whisker = 2
+change = { kind = "TRIM", length_mm = 54.0 }
+"#;
+const COLD_START: u32 = 60;
+/// The parameters of that supervisor, as flags.
+const AS_THEN: [&str; 2] = ["--detection-cold-start-contacts", "60"];
+
+/// A recording, and the database of the supervisor that worked meanwhile.
+struct Recording {
+    folder: TempDir,
+    log: String,
+}
+
+impl Recording {
+    fn file(&self) -> PathBuf {
+        self.folder.path().join("recording.jsonl")
+    }
+
+    async fn rows(&self, sql: &'static str, row: impl Fn(&SqliteRow) -> Value) -> Vec<Value> {
+        let pool = reader(&self.folder.path().join("v.sqlite3")).await;
+        let rows = sqlx::query(sql).fetch_all(&pool).await.unwrap();
+        rows.iter().map(row).collect()
+    }
+}
+
+async fn reader(path: &Path) -> SqlitePool {
+    let options = SqliteConnectOptions::new().filename(path).read_only(true);
+    SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap()
+}
+
+async fn count(pool: &SqlitePool, sql: &'static str) -> u64 {
+    let count: i64 = sqlx::query_scalar(sql).fetch_one(pool).await.unwrap();
+    count as u64
+}
+
+/// Made once: the tests look at it.
+async fn recording() -> &'static Recording {
+    static RECORDING: OnceCell<Recording> = OnceCell::const_new();
+    RECORDING.get_or_init(record).await
+}
+
+async fn record() -> Recording {
+    let folder = tempfile::tempdir().unwrap();
+    let broker = Mosquitto::start();
+    let mut recorder = recorder(&folder, broker.port());
+    let log = folder.path().join("log");
+    let said = |what: &str| std::fs::read_to_string(&log).is_ok_and(|text| text.contains(what));
+    until_true("the recorder's connection", async || said("robots are heard")).await;
+    let service = service(&folder, broker.port()).await;
+    let fleet =
+        Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &Broker::new("127.0.0.1", broker.port())).unwrap();
+    let pool = reader(&folder.path().join("v.sqlite3")).await;
+    const APPLIED: &str = "SELECT count(*) FROM setpoints WHERE state = 'APPLIED'";
+    until_true("both setpoints applied", async || count(&pool, APPLIED).await == 2).await;
+    let more = fleet.contacts_made() + 300;
+    until_true("contacts at the new pressures, and a status", async || fleet.contacts_made() >= more).await;
+    fleet.rest();
+    const CONTACTS: &str = "SELECT count(*) FROM contacts";
+    until_true("every contact recorded", async || count(&pool, CONTACTS).await == fleet.contacts_made()).await;
+    fleet.stop().await;
+    service.stop().await;
+    recorder.signal(Signal::SIGTERM);
+    assert!(recorder.ended(Duration::from_secs(10)).await.expect("it ends").success());
+    let log = std::fs::read_to_string(&log).unwrap();
+    Recording { folder, log }
+}
+
+fn recorder(folder: &TempDir, port: u16) -> Process {
+    let broker = format!("mqtt://127.0.0.1:{port}");
+    let out = folder.path().join("recording.jsonl");
+    let arguments = ["record", "--broker", &broker, "--fleet", "f", "--out", out.to_str().unwrap()];
+    Process::start(Launch {
+        program: PROGRAM.into(),
+        arguments: arguments.map(str::to_owned).to_vec(),
+        environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
+        log: folder.path().join("log"),
+    })
+}
+
+async fn service(folder: &TempDir, port: u16) -> Service {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.detection.cold_start_contacts = COLD_START;
+    let fleet = Name::new("f").unwrap();
+    let service = Service::start(ServiceOptions {
+        name: "s".to_owned(),
+        fleets: vec![fleet.clone()],
+        database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
+        lease_time_to_live: LEASE_TIME_TO_LIVE,
+        broker: Some(BrokerAddress::new("127.0.0.1", port)),
+        mqtt_port: 0,
+        http: "127.0.0.1:0".parse().unwrap(),
+        params,
+    })
+    .await
+    .unwrap();
+    let connected = service.metrics.of_fleet(&fleet).broker_connected;
+    until_true("the connection to the broker", async || connected.get() == 1).await;
+    service
+}
+
+/// Some fields of lines, to be compared with rows.
+fn fields(lines: &[Value], names: &[&str]) -> Vec<Value> {
+    lines.iter().map(|line| names.iter().map(|&name| line[name].clone()).collect()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_replay_finds_the_trims_that_were_found_and_decides_as_was_decided() {
+    let recording = recording().await;
+    let text = replay(&recording.file(), &AS_THEN);
+    let trims = recording
+        .rows(
+            "SELECT whisker, length_before_mm, length_after_mm, length_after_sd_mm, contacts_to_detect \
+             FROM trims t JOIN whiskers w USING (whisker_id) ORDER BY trim_id",
+            |row| {
+                json!([
+                    row.get::<i64, _>(0),
+                    row.get::<f64, _>(1),
+                    row.get::<f64, _>(2),
+                    row.get::<f64, _>(3),
+                    row.get::<i64, _>(4)
+                ])
+            },
+        )
+        .await;
+    assert_eq!(trims.len(), 2, "{trims:?}");
+    let names = ["whisker", "length_before_mm", "length_after_mm", "length_after_sd_mm", "contacts_to_detect"];
+    assert_eq!(fields(&effects(&text, "TRIM"), &names), trims);
+    let setpoints = recording
+        .rows(
+            "SELECT whisker, s.pressure_mpa, reason FROM setpoints s \
+             JOIN whiskers w USING (whisker_id) ORDER BY version",
+            |row| json!([row.get::<i64, _>(0), row.get::<f64, _>(1), row.get::<String, _>(2)]),
+        )
+        .await;
+    assert_eq!(setpoints.len(), 2);
+    assert_eq!(fields(&effects(&text, "SETPOINT"), &["whisker", "pressure_mpa", "reason"]), setpoints);
+    let states = recording
+        .rows(
+            "SELECT state, pressure_mpa FROM setpoint_states WHERE state <> 'PENDING' ORDER BY setpoint_state_id",
+            |row| json!([row.get::<String, _>(0), row.get::<Option<f64>, _>(1)]),
+        )
+        .await;
+    assert_eq!(fields(&effects(&text, "SETPOINT_STATE"), &["state", "pressure_mpa"]), states);
+    assert!(!text.contains("\"assumed\""), "every setpoint is one that was recorded");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn property_every_length_after_every_contact_is_what_it_was_and_twice_the_bytes_are_the_same() {
+    let recording = recording().await;
+    let text = replay(&recording.file(), &AS_THEN);
+    assert!(text == replay(&recording.file(), &AS_THEN), "twice the same bytes");
+    let contacts = recording
+        .rows(
+            "SELECT seq, c.position, t_us, used, residual, c.length_mm, c.length_sd_mm FROM contacts c ORDER BY contact_id",
+            |row| {
+                json!([
+                    row.get::<i64, _>(0),
+                    row.get::<i64, _>(1),
+                    row.get::<i64, _>(2),
+                    row.get::<String, _>(3),
+                    row.get::<Option<f64>, _>(4),
+                    row.get::<f64, _>(5),
+                    row.get::<f64, _>(6)
+                ])
+            },
+        )
+        .await;
+    assert!(contacts.len() > 300, "{}", contacts.len());
+    let names = ["seq", "position", "t_us", "used", "residual", "length_mm", "length_sd_mm"];
+    assert_eq!(fields(&effects(&text, "CONTACT"), &names), contacts);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_recording_has_what_robots_and_supervisors_said_and_tells_how_much() {
+    let recording = recording().await;
+    let text = std::fs::read_to_string(recording.file()).unwrap();
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(recording.log.contains(&format!("{} messages recorded", lines.len())), "{}", recording.log);
+    for topic in ["connection", "factsheet", "contacts", "status", "receipt", "setpoint", "setpoint_state"] {
+        let topic = format!("whisker/v1/f/r/{topic}");
+        assert!(lines.iter().any(|line| line["topic"] == topic && line["payload"]["boot_id"].is_string()), "{topic}");
+    }
+    assert!(lines.is_sorted_by_key(|line| line["received_us"].as_u64().unwrap()));
+    assert_eq!(replay(&recording.file(), &["--fleet", "other"]), "", "other fleets are passed over");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn two_policies_are_compared_on_the_same_traffic() {
+    let recording = recording().await;
+    let other = recording.folder.path().join("other.toml");
+    std::fs::write(&other, "[policy]\nobjective = \"mean\"\n").unwrap();
+    let compared = replay(&recording.file(), &[&AS_THEN[..], &["--policy", other.to_str().unwrap()]].concat());
+    assert!(compared.contains("decisions that differ: 2"), "{compared}");
+    assert!(compared.contains("f/r/left/0 (70 mm)\n  this: whisker 0 (SELF_COMPENSATION) at 0.0"), "{compared}");
+    let row = |name: &str| {
+        let line = compared.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{compared}"));
+        line.split_whitespace().skip(1).map(|field| field.parse::<f64>().unwrap()).collect::<Vec<_>>()
+    };
+    let (ours, theirs) = (row("this "), row("other.toml "));
+    // Served, unserved, ended; mean error; setpoints, in force.
+    assert_eq!((&ours[..3], &ours[4..]), (&[2.0, 0.0, 0.0][..], &[2.0, 2.0][..]), "{compared}");
+    assert_eq!((&theirs[..3], &theirs[4..]), (&[2.0, 0.0, 0.0][..], &[2.0, 2.0][..]), "{compared}");
+    assert!(theirs[3] < ours[3], "the least mean error is less: {compared}");
+
+    std::fs::write(&other, "[policy]\nobjective = \"tip\"\n").unwrap();
+    let compared = replay(&recording.file(), &[&AS_THEN[..], &["--policy", other.to_str().unwrap()]].concat());
+    assert!(compared.contains("decisions that differ: 0"), "{compared}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn setpoints_that_were_never_sent_are_taken_to_be_applied() {
+    let recording = recording().await;
+    // No error is small enough: nobody serves, though the supervisor of that time had setpoints for two.
+    let nobody = replay(&recording.file(), &[&AS_THEN[..], &["--policy-predicted-error-max", "0.05"]].concat());
+    assert_eq!(effects(&nobody, "SETPOINT"), Vec::<Value>::new());
+    let alarms = effects(&nobody, "ALARM");
+    assert_eq!(alarms.iter().filter(|line| line["kind"] == "UNCOMPENSATED").count(), 2, "{alarms:?}");
+    // Elsewhere than then: answered in place of the recorded ones.
+    let other = replay(&recording.file(), &[&AS_THEN[..], &["--policy-objective", "mean"]].concat());
+    let applied = effects(&other, "SETPOINT_STATE").into_iter().filter(|line| line["state"] == "APPLIED");
+    let applied: Vec<Value> = applied.collect();
+    let commanded = effects(&other, "SETPOINT");
+    assert_eq!(commanded.len(), 2, "once each");
+    assert_eq!(fields(&applied, &["pressure_mpa"]), fields(&commanded, &["pressure_mpa"]));
+    assert!(applied.iter().all(|line| line["assumed"] == true), "{applied:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_recorder_touches_no_file_that_is_there_and_ends_by_itself_when_its_time_is_over() {
+    let broker = Mosquitto::start();
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let output = run(&["record", "--broker", &url, "--fleet", "f", "--for", "300ms"]);
+    assert!(output.status.success() && output.stdout.is_empty(), "{output:?}");
+    assert!(crate::program::errors(&output).contains("0 messages recorded"), "{output:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("there");
+    std::fs::write(&file, "precious").unwrap();
+    let output = run(&["record", "--broker", &url, "--out", file.to_str().unwrap(), "--for", "300ms"]);
+    assert!(!output.status.success() && crate::program::errors(&output).contains("cannot be begun"), "{output:?}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "precious");
+    let output = run(&["record", "--for", "300ms"]);
+    assert!(crate::program::errors(&output).contains("--broker mqtt://HOST:1883"), "{output:?}");
+}
