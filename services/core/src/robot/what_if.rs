@@ -82,7 +82,7 @@ impl Robot {
         }
         // No length is below what the filter can hold.
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
-        one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0]);
+        one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0, 0.0]);
         if one.is_at_nominal_pressure() {
             one.whole_offset.get_or_insert(one.filter.offset());
         }

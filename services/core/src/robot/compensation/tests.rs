@@ -63,7 +63,7 @@ fn in_a_row(count: usize) -> impl Fn(usize) -> Vec<u16> {
 
 fn set_length(params: &Params, whisker: &mut Whisker, length_mm: f64) {
     whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
-    whisker.filter.jump((length_mm / whisker.sheet.length.mm()).ln(), 0.0, [0.0, 0.0, 1.0]);
+    whisker.filter.jump((length_mm / whisker.sheet.length.mm()).ln(), 0.0, [0.0, 0.0, 1.0, 0.0]);
 }
 
 fn cut(params: &Params, robot: &mut Robot, index: usize, length_mm: f64) {
