@@ -1,6 +1,7 @@
 //! How well the core does, measured: detection, health and compensation on simulated whiskers whose truth is
 //! known. Nothing here is given to the core that the service would not have.
 
+pub mod health;
 #[expect(clippy::wildcard_enum_match_arm, reason = "of many effects and messages it looks at a few")]
 pub mod world;
 

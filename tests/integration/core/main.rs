@@ -1,8 +1,11 @@
 //! The core against simulated robots whose truth is known.
 
 mod assignment;
+mod erosion;
 mod false_alarms;
 mod faults;
+mod health;
+mod leak;
 mod policy;
 mod purity;
 mod trims;

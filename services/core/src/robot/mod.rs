@@ -13,6 +13,7 @@ mod compensation;
 mod contact;
 pub mod effect;
 pub mod event;
+mod gauge;
 mod health;
 mod measure;
 pub mod params;
@@ -138,7 +139,7 @@ impl Robot {
                 }
                 self.heard_time(robot_time);
                 for entry in whiskers {
-                    self.status(params, now, entry, effects);
+                    self.status(params, now, robot_time, entry, effects);
                 }
                 Outcome::Taken
             }

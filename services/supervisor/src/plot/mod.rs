@@ -1,6 +1,7 @@
 //! SVG figures: the paper's curves and a calibration, on a light ground, in colours that everybody can tell apart.
 
 pub mod calibration;
+pub mod health;
 pub mod paper;
 
 use anyhow::{Result, anyhow};
