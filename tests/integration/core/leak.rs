@@ -61,18 +61,18 @@ fn golden_real_chambers_leak_as_least_squares_says_and_are_called_sound() {
 }
 
 /// A chamber behind shut valves: its sensor has steps, noise and a wandering error, and its regulator fills it when it
-/// has lost `dead_band_mpa`.
-fn simulated(rng: &mut ChaCha8Rng, rate_per_s: f64, dead_band_mpa: f64, seconds: f64) -> Vec<(f64, f64)> {
+/// has lost 4 kPa.
+fn simulated(rng: &mut ChaCha8Rng, full_mpa: f64, rate_per_s: f64, seconds: f64) -> Vec<(f64, f64)> {
     const STEP_MPA: f64 = 0.0012;
+    const DEAD_BAND_MPA: f64 = 0.004;
     let per_second: f64 = rng.random_range(4.0..=20.0);
-    let full_mpa: f64 = rng.random_range(0.05..=0.2);
     let noise = Normal::new(0.0, 0.0003).unwrap();
     let wander = Normal::new(0.0, 0.0001).unwrap();
     let (mut pressure_mpa, mut error_mpa) = (full_mpa, 0.0);
     let mut readings = Vec::new();
     for reading in 0..(seconds * per_second) as u32 {
         pressure_mpa *= (-rate_per_s / per_second).exp();
-        if pressure_mpa < full_mpa - dead_band_mpa {
+        if pressure_mpa < full_mpa - DEAD_BAND_MPA {
             pressure_mpa = full_mpa;
         }
         let keep = (-1.0 / (2.0 * per_second)).exp();
@@ -90,7 +90,8 @@ fn property_the_interval_covers_the_true_rate_in_93_of_100_simulated_chambers() 
     let (mut stated, mut covered) = (0, 0);
     for _ in 0..CHAMBERS {
         let rate_per_s = 1e-5 * 300_f64.powf(rng.random());
-        let readings = simulated(&mut rng, rate_per_s, 0.004, 300.0);
+        let full_mpa = rng.random_range(0.05..=0.2);
+        let readings = simulated(&mut rng, full_mpa, rate_per_s, 300.0);
         let Some(rate) = watched(&LeakParams::default(), &readings).rate_per_s() else { continue };
         stated += 1;
         covered += u32::from((rate.low..=rate.high).contains(&rate_per_s));
@@ -105,12 +106,13 @@ fn property_a_leak_is_called_from_five_times_the_rate_of_sound_chambers_on_and_i
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let params = LeakParams::default();
     for case in 0..40 {
-        let mut readings = simulated(&mut rng, 1e-4, 0.004, 300.0);
+        let full_mpa = rng.random_range(0.05..=0.2);
+        let mut readings = simulated(&mut rng, full_mpa, 1e-4, 300.0);
         assert!(!watched(&params, &readings).is_leaking(), "case {case}: a sound chamber");
-        let leaking = simulated(&mut rng, 2e-3, 0.004, 300.0);
+        let leaking = simulated(&mut rng, full_mpa, 2e-3, 300.0);
         readings.extend(leaking.iter().map(|(seconds, mpa)| (300.0 + seconds, *mpa)));
         assert!(watched(&params, &readings).is_leaking(), "case {case}: a leak");
-        let mended = simulated(&mut rng, 3e-5, 0.004, 1200.0);
+        let mended = simulated(&mut rng, full_mpa, 3e-5, 1200.0);
         readings.extend(mended.iter().map(|(seconds, mpa)| (600.0 + seconds, *mpa)));
         assert!(!watched(&params, &readings).is_leaking(), "case {case}: mended");
     }
@@ -119,7 +121,7 @@ fn property_a_leak_is_called_from_five_times_the_rate_of_sound_chambers_on_and_i
 #[test]
 fn property_readings_that_come_again_late_change_nothing() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let readings = simulated(&mut rng, 1e-4, 0.004, 200.0);
+    let readings = simulated(&mut rng, 0.1, 1e-4, 200.0);
     let mut once = watched(&LeakParams::default(), &readings);
     let again = once.clone();
     for &(seconds, mpa) in &readings[..200] {

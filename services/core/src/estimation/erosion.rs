@@ -1,7 +1,8 @@
 //! How fast a whisker erodes, and when it is too short to compensate for itself.
 //!
 //! The filter's estimates after the verdict are followed by a line over the contacts ([`super::trend`]). They hang
-//! together over some tens of contacts, because a filter remembers; blocks of contacts take that into account.
+//! together over some tens of contacts, because a filter remembers; blocks of contacts take that into account. The
+//! interval also has the error of the model by which lengths are told from sensitivities.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -15,6 +16,9 @@ const SETTLING_CONTACTS: u32 = 60;
 const LEAST_CONTACTS: u32 = 160;
 /// At least eight blocks of so many contacts count: a rate that changes shows after that.
 const CONTACTS_A_BLOCK_MAX: u32 = 128;
+/// Lengths come from a model: with a calibration that is off by 3 %, or the other formulation, a change of length
+/// comes out wrong by so much of itself (standard deviation).
+const MODEL_SD: f64 = 0.04;
 /// 1.96: half a 95 % interval in standard deviations.
 const Z95: f64 = 1.959_963_985;
 
@@ -69,7 +73,8 @@ impl ErosionWatch {
             return None;
         }
         let slope = self.lengths.slope()?.interval()?;
-        let mm_per_contact = Interval { mean: -slope.mean, low: -slope.high, high: -slope.low };
+        let half = (slope.high - slope.mean).hypot(Z95 * MODEL_SD * slope.mean);
+        let mm_per_contact = Interval { mean: -slope.mean, low: -slope.mean - half, high: -slope.mean + half };
         let left = |sds: f64, rate: f64| {
             let left_mm = length.length.mm() + sds * length.sd_mm - self.shortest.mm();
             (rate > 0.0).then(|| left_mm.max(0.0) / rate)

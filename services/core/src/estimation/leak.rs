@@ -27,8 +27,8 @@ use crate::units::{Megapascal, Micros};
 pub struct LeakParams {
     /// A step of the robots' pressure sensors, MPa.
     pub sensor_step_mpa: f64,
-    /// Averages of some readings that differ by more than this: a valve was open in between, MPa.
-    pub jump_mpa: f64,
+    /// The least that a regulator lets in when it refills, MPa: about a step of its sensor.
+    pub refill_mpa: f64,
     /// Readings are not used for this long after a setpoint or a valve has moved.
     pub settling: Micros,
     /// An interval is closed after this, so that what changes is not averaged over for ever.
@@ -46,7 +46,7 @@ impl Default for LeakParams {
     fn default() -> Self {
         Self {
             sensor_step_mpa: 0.0012,
-            jump_mpa: 0.0007,
+            refill_mpa: 0.0012,
             settling: Micros::from_s(3.0),
             interval_max: Micros::from_s(200.0),
             memory: Micros::from_s(300.0),
@@ -71,6 +71,10 @@ const READINGS_A_BIN: u32 = 8;
 const BIN_SPAN_MIN_S: f64 = 0.5;
 /// ... and is taken after this with what there is.
 const BIN_SPAN_MAX_S: f64 = 8.0;
+/// An average above one of the two before it by more than this part of a refill: the regulator filled.
+const JUMP_REFILLS: f64 = 0.6;
+/// An average below the one before by more than so many refills: it vented. A leak may be steep, too.
+const VENT_REFILLS: f64 = 1.2;
 /// A pressure below this has no useful logarithm, MPa.
 const LEAST_MPA: f64 = 0.005;
 /// The rate is stated with at least that many degrees of freedom.
@@ -156,7 +160,7 @@ impl LeakWatch {
         if !self.is_quiet(at) {
             return;
         }
-        self.refills[source as usize].read(params.sensor_step_mpa, at, pressure.mpa());
+        self.refills[source as usize].read(params.refill_mpa, at, pressure.mpa());
         if self.bin.readings > 0 {
             let span_s = at.since(self.bin.since).as_s();
             let enough = self.bin.readings >= READINGS_A_BIN && span_s >= BIN_SPAN_MIN_S;
@@ -179,8 +183,9 @@ impl LeakWatch {
         }
         let too_long = |open: &Stretch| since.since(open.since) >= params.interval_max;
         let leapt = |open: &Stretch| {
-            let from = |before_mpa: f64| (mpa - before_mpa).abs() > params.jump_mpa;
-            from(open.waiting.1) || open.before_mpa.is_some_and(from)
+            let refilled = |before_mpa: f64| mpa - before_mpa > JUMP_REFILLS * params.refill_mpa;
+            let vented = open.waiting.1 - mpa > VENT_REFILLS * params.refill_mpa;
+            vented || refilled(open.waiting.1) || open.before_mpa.is_some_and(refilled)
         };
         if self.open.as_ref().is_some_and(|open| too_long(open) || leapt(open)) {
             self.close(params);
@@ -195,21 +200,32 @@ impl LeakWatch {
     fn close(&mut self, params: &LeakParams) {
         let Some(open) = self.open.take() else { return };
         self.closed.fade((-open.span_s() / params.memory.as_s()).exp());
-        self.closed.add(params, &open);
+        let mut own = Pool::default();
+        own.add(params, &open);
+        let apart = |one: Interval, other: Interval| one.high < other.low || other.high < one.low;
+        if own.rate().zip(self.closed.rate()).is_some_and(|(own, before)| apart(own, before)) {
+            // A leak began or was mended: a long quiet interval would outweigh many short ones after it.
+            self.closed = own;
+        } else {
+            self.closed.add(params, &open);
+        }
     }
 
     /// States the rate, and calls a leak, or calls it over once all evidence is down to half of what it takes.
     fn judge(&mut self, params: &LeakParams) {
         let Some(mpa) = self.open.as_ref().map(|open| open.mpa) else { return };
         let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
-        let refilled = greatest(&|refills| refills.least_mpa_per_s(params.sensor_step_mpa)) / mpa;
+        let refilled = greatest(&|refills| refills.least_mpa_per_s(params.refill_mpa)) / mpa;
         let leaps = greatest(&Refills::least_leaps_per_s);
         let fitted = self.fitted_rate_per_s(params);
         let part = if self.is_leaking { 0.5 } else { 1.0 };
         let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { rate.low });
         let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
         self.is_leaking = fallen > part * params.rate_max_per_s || is_refilled;
-        // Refills that the line does not account for, or leaps with hardly a line: its slope would be too low.
+        if fitted.is_some_and(|rate| refilled > rate.high.max(0.0)) {
+            // The line does not account for the refills: it is of the time before, or they outrun the readings.
+            self.closed = Pool::default();
+        }
         self.rate_per_s = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
     }
 
@@ -231,7 +247,7 @@ impl LeakWatch {
         if let Some(open) = &self.open {
             pool.add(params, open);
         }
-        pool.rate()
+        pool.told()
     }
 }
 
@@ -291,16 +307,22 @@ impl Pool {
         self.freedom += freedom;
         // Rounding errors are uniform over a step, so that a line through a few of them is off by about a step over
         // the interval (1 / sqrt(12) times sqrt(12)): much less once the pressure falls through several steps.
-        let rounding = params.sensor_step_mpa / open.mpa / open.span_s().max(1.0);
+        let step = params.sensor_step_mpa / open.mpa;
+        let fallen = per_x.abs() * open.span_s();
+        let rounding = step / open.span_s().max(1.0) * (step / fallen.max(step));
         self.rounding += (weight * rounding).powi(2);
         for (sum, power) in self.scatter.iter_mut().zip([1.0, per_x, per_x.powi(2)]) {
             *sum += weight.powi(2) * power;
         }
     }
 
+    fn told(&self) -> Option<Interval> {
+        self.rate().filter(|_| self.seconds >= LEAST_S)
+    }
+
     fn rate(&self) -> Option<Interval> {
         let freedom = self.freedom + (self.intervals - 1.0).max(0.0);
-        if self.weight <= 0.0 || freedom < LEAST_FREEDOM || self.seconds < LEAST_S {
+        if self.weight <= 0.0 || freedom < LEAST_FREEDOM {
             return None;
         }
         let slope = self.slope / self.weight;

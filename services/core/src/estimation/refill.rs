@@ -4,12 +4,12 @@
 //! while a chamber that stands still, its sensor's noise and steps, and valves that let out what they let in too
 //! much, are the same in either direction. So the cubes of the changes from one reading to the next add up to
 //! nothing in a sound chamber, however coarse the sensor, and to (loss per second) x (size of a refill)^2 x time in
-//! a leaking one. Averages over 1, 2, 4, 8 and 16 readings see refills that are as far apart. In units of the
-//! sensor's step, which is about what cheap valves let in, the sum over the time estimates the loss itself, to a
-//! factor of two or so.
+//! a leaking one. Averages over 1, 2, 4, 8 and 16 readings see refills that are as far apart. The sum of the sixth
+//! powers, over that of the cubes, is the cube of a refill's size; so the loss itself comes out, to a factor of two
+//! or so, and rather too low.
 //!
-//! Refills that come faster than readings leave no such trace, but make the readings leap: by more than one step
-//! of the sensor from one reading to the next, which its noise alone hardly ever does.
+//! Refills that come faster than readings leave no such trace, but make the readings leap: by more than one
+//! refill from one reading to the next, which its noise alone hardly ever does.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -23,10 +23,12 @@ const MEMORY_S: f64 = 150.0;
 const LEAST_S: f64 = 60.0;
 /// Readings further apart than this say nothing about what was between them, in seconds.
 const GAP_MAX_S: f64 = 20.0;
-/// A leap is one by more than this many steps of the sensor ...
-const LEAP_STEPS: f64 = 1.5;
+/// A leap is one by more than this many refills ...
+const LEAP_REFILLS: f64 = 1.5;
 /// ... between readings no further apart than this, in seconds.
 const LEAP_GAP_S: f64 = 2.5;
+/// A change by more than this many refills counts as so many: nothing that happens once weighs more.
+const CHANGE_MAX: f64 = 4.0;
 /// Lower bounds are so many standard deviations below the estimate: one-sided 97.5 %.
 const BOUND_SDS: f64 = 2.0;
 
@@ -43,7 +45,7 @@ pub struct Refills {
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Scale {
     readings: u32,
-    steps: f64,
+    sum: f64,
     last: Option<f64>,
     cubes: f64,
     squared_cubes: f64,
@@ -54,25 +56,25 @@ impl Refills {
     pub fn interrupt(&mut self) {
         self.last = None;
         for scale in &mut self.scales {
-            (scale.readings, scale.steps, scale.last) = (0, 0.0, None);
+            (scale.readings, scale.sum, scale.last) = (0, 0.0, None);
         }
     }
 
     /// Takes one reading in. Those that are older than the last one change nothing.
-    pub fn read(&mut self, sensor_step_mpa: f64, at: Micros, mpa: f64) {
+    pub fn read(&mut self, refill_mpa: f64, at: Micros, mpa: f64) {
         if self.last.is_some_and(|(before, _)| at.since(before).as_s() > GAP_MAX_S) {
             self.interrupt();
         }
-        let steps = mpa / sensor_step_mpa;
-        if let Some((before, before_steps)) = self.last {
+        let refills = mpa / refill_mpa;
+        if let Some((before, before_refills)) = self.last {
             if at <= before {
                 return;
             }
-            self.pass(at.since(before).as_s(), steps - before_steps);
+            self.pass(at.since(before).as_s(), refills - before_refills);
         }
-        self.last = Some((at, steps));
+        self.last = Some((at, refills));
         for (scale, readings) in self.scales.iter_mut().zip(SCALES) {
-            scale.add(readings, steps);
+            scale.add(readings, refills);
         }
     }
 
@@ -82,21 +84,21 @@ impl Refills {
         self.seconds = self.seconds * keep + seconds;
         for scale in &mut self.scales {
             scale.cubes *= keep;
-            scale.squared_cubes *= keep.powi(2);
+            scale.squared_cubes *= keep;
         }
-        if seconds <= LEAP_GAP_S && leap.abs() > LEAP_STEPS {
+        if seconds <= LEAP_GAP_S && leap.abs() > LEAP_REFILLS {
             self.leaps += 1.0;
         }
     }
 
-    /// Lower bound of the pressure that refills make good, MPa per second; 0 where there may be none.
+    /// Lower bound of the pressure that refills make good, MPa per second; 0 where there may be none. `refill_mpa` is
+    /// the least refill.
     #[must_use]
-    pub fn least_mpa_per_s(&self, sensor_step_mpa: f64) -> f64 {
+    pub fn least_mpa_per_s(&self, refill_mpa: f64) -> f64 {
         if self.seconds < LEAST_S {
             return 0.0;
         }
-        let bound = |scale: &Scale| scale.cubes - BOUND_SDS * scale.squared_cubes.sqrt();
-        sensor_step_mpa * self.scales.iter().map(bound).fold(0.0, f64::max) / self.seconds
+        refill_mpa * self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max) / self.seconds
     }
 
     /// Lower bound of the leaps per second.
@@ -107,18 +109,28 @@ impl Refills {
 }
 
 impl Scale {
-    fn add(&mut self, readings: u32, steps: f64) {
+    /// Lower bound of the sum of refills.
+    fn least_sum(&self) -> f64 {
+        let cubes = self.cubes - BOUND_SDS * self.squared_cubes.sqrt();
+        if cubes <= 0.0 {
+            return 0.0;
+        }
+        let size = (self.squared_cubes / self.cubes).cbrt().max(1.0);
+        cubes / size.powi(2)
+    }
+
+    fn add(&mut self, readings: u32, refills: f64) {
         self.readings += 1;
-        self.steps += steps;
+        self.sum += refills;
         if self.readings < readings {
             return;
         }
-        let mean = self.steps / f64::from(readings);
+        let mean = self.sum / f64::from(readings);
         if let Some(last) = self.last {
-            let cube = (mean - last).powi(3);
+            let cube = (mean - last).clamp(-CHANGE_MAX, CHANGE_MAX).powi(3);
             self.cubes += cube;
             self.squared_cubes += cube.powi(2);
         }
-        (self.readings, self.steps, self.last) = (0, 0.0, Some(mean));
+        (self.readings, self.sum, self.last) = (0, 0.0, Some(mean));
     }
 }
