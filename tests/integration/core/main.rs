@@ -8,6 +8,7 @@ mod health;
 mod leak;
 mod policy;
 mod purity;
+mod trend;
 mod trims;
 
 use vibrissa_protocol::{ArrayType, Name};

@@ -13,7 +13,7 @@ use crate::units::Millimetre;
 /// Estimates so soon after the verdict are still on their way to the length, in contacts.
 const SETTLING_CONTACTS: u32 = 60;
 /// The rate is told from this many contacts on.
-const LEAST_CONTACTS: u32 = 160;
+const LEAST_CONTACTS: u32 = 240;
 /// At least eight blocks of so many contacts count: a rate that changes shows after that.
 const CONTACTS_A_BLOCK_MAX: u32 = 128;
 /// Lengths come from a model: with a calibration that is off by 3 %, or the other formulation, a change of length
@@ -25,7 +25,9 @@ const Z95: f64 = 1.959_963_985;
 /// The length of one eroding whisker since the verdict.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct ErosionWatch {
+    whole: Millimetre,
     shortest: Millimetre,
+    wander_mm: f64,
     contacts: u32,
     lengths: Trend,
 }
@@ -52,10 +54,11 @@ pub struct ContactsLeft {
 
 impl ErosionWatch {
     /// From the verdict on. `shortest` is the least length that can still compensate for itself
-    /// ([`crate::mechanics::compensable_range`] with the whole whisker as the target).
+    /// ([`crate::mechanics::compensable_range`] with the `whole` whisker as the target), `wander_mm` the random walk per
+    /// square root of a contact that the filter allows while it erodes.
     #[must_use]
-    pub fn new(shortest: Millimetre) -> Self {
-        Self { shortest, contacts: 0, lengths: Trend::new(CONTACTS_A_BLOCK_MAX) }
+    pub fn new(whole: Millimetre, shortest: Millimetre, wander_mm: f64) -> Self {
+        Self { whole, shortest, wander_mm, contacts: 0, lengths: Trend::new(CONTACTS_A_BLOCK_MAX) }
     }
 
     /// Takes the estimate after one contact in.
@@ -75,8 +78,13 @@ impl ErosionWatch {
         let slope = self.lengths.slope()?.interval()?;
         let half = (slope.high - slope.mean).hypot(Z95 * MODEL_SD * slope.mean);
         let mm_per_contact = Interval { mean: -slope.mean, low: -slope.mean - half, high: -slope.mean + half };
+        // A filter that expects a random walk lags behind a steady loss by 1 / gain contacts, and its gain is the
+        // walk's variance over its own.
+        let lag_mm = mm_per_contact.mean * (length.sd_mm / self.wander_mm).powi(2);
+        let length_mm = length.length.mm() - lag_mm;
+        let sd_mm = length.sd_mm.hypot(MODEL_SD * (self.whole.mm() - length_mm));
         let left = |sds: f64, rate: f64| {
-            let left_mm = length.length.mm() + sds * length.sd_mm - self.shortest.mm();
+            let left_mm = length_mm + sds * sd_mm - self.shortest.mm();
             (rate > 0.0).then(|| left_mm.max(0.0) / rate)
         };
         let contacts_left = ContactsLeft {

@@ -202,8 +202,11 @@ impl Whisker {
         }
         let Some(model) = params.model(&self.sheet.model) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
-        let shortest = || compensable_range(model, target, Megapascal::ZERO, max).0;
-        self.erosion.get_or_insert_with(|| ErosionWatch::new(shortest())).follow(&self.filter.length());
+        let watch = self.erosion.get_or_insert_with(|| {
+            let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
+            ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm)
+        });
+        watch.follow(&self.filter.length());
     }
 
     /// Moves the estimate by a confirmed change.

@@ -85,10 +85,10 @@ fn of_a_silent_whisker_nothing_is_told_until_its_silence_is_over() {
     bench.run(30.0);
     let (mut contacts, mut entries) = (Vec::new(), Vec::new());
     for message in bench.sent() {
-        match message {
-            Message::Contacts(told) => contacts.extend(told.contacts.into_iter().map(|one| (one.whisker, one.t_us))),
-            Message::Status(told) => entries.extend(told.whiskers.iter().map(|one| (one.whisker, told.t_us))),
-            _ => {}
+        if let Message::Contacts(told) = message {
+            contacts.extend(told.contacts.into_iter().map(|one| (one.whisker, one.t_us)));
+        } else if let Message::Status(told) = message {
+            entries.extend(told.whiskers.iter().map(|one| (one.whisker, told.t_us)));
         }
     }
     for told in [contacts, entries] {
