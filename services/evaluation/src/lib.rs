@@ -2,6 +2,7 @@
 //! known. Nothing here is given to the core that the service would not have.
 
 pub mod detection;
+pub mod health;
 #[expect(clippy::wildcard_enum_match_arm, reason = "of many effects and messages it looks at a few")]
 pub mod world;
 

@@ -32,6 +32,8 @@ pub struct Plant {
     changes: Vec<LengthChange>,
     erosion: Option<Erosion>,
     gauge: GaugeCondition,
+    baseline: Baseline,
+    deflection_factor: f64,
     sensitivity_factor: f64,
     temperature_c: f64,
     noise: Noise,
@@ -56,6 +58,14 @@ pub struct LengthChange {
 struct Erosion {
     rate_mm_per_contact: f64,
     until_length_mm: f64,
+}
+
+/// The gauge's zero, and where it wanders.
+#[derive(Debug, Clone, Copy, Default)]
+struct Baseline {
+    strain: f64,
+    strain_per_contact: f64,
+    until_strain: f64,
 }
 
 /// What is wrong with the gauge.
@@ -109,6 +119,8 @@ impl Plant {
             changes: Vec::new(),
             erosion: None,
             gauge: GaugeCondition::Ok,
+            baseline: Baseline::default(),
+            deflection_factor: 1.0,
             sensitivity_factor: 1.0,
             temperature_c: TEMPERATURE_C,
             noise,
@@ -131,8 +143,9 @@ impl Plant {
         self.wear();
 
         let strain = sensitivity_per_mm? * deflection_mm * (1.0 + self.noise.strain_relative * errors[0])
-            + self.noise.strain_floor * errors[1];
-        let deflection_mm = deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
+            + self.noise.strain_floor * errors[1]
+            + self.baseline.strain;
+        let deflection_mm = self.deflection_factor * deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
         Ok(Reading {
             ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(1e-4, 1.0),
             deflection_mm: rounded(deflection_mm, 1e4).clamp(1e-4, 1000.0),
@@ -146,6 +159,7 @@ impl Plant {
             let worn_mm = (self.length_mm - erosion.rate_mm_per_contact).max(erosion.until_length_mm);
             self.length_mm = self.length_mm.min(worn_mm);
         }
+        self.baseline.wander();
     }
 
     /// Cuts the whisker; a length beyond the present one changes nothing.
@@ -163,6 +177,22 @@ impl Plant {
 
     fn record(&mut self, t_us: u64, length_mm: f64, gradual: bool) {
         self.changes.push(LengthChange { t_us, contact: self.contacts, length_mm, gradual });
+    }
+
+    /// From now on every contact moves the gauge's zero, until it is there.
+    pub(crate) fn drift(&mut self, strain_per_contact: f64, until_strain: f64) {
+        self.baseline.strain_per_contact = strain_per_contact;
+        self.baseline.until_strain = until_strain;
+    }
+
+    pub(crate) fn set_deflection_factor(&mut self, factor: f64) {
+        self.deflection_factor = factor;
+    }
+
+    /// What the gauge reads untouched, in m/m.
+    #[must_use]
+    pub fn baseline_strain(&self) -> f64 {
+        self.baseline.strain
     }
 
     pub(crate) fn set_gauge(&mut self, gauge: GaugeCondition) {
@@ -242,6 +272,15 @@ impl Plant {
             GaugeCondition::Open => Gauge::Open,
             GaugeCondition::Short => Gauge::Short,
             GaugeCondition::Saturated { .. } => Gauge::Saturated,
+        }
+    }
+}
+
+impl Baseline {
+    fn wander(&mut self) {
+        let left = self.until_strain - self.strain;
+        if left * self.strain_per_contact > 0.0 {
+            self.strain += self.strain_per_contact.abs().min(left.abs()).copysign(left);
         }
     }
 }

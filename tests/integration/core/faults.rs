@@ -12,8 +12,15 @@ const AT_CONTACT: u64 = 400;
 
 /// What becomes of one of two whiskers to which this happens, and of the other.
 fn world_with(change: Change, seconds: f64) -> World {
+    world_after(&[(AT_CONTACT, change)], seconds, true)
+}
+
+/// The same after several changes; `notices`: the robot says so itself.
+fn world_after(changes: &[(u64, Change)], seconds: f64, notices: bool) -> World {
     let mut scenario = super::scenario(31, ArrayType::Type2, &[70.0, 70.0]);
-    scenario.robots[0].events.push(Event::at_contact(AT_CONTACT, super::name("left"), 0, change));
+    scenario.behaviour.notices_faults = notices;
+    let at = |&(contact, change): &(u64, Change)| Event::at_contact(contact, super::name("left"), 0, change);
+    scenario.robots[0].events.extend(changes.iter().map(at));
     let mut world = World::new(&scenario, Params::nguyen_2021(Formulation::Published));
     world.run_until_s(seconds);
     world
@@ -51,6 +58,51 @@ fn a_shorted_gauge_is_a_gauge_fault() {
 fn a_saturated_gauge_is_a_gauge_fault() {
     let change = Change::GaugeSaturated { limit_strain: 0.01 };
     assert_fault(&world_with(change, 20.0), Fault::Gauge(GaugeState::Saturated));
+}
+
+#[test]
+fn a_gauge_fault_that_only_the_contacts_show_has_its_name_and_ends_with_the_fault() {
+    for (change, expected) in [
+        (Change::GaugeOpen, GaugeState::Open),
+        (Change::GaugeShort, GaugeState::Short),
+        (Change::GaugeSaturated { limit_strain: 0.003 }, GaugeState::Saturated),
+        // Which one contact in twelve reaches.
+        (Change::GaugeSaturated { limit_strain: 0.015 }, GaugeState::Saturated),
+    ] {
+        let world = world_after(&[(AT_CONTACT, change)], 20.0, false);
+        assert_fault(&world, Fault::Gauge(expected));
+        assert_eq!(world.core.whisker(0).unwrap().fault, Some(Fault::Gauge(expected)));
+        let mended = world_after(&[(AT_CONTACT, change), (AT_CONTACT + 300, Change::GaugeOk)], 20.0, false);
+        assert_fault(&mended, Fault::Gauge(expected));
+        assert_eq!(mended.core.whisker(0).unwrap().fault, None, "{change:?} is over");
+    }
+}
+
+#[test]
+fn a_cut_after_a_gauge_was_mended_is_still_a_trim() {
+    let changes = [
+        (AT_CONTACT, Change::GaugeSaturated { limit_strain: 0.005 }),
+        (AT_CONTACT + 200, Change::GaugeOk),
+        (AT_CONTACT + 400, Change::Trim { length_mm: 60.0 }),
+    ];
+    let world = world_after(&changes, 24.0, false);
+    let trims = world.picked(|effect| if let Effect::Trim(trim) = effect { Some(trim.whisker) } else { None });
+    assert_eq!(trims, [0]);
+}
+
+#[test]
+fn a_leak_that_the_robot_does_not_notice_is_a_leak_and_over_when_it_is() {
+    let changes = [
+        (AT_CONTACT, Change::Leak { rate_mpa_per_s: 0.002 }),
+        (AT_CONTACT + 2500, Change::Leak { rate_mpa_per_s: 0.0 }),
+    ];
+    let world = world_after(&changes, 60.0, false);
+    assert_fault(&world, Fault::Leak);
+    assert_eq!(world.core.whisker(0).unwrap().fault, Some(Fault::Leak));
+    let mended = world_after(&changes, 60.0 + 900.0, false);
+    assert_eq!(mended.core.whisker(0).unwrap().fault, None);
+    let rate = mended.core.whisker(0).unwrap().leak_per_s.expect("stated");
+    assert!(rate.low < 1e-4 && rate.mean < 1e-4, "{rate:?}");
 }
 
 #[test]

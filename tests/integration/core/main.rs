@@ -2,11 +2,15 @@
 
 mod assignment;
 mod detection;
+mod erosion;
 mod false_alarms;
 mod faults;
+mod health;
+mod leak;
 mod policy;
 mod purity;
 mod replaced;
+mod trend;
 mod trims;
 mod what_if;
 

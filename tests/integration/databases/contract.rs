@@ -165,6 +165,10 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["contacts"], 2500);
     assert_eq!(lite["between"], 10);
     assert_eq!(lite["whiskers"][1]["fault"], "LEAK");
+    assert_eq!(lite["whiskers"][1]["leak_low_per_s"], 1e-3);
+    assert_eq!(lite["whiskers"][0]["erosion_high_mm_per_contact"], 0.006);
+    assert_eq!(lite["whiskers"][0]["contacts_left"], 1000.0);
+    assert_eq!(lite["whiskers"][0]["contacts_left_high"], Value::Null);
     assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the newest");
     assert_eq!(lite["compensations"][0]["candidates"][1]["refused"], "COSTS_MORE");
     assert_eq!(lite["bins"].as_array().unwrap().len(), 2);

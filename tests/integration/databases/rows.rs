@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use vibrissa::store::batch::{ContactRow, LayoutRow, RobotRow, WhiskerRow};
+use vibrissa::store::batch::{ContactRow, Interval, LayoutRow, RobotRow, WhiskerRow};
 use vibrissa::store::{Batch, Lease, Writer};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
@@ -64,6 +64,9 @@ fn states(numbered: &Numbered) -> Batch {
         setpoint_mpa: 0.1,
         contacts: 7,
         heard_us: (index == 0).then_some(1_795_248_000_123_456),
+        leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
+        erosion_mm_per_contact: (index == 0).then_some(Interval { mean: 0.005, low: 0.004, high: 0.006 }),
+        contacts_left: if index == 0 { [Some(1000.0), Some(800.0), None] } else { [None; 3] },
         state: numbered.robot.whisker_to_bytes(index).unwrap(),
     };
     Batch {

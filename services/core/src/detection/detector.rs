@@ -19,9 +19,10 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::candidate::{Candidate, Fit};
+use super::continuation::Continuation;
 use super::hypothesis::{ALL, COUNT, CUTS, Kind};
 use super::kinds::{Change, Explanation, best};
-use super::trend::Trend;
+
 use crate::estimation::Innovation;
 
 /// Threshold per stated mean number of contacts between false alarms: the statistic passes it by a factor,
@@ -68,7 +69,7 @@ impl Default for DetectionParams {
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Detector {
     candidates: [Candidate; COUNT],
-    trends: [Trend; CUTS],
+    continuations: [Continuation; CUTS],
     suspicion: Option<Suspicion>,
 }
 
@@ -116,8 +117,8 @@ impl Detector {
         let fresh = self.suspicion.map(|suspicion| self.fresh_log_ratio(&suspicion, seen));
         for (index, (candidate, supposed)) in self.candidates.iter_mut().zip(&ALL).enumerate() {
             let felt = candidate.update(supposed, seen);
-            if let Some(trend) = self.trends.get_mut(index) {
-                trend.update(seen, felt);
+            if let Some(continuation) = self.continuations.get_mut(index) {
+                continuation.update(seen, felt);
             }
         }
         match (self.suspicion, fresh) {
@@ -241,7 +242,7 @@ impl Detector {
     /// step the next time.
     fn dismiss(&mut self) {
         self.suspicion = None;
-        self.trends = Default::default();
+        self.continuations = Default::default();
         for (candidate, supposed) in self.candidates.iter_mut().zip(&ALL) {
             if supposed.kind.is_gradual() {
                 candidate.calm();
@@ -300,6 +301,6 @@ impl Detector {
     }
 
     fn gain_of_going_on(&self, index: usize) -> f64 {
-        self.trends.get(index).map_or(0.0, |trend| trend.gain_of_going_on(self.candidates[index].evidence()))
+        self.continuations.get(index).map_or(0.0, |one| one.gain_of_going_on(self.candidates[index].evidence()))
     }
 }

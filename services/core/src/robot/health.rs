@@ -5,6 +5,7 @@ use super::effect::{AlarmKind, Effect, Fault, WhiskerIndex};
 use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
 use super::params::Params;
 use super::whisker::Whisker;
+use crate::estimation::leak::Source;
 use crate::units::Micros;
 
 impl Robot {
@@ -12,6 +13,7 @@ impl Robot {
         &mut self,
         params: &Params,
         now: Micros,
+        robot_time: Micros,
         entry: &WhiskerStatus<'_>,
         effects: &mut Vec<Effect>,
     ) {
@@ -26,6 +28,7 @@ impl Robot {
         if whisker.command.is_none() {
             whisker.pressure_set(entry.setpoint, params);
         }
+        whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
         self.refresh_fault(params, now, index, effects);
     }
@@ -55,6 +58,24 @@ impl Robot {
 }
 
 impl Whisker {
+    /// What a status says of the chamber's tightness.
+    fn watch_leak(&mut self, params: &Params, robot_time: Micros, entry: &WhiskerStatus<'_>) {
+        let leak = &params.health.leak;
+        let off_by_mpa = (entry.pressure.mpa() - self.air.setpoint.mpa()).abs();
+        match entry.regulator {
+            RegulatorState::Ok if self.command.is_none() && off_by_mpa <= params.health.settled_within_mpa => {
+                self.leak.read(leak, Source::Status, robot_time, entry.pressure);
+            }
+            // A robot that says LEAK needs no proof, and one that is out of order gives none.
+            RegulatorState::Ok
+            | RegulatorState::Filling
+            | RegulatorState::Venting
+            | RegulatorState::SupplyLow
+            | RegulatorState::Leak
+            | RegulatorState::Fault => self.leak.disturbed(leak, robot_time),
+        }
+    }
+
     /// A pressure that stays away from its setpoint with nothing under way is not held.
     fn watch_pressure(&mut self, params: &Params, now: Micros) {
         let Some(measured) = self.air.measured else { return };
@@ -80,7 +101,11 @@ impl Whisker {
             RegulatorState::Leak => Some(Fault::Leak),
             RegulatorState::Fault => Some(Fault::Regulator),
             RegulatorState::SupplyLow => Some(Fault::SupplyLow),
-            RegulatorState::Ok | RegulatorState::Filling | RegulatorState::Venting if unheld => Some(Fault::Leak),
+            RegulatorState::Ok | RegulatorState::Filling | RegulatorState::Venting
+                if unheld || self.leak.is_leaking() =>
+            {
+                Some(Fault::Leak)
+            }
             RegulatorState::Ok | RegulatorState::Filling | RegulatorState::Venting => None,
         }
     }

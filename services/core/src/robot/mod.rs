@@ -14,6 +14,7 @@ mod compensation;
 mod contact;
 pub mod effect;
 pub mod event;
+mod gauge;
 mod health;
 mod layout;
 mod measure;
@@ -142,7 +143,7 @@ impl Robot {
                 }
                 self.heard_time(robot_time);
                 for entry in whiskers {
-                    self.status(params, now, entry, effects);
+                    self.status(params, now, robot_time, entry, effects);
                 }
                 Outcome::Taken
             }

@@ -1,8 +1,8 @@
 //! Everything that the core is told once: models, noise, limits.
 
 use crate::detection::DetectionParams;
-use crate::estimation::SensorNoise;
 use crate::estimation::filter::FilterParams;
+use crate::estimation::{LeakParams, SensorNoise};
 use crate::mechanics::{Formulation, Model};
 use crate::policy::PolicyParams;
 use crate::units::Micros;
@@ -50,6 +50,8 @@ pub struct HealthParams {
     pub settled_within_mpa: f64,
     /// A pressure that is not held for this long, with nothing under way, is a leak.
     pub unheld_after: Micros,
+    /// How leaks are found while pressures are held.
+    pub leak: LeakParams,
     /// Contacts in a row that make a gauge fault, and twice as many good ones end it.
     pub gauge_contacts: u8,
     /// A gauge's baseline further off than this is told of, m/m: twenty times the noise floor.
@@ -109,6 +111,7 @@ impl Default for HealthParams {
             stale_after: Micros::from_s(15.0),
             settled_within_mpa: 0.004,
             unheld_after: Micros::from_s(4.0),
+            leak: LeakParams::default(),
             gauge_contacts: 5,
             baseline_strain_max: 1e-4,
             length_sd_max_mm: 0.3,

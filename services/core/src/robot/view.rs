@@ -3,7 +3,7 @@
 use super::effect::{Command, Condition, Fault, WhiskerIndex};
 use super::event::{ArrayKind, Link, WhiskerSheet};
 use super::{Compensation, Robot, Sequence};
-use crate::estimation::LengthEstimate;
+use crate::estimation::{Erosion, Interval, LengthEstimate};
 use crate::mechanics::Offset;
 use crate::units::{Megapascal, Micros};
 
@@ -30,6 +30,8 @@ impl Robot {
             contacts: whisker.contacts,
             condition: whisker.condition,
             fault: whisker.fault,
+            leak_per_s: whisker.leak.rate_per_s(),
+            erosion: whisker.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.filter.length())),
             pressure: whisker.air.measured,
             setpoint: whisker.air.setpoint,
             heard: whisker.heard,
@@ -87,6 +89,10 @@ pub struct WhiskerView<'a> {
     pub condition: Condition,
     /// Fault, if any.
     pub fault: Option<Fault>,
+    /// Loss of gauge pressure while it is held, per second of itself, once it can be told.
+    pub leak_per_s: Option<Interval>,
+    /// How fast it erodes and when it leaves the compensable range, if it erodes.
+    pub erosion: Option<Erosion>,
     /// Pressure as last measured.
     pub pressure: Option<Megapascal>,
     /// Pressure that the robot holds or moves to.

@@ -3,12 +3,14 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
-use super::event::{Contact, GaugeState, RegulatorState, WhiskerSheet};
+use super::event::{Contact, RegulatorState, WhiskerSheet};
+use super::gauge::GaugeWatch;
 use super::params::Params;
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
-use crate::estimation::{Innovation, LengthFilter, NoiseScale, ResponseBins};
-use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
+use crate::estimation::leak::Source;
+use crate::estimation::{ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins};
+use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::units::{Megapascal, Micros};
 
 /// The state of one whisker.
@@ -31,7 +33,10 @@ pub struct Whisker {
     /// Its offset while whole at nominal pressure, once it is not any more.
     pub(super) whole_offset: Option<Offset>,
     pub(super) air: Air,
+    pub(super) leak: LeakWatch,
     pub(super) gauge: GaugeWatch,
+    /// From the verdict that it erodes on.
+    pub(super) erosion: Option<ErosionWatch>,
     pub(super) fault: Option<Fault>,
     /// By the supervisor's clock.
     pub(super) heard: Option<Micros>,
@@ -73,18 +78,6 @@ pub(super) struct Air {
     pub learned_at: Megapascal,
     pub regulator: RegulatorState,
     pub unheld_since: Option<Micros>,
-}
-
-/// What contacts and status say of the gauge.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-pub(super) struct GaugeWatch {
-    pub reported: GaugeState,
-    pub observed: GaugeState,
-    dead: u8,
-    constant: u8,
-    plausible: u8,
-    last_strain: f64,
-    last_deflection_mm: f64,
 }
 
 /// A pressure that the whisker shall have.
@@ -131,7 +124,9 @@ impl Whisker {
                 regulator: RegulatorState::Ok,
                 unheld_since: None,
             },
+            leak: LeakWatch::default(),
             gauge: GaugeWatch::default(),
+            erosion: None,
             fault: None,
             heard: None,
             desired: None,
@@ -165,6 +160,9 @@ impl Whisker {
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
             return Felt::unused(ContactUse::Unsettled);
+        }
+        if self.command.is_none() {
+            self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
         }
         let morphology = model.morphology(contact.pressure);
         let observation = Observation {
@@ -203,6 +201,7 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         self.filter.learn(seen, self.wander(params));
+        self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         Felt { used, innovation: Some(*seen), verdict }
     }
@@ -225,6 +224,21 @@ impl Whisker {
                 filter.baseline_wander_strain
             },
         }
+    }
+
+    /// While it erodes: how fast, and how long it will still do.
+    fn follow_erosion(&mut self, params: &Params) {
+        if self.condition != Condition::Eroding {
+            self.erosion = None;
+            return;
+        }
+        let Some(model) = params.model(&self.sheet.model) else { return };
+        let (target, max) = (self.target(), self.sheet.pressure_max);
+        let watch = self.erosion.get_or_insert_with(|| {
+            let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
+            ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm)
+        });
+        watch.follow(&self.filter.length());
     }
 
     /// Moves the estimate by a confirmed change.
@@ -264,37 +278,5 @@ impl Whisker {
 impl Felt {
     fn unused(used: ContactUse) -> Self {
         Self { used, innovation: None, verdict: Verdict::Quiet }
-    }
-}
-
-impl GaugeWatch {
-    /// Takes one contact in; true if its strain is not to be used.
-    ///
-    /// A gauge that is open or shorted shows next to no strain, a saturated one the same strain whatever
-    /// the deflection. Neither can come from a cut, which raises the sensitivity.
-    fn watch(&mut self, contact: &Observation, seen: Option<&Innovation>, contacts: u8) -> bool {
-        let strain = contact.strain;
-        let same_strain = (strain - self.last_strain).abs() <= 1e-6 * strain.abs();
-        let other_deflection = (contact.deflection_mm / self.last_deflection_mm - 1.0).abs() > 0.1;
-        (self.last_strain, self.last_deflection_mm) = (strain, contact.deflection_mm);
-        let expected = seen.map(|seen| seen.predicted_sensitivity_per_mm * contact.deflection_mm);
-        let dead = strain <= 0.0 || expected.is_some_and(|expected| strain < 0.1 * expected);
-        let constant = same_strain && other_deflection;
-        self.dead = if dead { self.dead.saturating_add(1) } else { 0 };
-        self.constant = if constant { self.constant.saturating_add(1) } else { 0 };
-        self.plausible = if dead || constant { 0 } else { self.plausible.saturating_add(1) };
-        if self.dead >= contacts {
-            self.observed = GaugeState::Open;
-        } else if self.constant >= contacts {
-            self.observed = GaugeState::Saturated;
-        } else if self.plausible >= contacts.saturating_mul(2) {
-            self.observed = GaugeState::Ok;
-        }
-        dead || constant || self.state() != GaugeState::Ok
-    }
-
-    /// As the robot says, or else as the contacts show.
-    pub(super) fn state(&self) -> GaugeState {
-        if self.reported == GaugeState::Ok { self.observed } else { self.reported }
     }
 }

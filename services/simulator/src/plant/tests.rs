@@ -104,3 +104,34 @@ fn each_whisker_is_off_its_calibration_within_the_stated_error() {
         assert!(factors.windows(2).all(|pair| pair[0] != pair[1]), "each has its own");
     }
 }
+
+#[test]
+fn a_baseline_wanders_with_each_contact_to_its_end_and_back() {
+    let mut plant = plant(1, 0.0, SILENT);
+    let off = |plant: &mut Plant| {
+        let true_strain_of = |reading: &Reading| reading.deflection_mm * plant_sensitivity(reading.ratio);
+        let reading = plant.touch(0.1).unwrap();
+        reading.strain - true_strain_of(&reading)
+    };
+    assert!(off(&mut plant).abs() < 1e-5);
+    plant.drift(-1e-4, -4e-4);
+    let offs: Vec<f64> = (0..8).map(|_| off(&mut plant)).collect();
+    assert!((offs[2] + 2e-4).abs() < 1e-5 && (offs[7] + 4e-4).abs() < 1e-5, "{offs:?}");
+    assert_eq!(plant.baseline_strain(), -4e-4);
+    plant.drift(3e-4, 0.0);
+    assert!((0..4).map(|_| off(&mut plant)).all(|off| off < 1e-5), "back from below");
+    assert_eq!(plant.baseline_strain(), 0.0);
+}
+
+fn plant_sensitivity(ratio: f64) -> f64 {
+    plant(1, 0.0, SILENT).sensitivity_per_mm(ratio, 0.1).unwrap()
+}
+
+#[test]
+fn deflections_told_wrongly_leave_the_strain_alone() {
+    let (mut wrong, mut right) = (plant(1, 0.0, SILENT), plant(1, 0.0, SILENT));
+    wrong.set_deflection_factor(1.1);
+    let (wrong, right) = (wrong.touch(0.1).unwrap(), right.touch(0.1).unwrap());
+    assert!((wrong.deflection_mm / right.deflection_mm - 1.1).abs() < 1e-3);
+    assert_eq!((wrong.strain, wrong.ratio), (right.strain, right.ratio));
+}

@@ -54,7 +54,7 @@ impl Robot {
             Change::Reorder { fraction, for_s } => self.link.set(FaultKind::Reorder, fraction, until_us(for_s)),
             Change::SupplyLow { supply_mpa } => self.supply_mpa = supply_mpa,
             Change::Restart => self.restart(out),
-            Change::Temperature { .. } => {
+            Change::Temperature { .. } | Change::DeflectionScale { .. } => {
                 for at in 0..self.whiskers.len() {
                     if event.array.as_ref().is_none_or(|array| array == self.whiskers[at].array()) {
                         self.happen_to_whisker(at, event.change, at_us);
@@ -66,7 +66,10 @@ impl Robot {
             | Change::Leak { .. }
             | Change::GaugeOpen
             | Change::GaugeShort
-            | Change::GaugeSaturated { .. } => {
+            | Change::GaugeSaturated { .. }
+            | Change::GaugeOk
+            | Change::BaselineDrift { .. }
+            | Change::Silent { .. } => {
                 if let Some(at) = self.place(event) {
                     self.happen_to_whisker(at, event.change, at_us);
                 }
@@ -89,6 +92,12 @@ impl Robot {
             Change::GaugeSaturated { limit_strain } => {
                 whisker.plant.set_gauge(GaugeCondition::Saturated { limit_strain });
             }
+            Change::GaugeOk => whisker.plant.set_gauge(GaugeCondition::Ok),
+            Change::BaselineDrift { strain_per_contact, until_strain } => {
+                whisker.plant.drift(strain_per_contact, until_strain);
+            }
+            Change::Silent { for_s } => whisker.silent_until_us = at_us.saturating_add((for_s * 1e6) as u64),
+            Change::DeflectionScale { factor } => whisker.plant.set_deflection_factor(factor),
             Change::Temperature { sensitivity_factor, temperature_c } => {
                 whisker.plant.set_temperature(sensitivity_factor, temperature_c);
             }

@@ -102,7 +102,7 @@ impl Robot {
             boot_id: self.boot_id.clone(),
             seq: Sequences::take(&mut self.sequences.status),
             t_us: now_us,
-            whiskers: self.whiskers.iter().map(super::Whisker::status).collect(),
+            whiskers: self.whiskers.iter().filter(|one| !one.is_silent(now_us)).map(super::Whisker::status).collect(),
             contacts_dropped: (dropped > 0).then_some(dropped),
         };
         self.status_sent_us = now_us;

@@ -138,6 +138,9 @@ impl Robot {
         let Ok(reading) = whisker.plant.touch(whisker.regulator.pressure_mpa()) else {
             return;
         };
+        if whisker.is_silent(at_us) {
+            return;
+        }
         self.batch.push(Contact {
             array: whisker.array().clone(),
             whisker: whisker.number(),

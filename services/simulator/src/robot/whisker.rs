@@ -19,6 +19,10 @@ pub struct Whisker {
     pub(super) plant: Plant,
     pub(super) regulator: Regulator,
     pub(super) leak_mpa_per_s: f64,
+    /// Until then nothing is told of it, by the robot's clock.
+    pub(super) silent_until_us: u64,
+    /// Whether the robot notices a leak or a broken gauge.
+    notices_faults: bool,
     /// The highest (epoch, version) seen for it in this boot.
     pub(super) seen: Option<(u64, u64)>,
     /// The setpoint that is being applied.
@@ -61,6 +65,8 @@ impl Whisker {
             regulator: Regulator::new(facts.pressure_mpa, stream(Purpose::Regulator)),
             facts: facts.clone(),
             leak_mpa_per_s: 0.0,
+            silent_until_us: 0,
+            notices_faults: config.behaviour.notices_faults,
             seen: None,
             applying: None,
             events: VecDeque::new(),
@@ -77,17 +83,26 @@ impl Whisker {
 
     /// The condition of its regulator and gauge as its robot sees it.
     pub(super) fn condition(&self) -> (Condition, Gauge) {
-        (self.regulator.condition(), self.plant.gauge())
+        match (self.notices_faults, self.regulator.condition()) {
+            (true, regulator) => (regulator, self.plant.gauge()),
+            (false, Condition::Leak) => (Condition::Ok, Gauge::Ok),
+            (false, regulator) => (regulator, Gauge::Ok),
+        }
+    }
+
+    pub(super) fn is_silent(&self, at_us: u64) -> bool {
+        at_us < self.silent_until_us
     }
 
     pub(super) fn status(&self) -> WhiskerStatus {
+        let (regulator, gauge) = self.condition();
         WhiskerStatus {
             array: self.array.clone(),
             whisker: self.facts.whisker,
             pressure_mpa: self.regulator.reading_mpa(),
             setpoint_mpa: self.regulator.target_mpa(),
-            regulator: self.regulator.condition(),
-            gauge: self.plant.gauge(),
+            regulator,
+            gauge,
         }
     }
 

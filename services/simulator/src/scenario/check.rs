@@ -200,7 +200,17 @@ impl Change {
                 length(field("until_length_mm"), until_length_mm)
             }
             Self::Leak { rate_mpa_per_s } => within(field("rate_mpa_per_s"), rate_mpa_per_s, 0.0..=10.0),
-            Self::GaugeOpen | Self::GaugeShort | Self::Restart => Ok(()),
+            Self::GaugeOpen | Self::GaugeShort | Self::GaugeOk | Self::Restart => Ok(()),
+            Self::BaselineDrift { strain_per_contact, until_strain } => {
+                within(field("strain_per_contact"), strain_per_contact, -0.01..=0.01)?;
+                within(field("until_strain"), until_strain, -0.5..=0.5)?;
+                if strain_per_contact * until_strain < 0.0 {
+                    return Err(unfitting(place, "strain_per_contact leads away from until_strain"));
+                }
+                Ok(())
+            }
+            Self::Silent { for_s } => within(field("for_s"), for_s, 0.0..=1e9),
+            Self::DeflectionScale { factor } => within(field("factor"), factor, 0.1..=10.0),
             Self::GaugeSaturated { limit_strain } => within(field("limit_strain"), limit_strain, 0.0..=1.0),
             Self::Temperature { sensitivity_factor, temperature_c } => {
                 within(field("sensitivity_factor"), sensitivity_factor, 0.1..=10.0)?;

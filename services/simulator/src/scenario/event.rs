@@ -61,6 +61,30 @@ pub enum Change {
         #[serde(default = "default_limit_strain")]
         limit_strain: f64,
     },
+    /// To a whisker: its gauge is in order again.
+    #[serde(rename = "GAUGE_OK")]
+    GaugeOk,
+    /// To a whisker: its gauge's zero wanders with every contact, as it does under cyclic load.
+    #[serde(rename = "BASELINE_DRIFT")]
+    BaselineDrift {
+        /// How much each contact adds to the zero, in m/m; either sign.
+        strain_per_contact: f64,
+        /// Where it ends, in m/m, with the same sign.
+        until_strain: f64,
+    },
+    /// To a whisker: nothing is told of it any more, neither contacts nor condition.
+    #[serde(rename = "SILENT")]
+    Silent {
+        /// For how long.
+        #[serde(default = "default_silent_s")]
+        for_s: f64,
+    },
+    /// To a robot, or to one array: the deflections that it tells are the true ones times a factor.
+    #[serde(rename = "DEFLECTION_SCALE")]
+    DeflectionScale {
+        /// The factor, against the truth.
+        factor: f64,
+    },
     /// To a robot, or to one array: the temperature changes, and with it every sensitivity alike.
     #[serde(rename = "TEMPERATURE")]
     Temperature {
@@ -108,6 +132,11 @@ pub enum Change {
 
 fn default_limit_strain() -> f64 {
     0.01
+}
+
+/// For good.
+fn default_silent_s() -> f64 {
+    1e9
 }
 
 fn default_temperature_c() -> f64 {
@@ -158,8 +187,11 @@ impl Change {
             | Self::Leak { .. }
             | Self::GaugeOpen
             | Self::GaugeShort
-            | Self::GaugeSaturated { .. } => Target::Whisker,
-            Self::Temperature { .. } => Target::RobotOrArray,
+            | Self::GaugeSaturated { .. }
+            | Self::GaugeOk
+            | Self::BaselineDrift { .. }
+            | Self::Silent { .. } => Target::Whisker,
+            Self::Temperature { .. } | Self::DeflectionScale { .. } => Target::RobotOrArray,
             Self::Lose { .. } | Self::Repeat { .. } | Self::Reorder { .. } | Self::Restart | Self::SupplyLow { .. } => {
                 Target::Robot
             }

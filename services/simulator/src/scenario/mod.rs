@@ -49,6 +49,8 @@ pub struct Behaviour {
     /// A robot that has heard nothing from the supervisor for this many seconds does what its
     /// `on_supervisor_loss` says.
     pub supervisor_lost_after_s: f64,
+    /// Whether robots notice leaks and gauges that are out of order; one that does not says OK of both.
+    pub notices_faults: bool,
     /// Whether robots keep a journal; whoever lets them takes it now and then with [`crate::Robot::take_journal`].
     #[serde(skip)]
     pub journal: bool,
@@ -75,6 +77,7 @@ impl Default for Behaviour {
             status_every_s: 1.0,
             kept_messages: 2000,
             supervisor_lost_after_s: 60.0,
+            notices_faults: true,
             journal: false,
             breach: None,
         }

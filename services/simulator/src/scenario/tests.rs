@@ -71,6 +71,14 @@ fn an_event_needs_one_time_and_whom_it_happens_to() {
         ("at_contact = 1\nchange = { kind = \"RESTART\" }".into(), "needs at_s"),
         ("at_s = 1\narray = \"left\"\nchange = { kind = \"RESTART\" }".into(), "happens to the robot"),
         ("at_s = 1\nchange = { kind = \"LOSE\", fraction = 2, for_s = 1 }".into(), "fraction is 2"),
+        (
+            "at_s = 1\narray = \"left\"\nwhisker = 0\n\
+             change = { kind = \"BASELINE_DRIFT\", strain_per_contact = 1e-6, until_strain = -1e-4 }"
+                .into(),
+            "leads away from until_strain",
+        ),
+        ("at_s = 1\nchange = { kind = \"SILENT\" }".into(), "needs array and whisker"),
+        ("at_s = 1\nchange = { kind = \"DEFLECTION_SCALE\", factor = 0 }".into(), "factor is 0"),
     ] {
         let error = refused(&format!("[[robots.events]]\n{event}"));
         assert!(error.contains(expected), "{error}");

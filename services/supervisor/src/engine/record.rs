@@ -186,11 +186,21 @@ impl Engine {
                     setpoint_mpa: view.setpoint.mpa(),
                     contacts: view.contacts as i64,
                     heard_us: view.heard.map(|heard| heard.0 as i64),
+                    leak_per_s: view.leak_per_s.map(known_interval),
+                    erosion_mm_per_contact: view.erosion.map(|erosion| known_interval(erosion.mm_per_contact)),
+                    contacts_left: view.erosion.map_or([None; 3], |erosion| {
+                        let left = erosion.contacts_left;
+                        [left.mean, left.low, left.high]
+                    }),
                     state,
                 });
             }
         }
     }
+}
+
+fn known_interval(known: vibrissa_core::estimation::Interval) -> Interval {
+    Interval { mean: known.mean, low: known.low, high: known.high }
 }
 
 fn decision_row(robot_id: i64, decided_us: i64, decision: &Decision, whisker_id: impl Fn(usize) -> i64) -> DecisionRow {

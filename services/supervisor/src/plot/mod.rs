@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod detection;
+pub mod health;
 pub mod paper;
 
 use anyhow::{Result, anyhow};

@@ -74,6 +74,12 @@ pub struct WhiskerRow {
     pub contacts: i64,
     /// When it was last heard of.
     pub heard_us: Option<i64>,
+    /// Loss of its pressure, per second of itself.
+    pub leak_per_s: Option<Interval>,
+    /// Loss of its length, if it erodes.
+    pub erosion_mm_per_contact: Option<Interval>,
+    /// Contacts until it leaves the compensable range: estimate, lower and upper bound.
+    pub contacts_left: [Option<f64>; 3],
     /// The core's bytes.
     pub state: Vec<u8>,
 }

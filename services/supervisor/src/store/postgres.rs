@@ -75,11 +75,19 @@ pub(super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[WhiskerRow
     sqlx::query(
         "UPDATE whiskers w SET position = n.position, length_mm = n.length_mm, length_sd_mm = n.length_sd_mm, \
          condition = n.condition, fault = n.fault, pressure_mpa = n.pressure_mpa, setpoint_mpa = n.setpoint_mpa, \
-         contacts = n.contacts, heard_us = n.heard_us, state = n.state \
+         contacts = n.contacts, heard_us = n.heard_us, leak_per_s = n.leak_per_s, \
+         leak_low_per_s = n.leak_low_per_s, leak_high_per_s = n.leak_high_per_s, \
+         erosion_mm_per_contact = n.erosion_mm_per_contact, \
+         erosion_low_mm_per_contact = n.erosion_low_mm_per_contact, \
+         erosion_high_mm_per_contact = n.erosion_high_mm_per_contact, contacts_left = n.contacts_left, \
+         contacts_left_low = n.contacts_left_low, contacts_left_high = n.contacts_left_high, state = n.state \
          FROM unnest($1::bigint[], $2::bigint[], $3::float8[], $4::float8[], $5::text[], $6::text[], $7::float8[], \
-         $8::float8[], $9::bigint[], $10::bigint[], $11::bytea[]) \
+         $8::float8[], $9::bigint[], $10::bigint[], $11::float8[], $12::float8[], $13::float8[], $14::float8[], \
+         $15::float8[], $16::float8[], $17::float8[], $18::float8[], $19::float8[], $20::bytea[]) \
          AS n (whisker_id, position, length_mm, length_sd_mm, condition, fault, pressure_mpa, setpoint_mpa, contacts, \
-         heard_us, state) WHERE w.whisker_id = n.whisker_id",
+         heard_us, leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
+         erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high, state) \
+         WHERE w.whisker_id = n.whisker_id",
     )
     .bind(column(whiskers, |row| row.whisker_id))
     .bind(column(whiskers, |row| row.position))
@@ -91,6 +99,15 @@ pub(super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[WhiskerRow
     .bind(column(whiskers, |row| row.setpoint_mpa))
     .bind(column(whiskers, |row| row.contacts))
     .bind(column(whiskers, |row| row.heard_us))
+    .bind(column(whiskers, |row| row.leak_per_s.map(|one| one.mean)))
+    .bind(column(whiskers, |row| row.leak_per_s.map(|one| one.low)))
+    .bind(column(whiskers, |row| row.leak_per_s.map(|one| one.high)))
+    .bind(column(whiskers, |row| row.erosion_mm_per_contact.map(|one| one.mean)))
+    .bind(column(whiskers, |row| row.erosion_mm_per_contact.map(|one| one.low)))
+    .bind(column(whiskers, |row| row.erosion_mm_per_contact.map(|one| one.high)))
+    .bind(column(whiskers, |row| row.contacts_left[0]))
+    .bind(column(whiskers, |row| row.contacts_left[1]))
+    .bind(column(whiskers, |row| row.contacts_left[2]))
     .bind(column(whiskers, |row| row.state.as_slice()))
     .execute(tx)
     .await

@@ -18,7 +18,9 @@ impl Store {
     pub async fn whiskers(&self) -> Result<Vec<WhiskerReading>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_as(
             "SELECT fleet, robot, \"array\", array_type, w.whisker, whole_length_mm, length_mm, length_sd_mm, condition, \
-             fault, pressure_mpa, setpoint_mpa, nominal_pressure_mpa, contacts, heard_us, \
+             fault, pressure_mpa, setpoint_mpa, nominal_pressure_mpa, contacts, heard_us, leak_per_s, leak_low_per_s, \
+             leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, erosion_high_mm_per_contact, \
+             contacts_left, contacts_left_low, contacts_left_high, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = w.whisker_id \
               AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL) AS compensated_by, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = w.whisker_id \

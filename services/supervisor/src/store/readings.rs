@@ -58,6 +58,24 @@ readings! {
         pub contacts: i64,
         /// When it was last heard of, by the supervisor's clock.
         pub heard_us: Option<i64>,
+        /// Loss of gauge pressure while it is held, per second of itself; null until it can be told.
+        pub leak_per_s: Option<f64>,
+        /// Lower bound of the 95 % interval.
+        pub leak_low_per_s: Option<f64>,
+        /// Upper bound.
+        pub leak_high_per_s: Option<f64>,
+        /// Loss of length with each contact; null unless it erodes.
+        pub erosion_mm_per_contact: Option<f64>,
+        /// Lower bound of the 95 % interval.
+        pub erosion_low_mm_per_contact: Option<f64>,
+        /// Upper bound.
+        pub erosion_high_mm_per_contact: Option<f64>,
+        /// Contacts until it is too short to compensate for itself; null unless it erodes.
+        pub contacts_left: Option<f64>,
+        /// Lower bound of the 95 % interval.
+        pub contacts_left_low: Option<f64>,
+        /// Upper bound; null if it may not erode at all.
+        pub contacts_left_high: Option<f64>,
         /// The compensation in force for it, if any.
         pub compensated_by: Option<i64>,
         /// The compensation in force that it serves in, if any.

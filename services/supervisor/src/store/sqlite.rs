@@ -57,7 +57,10 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
     for whisker in whiskers {
         sqlx::query(
             "UPDATE whiskers SET position = ?, length_mm = ?, length_sd_mm = ?, condition = ?, fault = ?, \
-             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, state = ? WHERE whisker_id = ?",
+             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, leak_per_s = ?, leak_low_per_s = ?, \
+             leak_high_per_s = ?, erosion_mm_per_contact = ?, erosion_low_mm_per_contact = ?, \
+             erosion_high_mm_per_contact = ?, contacts_left = ?, contacts_left_low = ?, contacts_left_high = ?, \
+             state = ? WHERE whisker_id = ?",
         )
         .bind(whisker.position)
         .bind(whisker.length_mm)
@@ -68,6 +71,15 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
         .bind(whisker.setpoint_mpa)
         .bind(whisker.contacts)
         .bind(whisker.heard_us)
+        .bind(whisker.leak_per_s.map(|one| one.mean))
+        .bind(whisker.leak_per_s.map(|one| one.low))
+        .bind(whisker.leak_per_s.map(|one| one.high))
+        .bind(whisker.erosion_mm_per_contact.map(|one| one.mean))
+        .bind(whisker.erosion_mm_per_contact.map(|one| one.low))
+        .bind(whisker.erosion_mm_per_contact.map(|one| one.high))
+        .bind(whisker.contacts_left[0])
+        .bind(whisker.contacts_left[1])
+        .bind(whisker.contacts_left[2])
         .bind(&whisker.state)
         .bind(whisker.whisker_id)
         .execute(&mut *tx)

@@ -57,3 +57,72 @@ fn a_restart_has_a_new_boot_id_counts_from_zero_and_loses_what_was_kept() {
     bench.setpoint(1, 0.06);
     assert_eq!(bench.outcomes().len(), 2, "the order of the old boot is forgotten");
 }
+
+#[test]
+fn a_robot_that_notices_nothing_says_ok_of_a_leak_and_of_a_broken_gauge() {
+    let broken = [
+        Event::whisker_at_s(1.0, left(), 0, Change::Leak { rate_mpa_per_s: 0.005 }),
+        Event::whisker_at_s(1.0, left(), 1, Change::GaugeOpen),
+    ];
+    let conditions = |notices_faults| {
+        let mut bench = Bench::connected(|scenario| {
+            scenario.behaviour.notices_faults = notices_faults;
+            scenario.robots[0].events.extend(broken.clone());
+        });
+        bench.run(60.0);
+        let statuses = bench.statuses();
+        let of =
+            |at: usize| statuses.iter().map(move |status| (status.whiskers[at].regulator, status.whiskers[at].gauge));
+        (of(0).any(|(regulator, _)| regulator == Regulator::Leak), of(1).any(|(_, gauge)| gauge != Gauge::Ok))
+    };
+    assert_eq!(conditions(true), (true, true));
+    assert_eq!(conditions(false), (false, false));
+}
+
+#[test]
+fn of_a_silent_whisker_nothing_is_told_until_its_silence_is_over() {
+    let mut bench = Bench::with_events([Event::whisker_at_s(10.0, left(), 0, Change::Silent { for_s: 10.0 })]);
+    bench.run(30.0);
+    let (mut contacts, mut entries) = (Vec::new(), Vec::new());
+    for message in bench.sent() {
+        if let Message::Contacts(told) = message {
+            contacts.extend(told.contacts.into_iter().map(|one| (one.whisker, one.t_us)));
+        } else if let Message::Status(told) = message {
+            entries.extend(told.whiskers.iter().map(|one| (one.whisker, told.t_us)));
+        }
+    }
+    for told in [contacts, entries] {
+        let count = |whisker, from_s: u64| {
+            let within = START + from_s * S + 1..START + (from_s + 10) * S;
+            told.iter().filter(|(of, t_us)| *of == whisker && within.contains(t_us)).count()
+        };
+        assert!(count(0, 0) > 5 && count(0, 10) == 0 && count(0, 20) > 5, "{:?}", [0, 10, 20].map(|at| count(0, at)));
+        assert!(count(1, 10) > 5, "the other one goes on");
+    }
+}
+
+#[test]
+fn a_gauge_can_be_repaired() {
+    let mut bench = Bench::with_events([
+        Event::whisker_at_s(5.0, left(), 0, Change::GaugeShort),
+        Event::whisker_at_s(10.0, left(), 0, Change::GaugeOk),
+    ]);
+    bench.run(9.0);
+    assert_eq!(bench.first().plant().gauge(), Gauge::Short);
+    bench.run(2.0);
+    assert_eq!(bench.first().plant().gauge(), Gauge::Ok);
+}
+
+#[test]
+fn a_deflection_scale_is_of_an_array() {
+    let scale = Change::DeflectionScale { factor: 1.2 };
+    let scale = Event { array: Some(left()), ..Event::robot_at_s(0.0, scale) };
+    let deflections = |events: Vec<Event>| {
+        let mut bench = Bench::with_events(events);
+        bench.run(20.0);
+        bench.contacts().into_iter().flat_map(|told| told.contacts).map(|one| one.deflection_mm).collect::<Vec<_>>()
+    };
+    let (scaled, plain) = (deflections(vec![scale]), deflections(Vec::new()));
+    assert_eq!(scaled.len(), plain.len());
+    assert!(scaled.iter().zip(&plain).all(|(one, other)| (one / other - 1.2).abs() < 2e-3));
+}

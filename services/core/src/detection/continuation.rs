@@ -13,14 +13,14 @@ use crate::estimation::filter::{LENGTH, STATES};
 /// The sums for a slope: with g the signature of the step, r that of the slope and w the standardised innovation,
 /// of r^2, r w and g r.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-pub struct Trend {
+pub struct Continuation {
     lacking: [f64; STATES],
     rr: f64,
     rw: f64,
     gr: f64,
 }
 
-impl Trend {
+impl Continuation {
     /// Takes a contact in that the step's candidate has felt; none if that has given up its start.
     pub fn update(&mut self, seen: &Innovation, felt: Option<Felt>) {
         let Some(felt) = felt else {

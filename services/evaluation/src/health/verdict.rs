@@ -1,0 +1,100 @@
+//! What the core says of a case.
+
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::{AlarmKind, Effect};
+use vibrissa_edge::words::Word;
+
+use super::Class;
+use super::cases::{CONTACTS_PER_SECOND, Case};
+use crate::world::{START_US, World};
+
+/// What something was called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Called {
+    /// By the name of a class.
+    Class(Class),
+    /// By a name that none of the classes has.
+    Other(&'static str),
+}
+
+impl Called {
+    /// Its word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Class(class) => class.word(),
+            Self::Other(word) => word,
+        }
+    }
+}
+
+/// What came of one case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// What it is.
+    pub truth: Class,
+    /// What it was called first.
+    pub called: Called,
+    /// What another whisker was called, which has nothing.
+    pub bystander: Option<Called>,
+    /// Trims that were called and are none.
+    pub wrong_trims: u32,
+    /// Contacts of one whisker from the onset to that call.
+    pub delay_contacts: Option<f64>,
+}
+
+impl Outcome {
+    /// Called by its name, and nobody else called anything.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.called == Called::Class(self.truth) && self.bystander.is_none()
+    }
+}
+
+/// Runs a case to its end.
+pub(super) fn judge(case: &Case) -> Outcome {
+    let mut world = World::new(&case.scenario, Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(case.end_s);
+    let (mut called, mut bystander, mut delay_contacts, mut wrong_trims) = (None, None, None, 0);
+    for (at, effect) in &world.effects {
+        let Some((whisker, statement)) = statement(effect) else { continue };
+        let is_own = case.whisker == Some(whisker);
+        let is_trim = statement == Called::Class(Class::Trim);
+        wrong_trims += u32::from(is_trim && !(is_own && case.class == Class::Trim));
+        // What is true of the array may be said of any of its whiskers, and nobody in particular is healthy.
+        let of_all = case.whisker.is_none();
+        if is_own || of_all {
+            if called.is_none() {
+                called = Some(statement);
+                let since_s = (at.0 - START_US) as f64 / 1e6 - case.onset_s;
+                delay_contacts = Some(since_s * CONTACTS_PER_SECOND);
+            } else if of_all && called != Some(statement) {
+                bystander.get_or_insert(statement);
+            }
+        } else {
+            bystander.get_or_insert(statement);
+        }
+    }
+    let called = called.unwrap_or(Called::Class(Class::Healthy));
+    Outcome { truth: case.class, called, bystander, wrong_trims, delay_contacts }
+}
+
+/// A definite statement about a whisker. A suspicion is none, and neither is what follows from a statement: that
+/// nobody can compensate, or that a leaking chamber does not reach its setpoint.
+fn statement(effect: &Effect) -> Option<(usize, Called)> {
+    match effect {
+        Effect::Trim(trim) => Some((trim.whisker, Called::Class(Class::Trim))),
+        Effect::Alarm { kind: AlarmKind::Uncompensated | AlarmKind::SetpointFailed, .. } => None,
+        Effect::Alarm { whisker, kind } => Some((*whisker, called(kind.word()))),
+        _ => None,
+    }
+}
+
+fn called(word: &'static str) -> Called {
+    match word {
+        "ERODING" => Called::Class(Class::Erosion),
+        "STALE" => Called::Class(Class::Silent),
+        _ => Class::ALL.into_iter().find(|class| class.word() == word).map_or(Called::Other(word), Called::Class),
+    }
+}

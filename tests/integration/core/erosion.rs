@@ -1,0 +1,82 @@
+//! How fast a whisker erodes, and when it leaves the compensable range.
+
+use vibrissa_core::estimation::Erosion;
+use vibrissa_core::mechanics::{Formulation, Model, Target, compensable_range};
+use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::Condition;
+use vibrissa_core::units::{Megapascal, Millimetre};
+use vibrissa_evaluation::World;
+use vibrissa_protocol::ArrayType;
+use vibrissa_simulator::scenario::{Change, Event};
+
+const RATES_MM: [f64; 4] = [0.002, 0.003, 0.005, 0.008];
+
+fn eroding(seed: u64, contacts: f64) -> World {
+    let mut one = super::scenario(seed, ArrayType::Type2, &[70.0; RATES_MM.len()]);
+    for (whisker, rate_mm_per_contact) in (0..).zip(RATES_MM) {
+        let change = Change::Erode { rate_mm_per_contact, until_length_mm: 45.0 };
+        one.robots[0].events.push(Event::at_contact(300, super::name("left"), whisker, change));
+    }
+    let mut world = World::new(&one, Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(contacts / 50.0);
+    world
+}
+
+fn of(world: &World, whisker: usize) -> Option<Erosion> {
+    let view = world.core.whisker(whisker).unwrap();
+    (view.condition == Condition::Eroding).then_some(view.erosion).flatten()
+}
+
+#[test]
+fn property_the_rate_of_erosion_is_told_and_its_interval_covers_the_truth() {
+    let (mut told, mut covered) = (0, 0);
+    for seed in 0..10 {
+        let world = eroding(200 + seed, 2000.0);
+        for (whisker, rate) in RATES_MM.into_iter().enumerate() {
+            let Some(erosion) = of(&world, whisker) else { continue };
+            let told_rate = erosion.mm_per_contact;
+            told += 1;
+            covered += u32::from((told_rate.low..=told_rate.high).contains(&rate));
+            assert!((told_rate.mean / rate - 1.0).abs() < 0.35, "seed {seed}, {rate} mm: {told_rate:?}");
+        }
+    }
+    println!("{covered} of {told}");
+    assert!(told >= 36, "{told}");
+    assert!(f64::from(covered) >= 0.9 * f64::from(told), "{covered} of {told}");
+}
+
+#[test]
+fn property_the_contacts_left_are_those_after_which_it_is_too_short() {
+    let model = Model::nguyen_2021(Formulation::Published);
+    let target = Target { length: Millimetre::known(70.0), pressure: Megapascal::known(0.1) };
+    let shortest_mm = compensable_range(&model, target, Megapascal::ZERO, Megapascal::EXAMINED_MAX).0.mm();
+    let (mut told, mut covered) = (0, 0);
+    for seed in 0..10 {
+        let world = eroding(300 + seed, 1200.0);
+        for (whisker, rate) in RATES_MM.into_iter().enumerate() {
+            let Some(erosion) = of(&world, whisker) else { continue };
+            let truth = (world.robot.whiskers()[whisker].plant().length_mm() - shortest_mm).max(0.0) / rate;
+            let left = erosion.contacts_left;
+            told += 1;
+            covered += u32::from(left.low.unwrap() <= truth && left.high.is_none_or(|high| truth <= high));
+        }
+    }
+    println!("{covered} of {told}");
+    assert!(told >= 30, "{told}");
+    assert!(f64::from(covered) >= 0.9 * f64::from(told), "{covered} of {told}");
+}
+
+#[test]
+fn a_whisker_that_is_too_short_already_has_no_contacts_left() {
+    let world = eroding(41, 2800.0);
+    let left = of(&world, 3).expect("it erodes").contacts_left;
+    assert_eq!((left.mean, left.low, left.high), (Some(0.0), Some(0.0), Some(0.0)), "18 mm shorter");
+}
+
+#[test]
+fn a_whisker_that_does_not_erode_has_no_rate() {
+    let one = super::scenario(42, ArrayType::Type2, &[70.0]);
+    let mut world = World::new(&one, Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(20.0);
+    assert_eq!(world.core.whisker(0).unwrap().erosion, None);
+}
