@@ -37,8 +37,10 @@ const FRESH_LOOK_LOG_RATIO: f64 = 3.9;
 /// How much more log likelihood than any gradual change a step must gain to be called one. A wrong trim
 /// moves air; a late one can wait.
 const STEP_LOG_RATIO: f64 = 9.0;
-/// How much more than a step a gradual change must gain.
+/// How much more than a step erosion must gain.
 const GRADUAL_LOG_RATIO: f64 = 3.0;
+/// How much more than a step a drift of the baseline must gain.
+const DRIFT_LOG_RATIO: f64 = 6.0;
 /// Log likelihood that a further loss beside the step may gain and still be chance: nine tenths of a standard deviation.
 const GOES_ON_LOG_RATIO: f64 = 0.4;
 /// The same from which it is none: two standard deviations.
@@ -288,9 +290,15 @@ impl Detector {
         let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == Kind::Drifting);
         let lead = gain(&step) - gain(&gradual);
         let goes_on = step.map_or(0.0, |step| self.gain_of_going_on(step.index));
+        // Erosion must be seen to go on; a drift shows in small deflections, and so by more.
+        let needed = match (drifts, goes_on > SURELY_GOES_ON_LOG_RATIO) {
+            (true, _) => DRIFT_LOG_RATIO,
+            (false, true) => GRADUAL_LOG_RATIO,
+            (false, false) => f64::INFINITY,
+        };
         if lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO {
             step
-        } else if eroding || (lead < -GRADUAL_LOG_RATIO && (goes_on > SURELY_GOES_ON_LOG_RATIO || drifts)) {
+        } else if eroding || lead < -needed {
             // On a whisker that erodes, the filter lags behind or runs ahead: no new change.
             gradual.or(step)
         } else if impatient {

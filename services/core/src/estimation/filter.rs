@@ -93,6 +93,8 @@ pub struct Wander {
     pub length_mm: f64,
     /// The baseline, m/m.
     pub baseline_strain: f64,
+    /// The offset, log sensitivity.
+    pub offset: f64,
 }
 
 /// A length with its standard deviation.
@@ -257,6 +259,7 @@ impl LengthFilter {
         let keep = Matrix4::identity() - gain * Vector4::from(seen.row).transpose();
         let mut covariance = keep * Matrix4::from(self.covariance) * keep.transpose()
             + gain * gain.transpose() * seen.gain_noise_variance;
+        covariance[(0, 0)] += wander.offset.powi(2);
         covariance[(LENGTH, LENGTH)] += (wander.length_mm / self.whole_length_mm).powi(2);
         covariance[(BASELINE, BASELINE)] += wander.baseline_strain.powi(2);
         self.mean = mean.into();

@@ -77,6 +77,14 @@ impl Robot {
 
     fn changed(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
+        if change.kind != Kind::Drifting
+            && whisker.model(params).is_some_and(|model| whisker.is_rest_of_shift(model, change))
+        {
+            if whisker.condition == Condition::Suspected {
+                self.set_condition(index, Condition::Healthy, effects);
+            }
+            return;
+        }
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
             Kind::LessSensitive => {
@@ -119,7 +127,12 @@ impl Robot {
 
     /// A baseline that was followed all the way is told of too, once it is far off.
     fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let (baseline_strain, sd_strain) = self.whiskers[index].filter.baseline_strain();
+        let whisker = &self.whiskers[index];
+        // While something is suspected, the baseline may stand for something else.
+        if !whisker.detector.is_calm() || whisker.pending_trim.is_some() {
+            return;
+        }
+        let (baseline_strain, sd_strain) = whisker.filter.baseline_strain();
         if baseline_strain.abs() - 2.0 * sd_strain > params.health.baseline_strain_max {
             self.tell_of_drift(index, effects);
         }

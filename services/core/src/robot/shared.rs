@@ -8,18 +8,27 @@
 use super::Robot;
 use super::effect::{AlarmKind, Condition, Effect, WhiskerIndex};
 use super::params::Params;
+use super::whisker::Unsteady;
 use crate::detection::{Change, Fit, Others};
+use crate::estimation::filter::LENGTH;
 use crate::mechanics::Model;
 use crate::units::ContactRatio;
 
 /// With fewer others, nobody can say who is right.
 const OTHERS_MIN: usize = 2;
-/// Log likelihood ratio from which another whisker feels it too.
-const FEELS: f64 = 3.0;
+/// Log likelihood ratio from which another whisker feels it too. It is asked at every contact for as long as the
+/// suspicion lasts, so it must not come about by chance.
+const FEELS: f64 = 6.0;
+/// A shift may be the beginning of a longer one, as a room warms up. For so many contacts each whisker's offset
+/// follows, by a random walk of this share of the shift found; that costs sensitivity to small cuts meanwhile.
+const UNSTEADY_CONTACTS: u32 = 1000;
+pub(super) const UNSTEADY_SHARE: f64 = 0.02;
+/// Up to this many times the shift, what one whisker feels meanwhile is put down to it.
+const REST_MAX: f64 = 1.5;
 /// Whiskers feel the same shift alike up to this share: their curves differ a little.
 const ALIKE: f64 = 0.1;
-/// Contacts after the alarm from which another whisker can say that it does not.
-const CONTACTS_TO_DENY: u16 = 3;
+/// Log likelihood ratio that its contacts after the alarm must let expect before it can say that it does not.
+const DENIES: f64 = 8.0;
 
 impl Robot {
     /// Whether the other healthy whiskers of the array feel what this one suspects.
@@ -27,24 +36,22 @@ impl Robot {
         let Some(own) = self.whiskers[index].detector.suspected_shift() else {
             return Others::Not;
         };
-        let (mut others, mut feel, mut untouched) = (0, 0, 0);
+        let (mut others, mut feel, mut deny) = (0, 0, 0);
         for other in self.sound_whiskers_of(index).filter(|&other| other != index) {
             let whisker = &self.whiskers[other];
             others += 1;
             if whisker.detector.felt(own.size).is_some_and(|other| feels(&own, &other)) {
                 feel += 1;
-            } else if whisker.contacts_since_alarm < CONTACTS_TO_DENY {
-                untouched += 1;
+            } else if 0.5 * own.size.powi(2) * whisker.told_since_alarm >= DENIES {
+                deny += 1;
             }
         }
-        if others < OTHERS_MIN {
+        if others < OTHERS_MIN || 2 * deny > others {
             Others::Not
         } else if 2 * feel > others {
             Others::Too
-        } else if 2 * (feel + untouched) > others {
-            Others::NotYet
         } else {
-            Others::Not
+            Others::NotYet
         }
     }
 
@@ -64,7 +71,7 @@ impl Robot {
     pub(super) fn ask_others(&mut self, index: WhiskerIndex) {
         let array = self.whiskers[index].array;
         for whisker in self.whiskers.iter_mut().filter(|whisker| whisker.array == array) {
-            whisker.contacts_since_alarm = 0;
+            whisker.told_since_alarm = 0.0;
             whisker.changed = true;
         }
     }
@@ -129,8 +136,22 @@ impl super::Whisker {
             .map_or(0.0, |(_, slope)| slope * length.mm() / (length.mm() + morphology.elongation_mm))
     }
 
+    /// Whether a change may be the rest of the array's shift: then it is no length either, and taken out. True if so.
+    pub(super) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
+        let Some(unsteady) = self.unsteady else { return false };
+        let lacking = change.lacking[LENGTH].abs().max(1.0);
+        let log_shift = change.size * lacking * self.log_slope_with_length(model);
+        let rest = log_shift.abs() <= REST_MAX * unsteady.log_shift;
+        if rest {
+            self.take_out(log_shift);
+            self.unsteady = Some(unsteady);
+        }
+        rest
+    }
+
     fn take_out(&mut self, log_shift: f64) {
         self.filter.shared_shift(log_shift);
+        self.unsteady = Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
         self.whole.shift(log_shift);
         if let Some(offset) = &mut self.whole_offset {
             offset.level += log_shift;

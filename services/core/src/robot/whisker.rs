@@ -6,6 +6,7 @@ use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason}
 use super::event::{Contact, RegulatorState, WhiskerSheet};
 use super::gauge::GaugeWatch;
 use super::params::Params;
+use super::shared::UNSTEADY_SHARE;
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
@@ -47,8 +48,11 @@ pub struct Whisker {
     pub(super) not_before: Micros,
     /// The last setpoint failed for good, in this boot.
     pub(super) given_up: bool,
-    /// Its contacts since any whisker of its array raised an alarm.
-    pub(super) contacts_since_alarm: u16,
+    /// What its contacts have told of log length since any whisker of its array raised an alarm: the inverse of a
+    /// variance.
+    pub(super) told_since_alarm: f64,
+    /// The whole array has shifted, and may go on doing so.
+    pub(super) unsteady: Option<Unsteady>,
     /// Its gauge's baseline drifts.
     pub(super) drifting: bool,
     /// People were told so.
@@ -65,6 +69,22 @@ pub(super) struct PendingTrim {
     pub length_before_mm: f64,
     pub contacts_since_change: u32,
     pub contacts_since_confirmed: u32,
+}
+
+/// An offset that follows a shift of the whole array.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Unsteady {
+    /// The shift that was found, log sensitivity, without its sign.
+    pub log_shift: f64,
+    /// Contacts for which it goes on.
+    pub contacts_left: u32,
+}
+
+impl Unsteady {
+    fn after_contact(self) -> Option<Self> {
+        let contacts_left = self.contacts_left.checked_sub(1)?;
+        Some(Self { contacts_left, ..self })
+    }
 }
 
 /// The chamber's pressure.
@@ -134,7 +154,8 @@ impl Whisker {
             attempts: 0,
             not_before: Micros::default(),
             given_up: false,
-            contacts_since_alarm: 0,
+            told_since_alarm: 0.0,
+            unsteady: None,
             drifting: false,
             drift_told: false,
             undecided: false,
@@ -183,7 +204,7 @@ impl Whisker {
 
     fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> Felt {
         self.contacts += 1;
-        self.contacts_since_alarm = self.contacts_since_alarm.saturating_add(1);
+        self.told_since_alarm += seen.row[LENGTH].powi(2) / seen.variance;
         let calm = self.detector.is_calm() && self.pending_trim.is_none();
         if calm {
             self.learn_noise(params, seen);
@@ -201,6 +222,7 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         self.filter.learn(seen, self.wander(params));
+        self.unsteady = self.unsteady.and_then(Unsteady::after_contact);
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         Felt { used, innovation: Some(*seen), verdict }
@@ -223,6 +245,7 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
+            offset: self.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
         }
     }
 
