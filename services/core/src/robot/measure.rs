@@ -72,6 +72,7 @@ impl Robot {
         let Ok(model_per_mm) = model.sensitivity_per_mm(contact.ratio, running.length, &morphology) else { return };
         let deviation = (contact.strain.ratio() / (model_per_mm * contact.deflection.mm())).ln();
         running.after.add(contact.ratio, deviation, noise_variance);
+        running.refining.since_gain.add(contact.ratio, deviation, noise_variance);
         self.changed = true;
         let contacts = running.after.contacts();
         let running = &self.compensations[at];
@@ -79,6 +80,7 @@ impl Robot {
         if contacts.is_multiple_of(params.measurement.every_contacts) {
             effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
         }
+        self.refine(params, at, effects);
     }
 
     fn response(
@@ -122,7 +124,8 @@ impl Robot {
         let one: &Whisker = &self.whiskers[running.compensator()];
         Some(Reference {
             model: one.model(params)?,
-            length: running.length,
+            // A measured response is against the model at whole length.
+            length: if running.before.is_some() { one.sheet.length } else { running.length },
             pressure: running.pressure_before,
             bins: running.before.as_ref(),
             offset: one.whole_offset(),
@@ -141,10 +144,12 @@ impl Robot {
         let count = bins.len() as f64;
         (!bins.is_empty()).then(|| CompensationError {
             compensation: running.id,
+            pressure: running.pressure,
             contacts: running.after.contacts(),
             mean: bins.iter().map(|bin| bin.error).sum::<f64>() / count,
             sd: bins.iter().map(|bin| bin.sd.powi(2)).sum::<f64>().sqrt() / count,
             bins,
+            with_gain: running.error_with_gain(self, params),
         })
     }
 

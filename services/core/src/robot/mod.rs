@@ -6,16 +6,19 @@
 //! The same events give the same effects, byte for byte.
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `compensation` (who serves whom), `command` (setpoints) and `measure` (Eq. 35).
+//! `compensation` (who serves whom), `command` (setpoints), `measure` (Eq. 35) and [`refinement`] (the closed loop).
 
 mod command;
 mod compensation;
 mod contact;
 pub mod effect;
 pub mod event;
+mod felt;
 mod health;
 mod measure;
 pub mod params;
+mod prediction;
+pub mod refinement;
 pub mod sequence;
 mod stored;
 mod view;

@@ -1,5 +1,6 @@
 //! Everything that the core is told once: models, noise, limits.
 
+use super::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::SensorNoise;
 use crate::estimation::filter::FilterParams;
@@ -26,6 +27,8 @@ pub struct Params {
     pub health: HealthParams,
     /// Measurement of the compensation error.
     pub measurement: MeasurementParams,
+    /// Refinement of setpoints.
+    pub refinement: RefinementParams,
 }
 
 /// How setpoints are sent.
@@ -80,6 +83,7 @@ impl Params {
             command: CommandParams::default(),
             health: HealthParams::default(),
             measurement: MeasurementParams::default(),
+            refinement: RefinementParams::default(),
         }
     }
 

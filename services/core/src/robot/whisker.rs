@@ -7,7 +7,7 @@ use super::event::{Contact, GaugeState, RegulatorState, WhiskerSheet};
 use super::params::Params;
 use crate::detection::{Change, Detector, Verdict};
 use crate::estimation::filter::{NoInformation, Observation};
-use crate::estimation::{Innovation, LengthFilter, NoiseScale, ResponseBins};
+use crate::estimation::{Innovation, LengthFilter, NoiseScale, OwnCalibration, ResponseBins, Waiting};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
 use crate::units::{Megapascal, Micros};
 
@@ -28,8 +28,12 @@ pub struct Whisker {
     pub(super) pending_trim: Option<PendingTrim>,
     /// Its response while whole, against the model at whole length.
     pub(super) whole: ResponseBins,
+    /// Contacts that are not counted in it yet, and never will be if the whisker is not whole any more.
+    pub(super) whole_waiting: Waiting,
     /// Its offset while whole at nominal pressure, once it is not any more.
     pub(super) whole_offset: Option<Offset>,
+    /// Its responses at the pressures where it served.
+    pub(super) own: OwnCalibration,
     pub(super) air: Air,
     pub(super) gauge: GaugeWatch,
     pub(super) fault: Option<Fault>,
@@ -117,7 +121,9 @@ impl Whisker {
             condition: Condition::Learning,
             pending_trim: None,
             whole: ResponseBins::default(),
+            whole_waiting: Waiting::default(),
             whole_offset: None,
+            own: OwnCalibration::default(),
             air: Air {
                 measured: None,
                 setpoint: sheet.pressure,
@@ -184,7 +190,7 @@ impl Whisker {
                 let estimate = self.filter.length().length.mm();
                 let shift = seen.row[2] * (estimate / self.sheet.length.mm()).ln();
                 let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
-                self.whole.add(contact.ratio, deviation, seen.noise_variance);
+                self.whole_waiting.add(&mut self.whole, contact.ratio, deviation, seen.noise_variance);
             }
         }
         let eroding = self.condition == Condition::Eroding;
