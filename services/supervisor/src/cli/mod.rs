@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod config;
+pub mod evaluate;
 pub mod paper;
 pub mod serve;
 pub mod solve;
@@ -31,6 +32,8 @@ enum Command {
     Solve(solve::SolveArgs),
     /// The paper's table beside ours, and its curves.
     Paper(paper::PaperArgs),
+    /// How well it does, measured on simulated whiskers whose truth is known.
+    Evaluate(evaluate::EvaluateArgs),
     /// A whisker's own calibration from measurements of its chamber.
     Calibrate(calibrate::CalibrateArgs),
 }
@@ -48,6 +51,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         }
         Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
     }
 }

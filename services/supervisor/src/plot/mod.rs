@@ -1,6 +1,7 @@
-//! SVG figures: the paper's curves and a calibration, on a light ground, in colours that everybody can tell apart.
+//! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart.
 
 pub mod calibration;
+pub mod evaluation;
 pub mod paper;
 
 use anyhow::{Result, anyhow};
