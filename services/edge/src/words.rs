@@ -2,7 +2,9 @@
 
 use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::policy::{Case, Ineligible, Refused};
-use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Origin, Reason};
+use vibrissa_core::robot::effect::{
+    AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Origin, Reason, RefinementOutcome,
+};
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
 use vibrissa_protocol::{SetpointError, SetpointReason};
 
@@ -98,6 +100,14 @@ words! {
         Origin::Measured => "MEASURED",
         Origin::Model => "MODEL",
     }
+    RefinementOutcome {
+        RefinementOutcome::Refined => "REFINED",
+        RefinementOutcome::HeldDither => "HELD_DITHER",
+        RefinementOutcome::HeldMargin => "HELD_MARGIN",
+        RefinementOutcome::HeldUncertain => "HELD_UNCERTAIN",
+        RefinementOutcome::HeldSteps => "HELD_STEPS",
+        RefinementOutcome::HeldUnpredictable => "HELD_UNPREDICTABLE",
+    }
     AlarmKind {
         AlarmKind::Uncompensated => "UNCOMPENSATED",
         AlarmKind::SetpointFailed => "SETPOINT_FAILED",
@@ -138,6 +148,7 @@ pub fn setpoint_reason(reason: Reason) -> SetpointReason {
         Reason::Compensation(Case::ShorterForLonger) => SetpointReason::ShorterForLonger,
         Reason::Compensation(Case::LongerForShorter) => SetpointReason::LongerForShorter,
         Reason::Release => SetpointReason::Release,
+        Reason::Refinement => SetpointReason::Refinement,
     }
 }
 

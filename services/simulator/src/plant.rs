@@ -1,7 +1,7 @@
 //! One whisker's physics: what touching it does to its gauge.
 //!
-//! The truth is [`Formulation::Consistent`] with the whisker's own calibration, which is a little off the
-//! built-in one: whoever estimates with the built-in calibration errs as with real whiskers.
+//! The truth is a calibration of the whisker's own, which is a little off the built-in one, and
+//! [`Formulation::Consistent`] if the scenario does not say otherwise: whoever estimates with the built-in calibration errs as with real whiskers.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -10,7 +10,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::Gauge;
 
 use crate::random::normal;
-use crate::scenario::Noise;
+use crate::scenario::{Noise, Rubber, TrueFormulation};
 
 /// Where contacts are: contact ratios from here to the tip.
 pub const RATIO_MIN: f64 = 0.45;
@@ -90,6 +90,15 @@ pub struct Reading {
     pub temperature_c: f64,
 }
 
+/// Where a whisker's truth comes from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Truth {
+    /// The scenario says it.
+    Known(Rubber),
+    /// By chance, within this relative error.
+    Within(f64),
+}
+
 /// The independent streams of one whisker's randomness.
 pub(crate) struct Streams {
     pub(crate) calibration: ChaCha8Rng,
@@ -105,13 +114,16 @@ impl Plant {
     pub(crate) fn new(
         length_mm: f64,
         pressure_mpa: f64,
-        calibration_error: f64,
+        truth: Truth,
         noise: Noise,
         mut streams: Streams,
     ) -> Result<Self, ModelError> {
-        let calibration = off_calibration(calibration_error, &mut streams.calibration);
+        let rubber = match truth {
+            Truth::Known(rubber) => rubber,
+            Truth::Within(error) => drawn(error, &mut streams.calibration),
+        };
         Ok(Self {
-            model: Model::new(Geometry::nguyen_2021(), calibration, Formulation::Consistent)?,
+            model: rubber.model()?,
             whole_length_mm: length_mm,
             whole_pressure_mpa: pressure_mpa,
             length_mm,
@@ -298,16 +310,31 @@ impl GaugeCondition {
     }
 }
 
-/// The built-in calibration with each parameter off by its own factor.
-fn off_calibration(error: f64, stream: &mut ChaCha8Rng) -> Calibration {
-    let mut off = |value: f64| value * (1.0 + stream.random_range(-1.0..=1.0) * error);
-    let built_in = Calibration::nguyen_2021();
-    Calibration {
-        c: off(built_in.c),
-        a: off(built_in.a),
-        b_per_mpa: off(built_in.b_per_mpa),
-        youngs_modulus_mpa: built_in.youngs_modulus_mpa,
-        elongation_gain_mm: off(built_in.elongation_gain_mm),
+/// Each parameter of the built-in calibration off by its own factor.
+fn drawn(error: f64, stream: &mut ChaCha8Rng) -> Rubber {
+    let mut factor = || 1.0 + stream.random_range(-1.0..=1.0) * error;
+    Rubber { c: factor(), a: factor(), b: factor(), elongation: factor(), formulation: TrueFormulation::Consistent }
+}
+
+impl Rubber {
+    /// The mechanics of a whisker of this rubber.
+    ///
+    /// # Errors
+    /// They are none; cannot happen for factors that a scenario may have.
+    pub fn model(&self) -> Result<Model, ModelError> {
+        let built_in = Calibration::nguyen_2021();
+        let calibration = Calibration {
+            c: built_in.c * self.c,
+            a: built_in.a * self.a,
+            b_per_mpa: built_in.b_per_mpa * self.b,
+            youngs_modulus_mpa: built_in.youngs_modulus_mpa,
+            elongation_gain_mm: built_in.elongation_gain_mm * self.elongation,
+        };
+        let formulation = match self.formulation {
+            TrueFormulation::Published => Formulation::Published,
+            TrueFormulation::Consistent => Formulation::Consistent,
+        };
+        Model::new(Geometry::nguyen_2021(), calibration, formulation)
     }
 }
 

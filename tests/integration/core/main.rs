@@ -1,6 +1,7 @@
 //! The core against simulated robots whose truth is known.
 
 mod assignment;
+mod closed_loop;
 mod detection;
 mod erosion;
 mod false_alarms;

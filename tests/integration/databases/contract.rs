@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use vibrissa::store::Batch;
 use vibrissa::store::batch::{
-    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, ResponseRow, SetpointRow,
+    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow, SetpointRow,
 };
 
 use crate::rows::{self, Numbered, contacts};
@@ -21,6 +21,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         pressure_before_mpa: 0.1,
         pressure_mpa: (index == 0).then_some(0.048),
         predicted_error: (index == 0).then_some(0.203_85),
+        predicted_error_interval: (index == 0).then_some((0.125, 0.375)),
         predicted_error_by_ratio: (index == 0).then(|| "[0.1,0.2]".to_owned()),
         gives_up_own_role: index == 1,
         chosen,
@@ -85,8 +86,25 @@ fn records(numbered: &Numbered) -> Vec<Record> {
             compensation_id,
             recorded_us,
             contacts: 18,
+            pressure_mpa: 0.048,
             error: interval(mean),
+            with_gain: (recorded_us > 12).then_some(interval(0.02)),
             bins: ratios.iter().map(|&ratio| bin(ratio)).collect(),
+        }))
+    };
+    let look = |contacts, outcome, best| {
+        Record::Refinement(Box::new(RefinementRow {
+            compensation_id,
+            recorded_us: 14,
+            contacts,
+            outcome,
+            pressure_from_mpa: 0.048,
+            pressure_best_mpa: best,
+            error: interval(0.2),
+            error_best: best.map(|_| interval(0.15)),
+            error_with_gain: 0.05,
+            error_with_own_gain: 0.02,
+            gain_published: best.is_some(),
         }))
     };
     vec![
@@ -109,6 +127,8 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         Record::Response(response),
         error(12, 0.25, &[0.5]),
         error(13, 0.2, &[0.5, 0.9]),
+        look(200, "REFINED", Some(0.041)),
+        look(400, "HELD_UNPREDICTABLE", None),
         Record::Alarm { whisker_id, raised_us: 14, kind: "UNCOMPENSATED" },
         Record::Ended { compensation_id, ended_us: 15, end_reason: "REASSIGNED" },
     ]
@@ -148,6 +168,7 @@ async fn written_and_read(database: &Fresh) -> Value {
         "compensations": store.compensations().await.unwrap(),
         "trims": store.trims().await.unwrap(),
         "bins": store.error_bins(numbered.robot_id << 32).await.unwrap(),
+        "looks": store.refinements(numbered.robot_id << 32).await.unwrap(),
         "lengths": lengths.iter().map(|one| json!([one.t_us, one.length_mm, one.pressure_mpa])).collect::<Vec<_>>(),
         "contacts": store.contact_count().await.unwrap(),
         "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
@@ -171,6 +192,16 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["whiskers"][0]["contacts_left_high"], Value::Null);
     assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the newest");
     assert_eq!(lite["compensations"][0]["candidates"][1]["refused"], "COSTS_MORE");
+    let decided = &lite["compensations"][0];
+    assert_eq!((&decided["predicted_error_low"], &decided["predicted_error_high"]), (&json!(0.125), &json!(0.375)));
+    assert_eq!(decided["candidates"][0]["predicted_error_high"], 0.375);
+    assert_eq!(decided["candidates"][1]["predicted_error_high"], Value::Null);
+    assert_eq!(decided["measured_error_with_gain"], 0.02);
+    assert_eq!(decided["held_pressure_mpa"], 0.048);
+    assert_eq!((&decided["looks"], &decided["last_look"]), (&json!(2), &json!("HELD_UNPREDICTABLE")));
+    let looks = lite["looks"].as_array().unwrap();
+    assert_eq!((&looks[0]["pressure_best_mpa"], &looks[1]["error_best"]), (&json!(0.041), &Value::Null));
+    assert_eq!((&looks[0]["gain_published"], &looks[1]["gain_published"]), (&json!(true), &json!(false)));
     assert_eq!(lite["bins"].as_array().unwrap().len(), 2);
     assert_eq!(lite["setpoints"].as_array().unwrap().len(), 3);
     assert_eq!(lite["robots"][0][5], 5, "numbers go on");

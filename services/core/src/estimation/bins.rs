@@ -18,6 +18,7 @@ pub struct Bin {
     contacts: u32,
     weight: f64,
     sum: f64,
+    ratios: f64,
 }
 
 impl Bin {
@@ -33,10 +34,39 @@ impl Bin {
         if self.weight > 0.0 { self.sum / self.weight } else { 0.0 }
     }
 
-    /// Variance of that mean; infinite while empty.
+    /// Mean contact ratio of the contacts, weighted likewise: the outermost bins are half empty.
+    #[must_use]
+    pub fn mean_ratio(&self) -> f64 {
+        if self.weight > 0.0 { self.ratios / self.weight } else { 0.0 }
+    }
+
+    /// Variance of the mean deviation; infinite while empty.
     #[must_use]
     pub fn variance(&self) -> f64 {
         1.0 / self.weight
+    }
+}
+
+/// Contacts that wait before they count: the last ones before a cut is noticed are of the cut whisker already.
+///
+/// They wait for further contacts and not for what these say: whoever dropped contacts because of what followed
+/// would choose among them, and learn a biased response.
+#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub struct Waiting {
+    contacts: Vec<(ContactRatio, f64, f64)>,
+}
+
+impl Waiting {
+    /// How many wait: trims of 2 mm and more are mostly noticed within so many.
+    pub const CONTACTS: usize = 16;
+
+    /// Takes one contact in, as [`ResponseBins::add`] does; the one that has waited longest goes to the bins.
+    pub fn add(&mut self, bins: &mut ResponseBins, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
+        if self.contacts.len() == Self::CONTACTS {
+            let (ratio, log_deviation, noise_variance) = self.contacts.remove(0);
+            bins.add(ratio, log_deviation, noise_variance);
+        }
+        self.contacts.push((ratio, log_deviation, noise_variance));
     }
 }
 
@@ -61,6 +91,7 @@ impl ResponseBins {
             bin.contacts = bin.contacts.saturating_add(1);
             bin.weight += 1.0 / noise_variance;
             bin.sum += log_deviation / noise_variance;
+            bin.ratios += ratio.a() / noise_variance;
         }
     }
 
@@ -83,9 +114,29 @@ impl ResponseBins {
         Self::index(ratio).map(|index| &self.bins[index]).filter(|bin| bin.contacts >= contacts)
     }
 
+    /// The bins with contacts.
+    pub fn felt(&self) -> impl Iterator<Item = &Bin> {
+        self.bins.iter().filter(|bin| bin.contacts > 0)
+    }
+
     /// Contacts in all bins.
     #[must_use]
     pub fn contacts(&self) -> u32 {
         self.bins.iter().map(|bin| bin.contacts).fold(0, u32::saturating_add)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_contacts_do_not_count_yet() {
+        let (mut waiting, mut bins) = (Waiting::default(), ResponseBins::default());
+        for k in 0..40 {
+            waiting.add(&mut bins, ContactRatio::TIP, f64::from(k), 1.0);
+        }
+        assert_eq!(bins.contacts(), 24);
+        assert_eq!(bins.bin(11).mean(), 11.5);
     }
 }

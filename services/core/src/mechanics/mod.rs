@@ -19,6 +19,7 @@
 //! the sensitivity at a known a measures the length.
 
 mod calibration;
+mod family;
 mod fit;
 mod geometry;
 mod length;
@@ -33,12 +34,15 @@ mod setpoint;
 mod taper;
 
 pub use calibration::Calibration;
+pub use family::{FAMILY, FAMILY_STEP, Family, LogChanges, OTHER_FORMULATION};
 pub use fit::{CalibrationRow, Fit, FitError, Parameter, RowResidual, fit_calibration};
 pub use geometry::Geometry;
 pub use length::{CutIntoChamber, LengthError};
 pub use model::{Formulation, Model, ModelError};
 pub use morphology::Morphology;
-pub use profile::{CONTACT_RATIOS, ErrorProfile, GainProfile, Offset, compensation_error};
+pub use profile::{ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset, compensation_error};
 pub use range::compensable_range;
 pub use sensitivity::{ContactOnChamber, Response};
-pub use setpoint::{Compensator, Objective, Setpoint, Solution, Target, solve_setpoint};
+pub use setpoint::{
+    Compensator, Deviation, Objective, Setpoint, Solution, Target, least_error, solve_setpoint, solve_setpoint_as_felt,
+};

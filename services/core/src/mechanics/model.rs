@@ -93,6 +93,11 @@ impl Model {
         Self::precompute(Geometry::nguyen_2021(), Calibration::nguyen_2021(), formulation)
     }
 
+    /// The same shape with another calibration near its own.
+    pub(super) fn relative(&self, calibration: Calibration, formulation: Formulation) -> Self {
+        Self::precompute(self.geometry, calibration, formulation)
+    }
+
     fn precompute(g: Geometry, calibration: Calibration, formulation: Formulation) -> Self {
         let outer_radius_mm = |x_mm: f64| 0.5 * g.d2_large_mm * (1.0 - (x_mm - g.c_mm) / g.l2_mm);
         let mean_radius_mm = 0.5 * (outer_radius_mm(g.c_mm + NEAR_CAP_MM) + outer_radius_mm(g.l_mm));

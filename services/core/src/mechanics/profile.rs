@@ -10,7 +10,7 @@ use crate::units::{ContactRatio, Millimetre};
 pub const CONTACT_RATIOS: [f64; 12] = [0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0];
 
 /// One number per contact ratio of [`CONTACT_RATIOS`]; none where the contact would lie on the chamber.
-pub(super) type ByRatio = [Option<f64>; CONTACT_RATIOS.len()];
+pub type ByRatio = [Option<f64>; CONTACT_RATIOS.len()];
 
 /// How a real whisker differs from its model, as a straight line over the contact ratio a:
 /// `ln s_real = ln s_model + level + slope * (a - 0.725)`.
@@ -72,7 +72,9 @@ impl ErrorProfile {
         self.used.iter().filter(|used| **used).count()
     }
 
-    pub(super) fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
+    /// From sensitivities, or strains at one deflection, in one unit.
+    #[must_use]
+    pub fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
         let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
             (Some(after), Some(before), Some(target)) if distinct(before, target) => {
                 compensation_error(after, before, target)
@@ -102,7 +104,9 @@ pub struct GainProfile {
 }
 
 impl GainProfile {
-    pub(super) fn new(after: &ByRatio, target: &ByRatio) -> Self {
+    /// From sensitivities in one unit.
+    #[must_use]
+    pub fn new(after: &ByRatio, target: &ByRatio) -> Self {
         let gains: ByRatio = std::array::from_fn(|k| Some(target[k]? / after[k]?));
         Self { by_ratio: fill(&gains, 1.0) }
     }

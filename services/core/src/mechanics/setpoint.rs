@@ -109,55 +109,80 @@ pub fn solve_setpoint(
     compensator_offset: Offset,
     objective: Objective,
 ) -> Result<Solution, CutIntoChamber> {
+    let straight = |offset: Offset| move |_: Megapascal| CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)));
+    solve_setpoint_as_felt(
+        (target_model, target, &straight(target_offset)),
+        (compensator_model, compensator, &straight(compensator_offset)),
+        objective,
+    )
+}
+
+/// How a real whisker differs from its model at a pressure: ln s less the model's, at [`CONTACT_RATIOS`].
+pub type Deviation<'a> = &'a dyn Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()];
+
+/// [`solve_setpoint`] for whiskers whose difference from the model changes with the pressure.
+///
+/// # Errors
+/// One of the two whiskers is cut into its chamber.
+pub fn solve_setpoint_as_felt(
+    (target_model, target, target_deviation): (&Model, Target, Deviation<'_>),
+    (model, compensator, deviation): (&Model, Compensator, Deviation<'_>),
+    objective: Objective,
+) -> Result<Solution, CutIntoChamber> {
     target_model.check_length(target.length)?;
-    compensator_model.check_length(compensator.length)?;
-    let question =
-        Question::new((target_model, target, target_offset), (compensator_model, compensator, compensator_offset));
+    model.check_length(compensator.length)?;
+    let at_target = target_deviation(target.pressure);
+    let target_per_mm = profile::sensitivities_per_mm(
+        target_model,
+        target.length,
+        &target_model.morphology(target.pressure),
+        &at_target.map(f64::exp),
+    );
+    let question = Question {
+        model,
+        compensator,
+        deviation,
+        before: after(model, compensator.length, deviation, compensator.pressure),
+        target: target_per_mm,
+        wanted_log: log_at_tip(target_model, target.length, target.pressure) + at_target[TIP],
+    };
     Ok(match objective {
         Objective::Tip => question.solve_tip(),
         Objective::Mean => question.solve_mean(),
     })
 }
 
+/// The pressure with the least mean of eq. 35, against responses before and of the target that were measured.
+///
+/// None where the compensator is cut into its chamber, or nothing is known at the tip.
+#[must_use]
+pub fn least_error(
+    model: &Model,
+    compensator: Compensator,
+    deviation: Deviation<'_>,
+    before: ByRatio,
+    target: ByRatio,
+) -> Option<Solution> {
+    model.check_length(compensator.length).ok()?;
+    let wanted_log = target[TIP]?.ln();
+    Some(Question { model, compensator, deviation, before, target, wanted_log }.solve_mean())
+}
+
+/// Index of the tip, a = 1, in [`CONTACT_RATIOS`].
+const TIP: usize = CONTACT_RATIOS.len() - 1;
+
 /// Both whiskers, with everything that does not depend on the pressure sought.
 struct Question<'a> {
     model: &'a Model,
     compensator: Compensator,
-    offset_factors: [f64; CONTACT_RATIOS.len()],
+    deviation: Deviation<'a>,
     before: ByRatio,
     target: ByRatio,
-    /// Log sensitivity of the target at its tip, less the compensator's offset there.
+    /// Log sensitivity of the target at its tip.
     wanted_log: f64,
 }
 
-impl<'a> Question<'a> {
-    fn new(
-        (target_model, target, target_offset): (&Model, Target, Offset),
-        (model, compensator, offset): (&'a Model, Compensator, Offset),
-    ) -> Self {
-        let target_morphology = target_model.morphology(target.pressure);
-        let offset_factors = factors(offset);
-        let target_log = log_at_tip(target_model, target.length, target.pressure);
-        Self {
-            model,
-            compensator,
-            before: profile::sensitivities_per_mm(
-                model,
-                compensator.length,
-                &model.morphology(compensator.pressure),
-                &offset_factors,
-            ),
-            target: profile::sensitivities_per_mm(
-                target_model,
-                target.length,
-                &target_morphology,
-                &factors(target_offset),
-            ),
-            offset_factors,
-            wanted_log: target_log + target_offset.at(ContactRatio::TIP) - offset.at(ContactRatio::TIP),
-        }
-    }
-
+impl Question<'_> {
     fn range_mpa(&self) -> (f64, f64) {
         let low_mpa = self.compensator.pressure_min.mpa();
         (low_mpa, self.compensator.pressure_max.mpa().max(low_mpa))
@@ -166,7 +191,9 @@ impl<'a> Question<'a> {
     fn solve_tip(&self) -> Solution {
         let (low_mpa, high_mpa) = self.range_mpa();
         let excess = |pressure_mpa: f64| {
-            log_at_tip(self.model, self.compensator.length, Megapascal::known(pressure_mpa)) - self.wanted_log
+            let pressure = Megapascal::known(pressure_mpa);
+            log_at_tip(self.model, self.compensator.length, pressure) + (self.deviation)(pressure)[TIP]
+                - self.wanted_log
         };
         let high_mpa = range::peak_mpa(low_mpa, high_mpa, excess);
         let (at_low, at_high) = (excess(low_mpa), excess(high_mpa));
@@ -213,8 +240,7 @@ impl<'a> Question<'a> {
     }
 
     fn after(&self, pressure_mpa: f64) -> ByRatio {
-        let morphology = self.model.morphology(Megapascal::known(pressure_mpa));
-        profile::sensitivities_per_mm(self.model, self.compensator.length, &morphology, &self.offset_factors)
+        after(self.model, self.compensator.length, self.deviation, Megapascal::known(pressure_mpa))
     }
 
     fn setpoint(&self, pressure_mpa: f64) -> Setpoint {
@@ -234,9 +260,8 @@ fn log_at_tip(model: &Model, length: Millimetre, pressure: Megapascal) -> f64 {
     model.tip_sensitivity_per_mm(length, &model.morphology(pressure)).ln()
 }
 
-fn factors(offset: Offset) -> [f64; CONTACT_RATIOS.len()] {
-    if offset == Offset::NONE {
-        return [1.0; CONTACT_RATIOS.len()];
-    }
-    CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)).exp())
+/// Sensitivities of a compensator at a pressure.
+fn after(model: &Model, length: Millimetre, deviation: Deviation<'_>, pressure: Megapascal) -> ByRatio {
+    let factors = deviation(pressure).map(f64::exp);
+    profile::sensitivities_per_mm(model, length, &model.morphology(pressure), &factors)
 }

@@ -2,8 +2,11 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::mechanics::{Compensator, Model, Objective, Offset, Setpoint, Solution, Target, solve_setpoint};
-use crate::units::{Megapascal, Millimetre};
+use crate::estimation::{Belief, Weights};
+use crate::mechanics::{
+    CONTACT_RATIOS, Compensator, Model, Objective, Offset, Setpoint, Solution, Target, solve_setpoint_as_felt,
+};
+use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// The paper's cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
@@ -111,6 +114,8 @@ pub struct Fitness<'a> {
     pub pressure_max: Megapascal,
     /// Its offset from the model at the present pressure.
     pub offset: Offset,
+    /// Its own calibration: how its offset changes with the pressure. All zero: not at all.
+    pub own: Weights,
 }
 
 /// What a candidate offers.
@@ -152,13 +157,12 @@ pub fn propose(
         pressure_min: Megapascal::ZERO,
         pressure_max: Megapascal::known(highest),
     };
-    let solved = solve_setpoint(
-        target_model,
-        target,
-        target_offset,
-        compensator.model,
-        asked,
-        compensator.offset,
+    let straight = |offset: Offset| CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)));
+    let at_target = straight(target_offset);
+    let deviation = deviation(compensator, straight(compensator.offset));
+    let solved = solve_setpoint_as_felt(
+        (target_model, target, &|_| at_target),
+        (compensator.model, asked, &*deviation),
         params.objective,
     );
     match solved {
@@ -168,6 +172,23 @@ pub fn propose(
             Proposal { case, setpoint: Some(setpoint), refused: refusal(params, case, &solution) }
         }
     }
+}
+
+/// The compensator's offset, with its change from the present pressure by its own calibration.
+fn deviation<'a>(
+    one: &Fitness<'a>,
+    offset: [f64; CONTACT_RATIOS.len()],
+) -> Box<dyn Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()] + 'a> {
+    if one.own == Weights::default() {
+        return Box::new(move |_| offset);
+    }
+    let (one, family) = (*one, one.model.family());
+    let from = family.log_changes(one.model, one.length, one.pressure);
+    Box::new(move |pressure| {
+        let to = family.log_changes(one.model, one.length, pressure);
+        let change = Belief::change(&one.own, &from, &to);
+        std::array::from_fn(|k| offset[k] + change[k])
+    })
 }
 
 fn refusal(params: &PolicyParams, case: Case, solution: &Solution) -> Option<Refused> {

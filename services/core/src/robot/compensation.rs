@@ -8,7 +8,8 @@ use super::Robot;
 use super::effect::{AlarmKind, CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
 use super::event::ArrayKind;
 use super::params::Params;
-use super::whisker::{Desired, Whisker};
+use super::refinement::Refining;
+use super::whisker::Whisker;
 use crate::estimation::ResponseBins;
 use crate::policy::{Case, Fitness, Ineligible, Offer, Proposal, Refused, assign, propose};
 use crate::units::{Megapascal, Micros, Millimetre};
@@ -31,6 +32,9 @@ pub struct Compensation {
     pub(super) after: ResponseBins,
     /// The setpoint was applied.
     pub(super) settled: bool,
+    /// Standard deviation of `length` as it was decided on, mm.
+    pub(super) length_sd_mm: f64,
+    pub(super) refining: Refining,
 }
 
 impl Compensation {
@@ -136,7 +140,7 @@ impl Robot {
             }
         }
         for target in news {
-            self.follow(target, chosen_for(target), &asked, effects);
+            self.follow(params, target, chosen_for(target), &asked, effects);
         }
     }
 
@@ -192,6 +196,7 @@ impl Robot {
     /// Carries out what was chosen for one target that nobody serves.
     fn follow(
         &mut self,
+        params: &Params,
         target: WhiskerIndex,
         chosen: Option<WhiskerIndex>,
         asked: &[Asked],
@@ -202,7 +207,7 @@ impl Robot {
         let compensation = self.next_compensation;
         self.next_compensation += 1;
         let of_target: Vec<&Asked> = asked.iter().filter(|one| one.target == target).collect();
-        let candidates: Vec<CandidateRecord> = of_target.iter().map(|one| self.record(one, chosen)).collect();
+        let candidates: Vec<CandidateRecord> = of_target.iter().map(|one| self.record(params, one, chosen)).collect();
         let whole = self.whiskers[target].target();
         effects.push(Effect::Decided(Box::new(Decision {
             compensation,
@@ -218,7 +223,7 @@ impl Robot {
         }
     }
 
-    fn record(&self, asked: &Asked, chosen: Option<WhiskerIndex>) -> CandidateRecord {
+    fn record(&self, params: &Params, asked: &Asked, chosen: Option<WhiskerIndex>) -> CandidateRecord {
         let one = &self.whiskers[asked.compensator];
         let is_self = asked.target == asked.compensator;
         let proposal = asked.proposal.as_ref().ok();
@@ -241,6 +246,10 @@ impl Robot {
             pressure: setpoint.map(|setpoint| setpoint.pressure),
             predicted_error_by_ratio: setpoint.map(|setpoint| setpoint.error.by_ratio),
             predicted_error: setpoint.map(|setpoint| setpoint.error.mean),
+            predicted_error_interval: setpoint.as_ref().and_then(|setpoint| {
+                let fitness = one.fitness(one.model(params)?, is_self);
+                self.predicted_interval(params, (asked.target, asked.compensator), &fitness, setpoint)
+            }),
             gives_up_own_role: !is_self,
             refused: match asked.proposal {
                 Err(reason) => Some(Refused::Ineligible(reason)),
@@ -253,7 +262,7 @@ impl Robot {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
-        self.compensations.push(Compensation {
+        let begun = Compensation {
             id,
             target: chosen.target as u32,
             compensator: chosen.compensator as u32,
@@ -265,17 +274,12 @@ impl Robot {
             before: (!is_self).then(|| one.whole.clone()),
             after: ResponseBins::default(),
             settled: false,
-        });
+            length_sd_mm: one.filter.length().sd_mm,
+            refining: Refining::new(setpoint.gain.by_ratio),
+        };
         self.changed = true;
-        self.desire(
-            chosen.compensator,
-            Desired {
-                pressure: setpoint.pressure,
-                reason: Reason::Compensation(case),
-                compensation: Some(id),
-                gain: Some(setpoint.gain.by_ratio),
-            },
-        );
+        self.desire(chosen.compensator, begun.desired(Reason::Compensation(case)));
+        self.compensations.push(begun);
     }
 }
 
@@ -346,6 +350,7 @@ impl Whisker {
             pressure_max: self.sheet.pressure_max,
             // A trimmed whisker's offset is best known as it is now.
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
+            own: self.belief(model).predict,
         }
     }
 }

@@ -43,7 +43,7 @@ impl Robot {
         self.refresh_fault(params, now, index, effects);
         if let Some(seen) = felt.innovation {
             self.conclude(params, index, felt.verdict, effects);
-            self.measure(params, index, position, contact, seen.noise_variance, effects);
+            self.measure(params, index, position, contact, &seen, effects);
         }
     }
 

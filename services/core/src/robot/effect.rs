@@ -69,6 +69,8 @@ pub enum Effect {
     Response(Response),
     /// Record the measured compensation error.
     Error(Box<CompensationError>),
+    /// Record a look at a setpoint, whether it was refined or not.
+    Refined(Box<Refinement>),
     /// Tell people.
     Alarm {
         /// About which whisker.
@@ -196,6 +198,8 @@ pub struct CandidateRecord {
     pub predicted_error_by_ratio: Option<[f64; CONTACT_RATIOS.len()]>,
     /// Predicted mean error (Eq. 35), as a ratio.
     pub predicted_error: Option<f64>,
+    /// Its 95 % interval, with all that is not known of the whiskers.
+    pub predicted_error_interval: Option<(f64, f64)>,
     /// Whether it would give up its own role.
     pub gives_up_own_role: bool,
     /// Why it was not chosen.
@@ -260,6 +264,8 @@ pub enum Reason {
     Compensation(Case),
     /// A compensation is over: back to the nominal pressure.
     Release,
+    /// A compensation goes on at another pressure, or with another gain.
+    Refinement,
 }
 
 /// How far a setpoint is.
@@ -322,7 +328,9 @@ pub enum Origin {
 pub struct CompensationError {
     /// Which compensation.
     pub compensation: u32,
-    /// Contacts of the compensator since its setpoint was applied.
+    /// The pressure that it is measured at.
+    pub pressure: Megapascal,
+    /// Contacts of the compensator since that was applied.
     pub contacts: u32,
     /// The bins that are measured.
     pub bins: Vec<ErrorBin>,
@@ -330,6 +338,53 @@ pub struct CompensationError {
     pub mean: f64,
     /// Standard deviation of the mean.
     pub sd: f64,
+    /// The same with the gain in force applied, over all contact ratios, with its standard deviation: from
+    /// contacts since that gain was published. None while these are too few.
+    pub with_gain: Option<(f64, f64)>,
+}
+
+/// A look at a compensation's setpoint: errors are means of Eq. 35 over the contact ratios, as ratios.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinement {
+    /// Which compensation.
+    pub compensation: u32,
+    /// Contacts at the pressure that was looked at.
+    pub contacts: u32,
+    /// What came of it.
+    pub outcome: RefinementOutcome,
+    /// The pressure that was held.
+    pub pressure_from: Megapascal,
+    /// The best pressure; none where the mechanics have no answer.
+    pub pressure_best: Option<Megapascal>,
+    /// Error as felt, through smoothed responses.
+    pub error: f64,
+    /// Its standard deviation.
+    pub error_sd: f64,
+    /// Error to be expected at the best pressure, with its standard deviation.
+    pub error_best: Option<(f64, f64)>,
+    /// Error with the published gain.
+    pub error_with_gain: f64,
+    /// Error to be expected with a gain from these contacts.
+    pub error_with_own_gain: f64,
+    /// Whether a new gain was published.
+    pub gain_published: bool,
+}
+
+/// What came of a look at a setpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefinementOutcome {
+    /// The pressure is moved to the best one.
+    Refined,
+    /// It stays: the best one is nearer than a regulator's dither.
+    HeldDither,
+    /// It stays: the best one is hardly better.
+    HeldMargin,
+    /// It stays: the contacts do not tell yet that the best one is better.
+    HeldUncertain,
+    /// It stays: no steps are left.
+    HeldSteps,
+    /// It stays: the mechanics have no answer.
+    HeldUnpredictable,
 }
 
 /// Eq. 35 in one contact-ratio bin, with sensitivities in strain per mm of deflection.

@@ -6,7 +6,7 @@ use super::effect::{CompensationError, Effect, ErrorBin, Origin, Response, Whisk
 use super::event::Contact;
 use super::params::Params;
 use super::whisker::Whisker;
-use crate::estimation::{Bin, ResponseBins};
+use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -57,7 +57,7 @@ impl Robot {
         index: WhiskerIndex,
         position: usize,
         contact: &Contact<'_>,
-        noise_variance: f64,
+        seen: &Innovation,
         effects: &mut Vec<Effect>,
     ) {
         let Some(at) = self.compensations.iter().position(|one| one.compensator() == index) else { return };
@@ -70,8 +70,15 @@ impl Robot {
         let Some(model) = whisker.model(params) else { return };
         let morphology = model.morphology(contact.pressure);
         let Ok(model_per_mm) = model.sensitivity_per_mm(contact.ratio, running.length, &morphology) else { return };
-        let deviation = (contact.strain.ratio() / (model_per_mm * contact.deflection.mm())).ln();
+        // What deflection alone strains, and an outlier for what it is worth.
+        let strain = contact.strain.ratio() - whisker.filter.baseline_strain().0;
+        if strain <= 0.0 {
+            return;
+        }
+        let deviation = (strain / (model_per_mm * contact.deflection.mm())).ln();
+        let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
         running.after.add(contact.ratio, deviation, noise_variance);
+        running.refining.since_gain.add(contact.ratio, deviation, noise_variance);
         self.changed = true;
         let contacts = running.after.contacts();
         let running = &self.compensations[at];
@@ -79,6 +86,7 @@ impl Robot {
         if contacts.is_multiple_of(params.measurement.every_contacts) {
             effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
         }
+        self.refine(params, at, effects);
     }
 
     fn response(
@@ -122,7 +130,8 @@ impl Robot {
         let one: &Whisker = &self.whiskers[running.compensator()];
         Some(Reference {
             model: one.model(params)?,
-            length: running.length,
+            // A measured response is against the model at whole length.
+            length: if running.before.is_some() { one.sheet.length } else { running.length },
             pressure: running.pressure_before,
             bins: running.before.as_ref(),
             offset: one.whole_offset(),
@@ -141,10 +150,12 @@ impl Robot {
         let count = bins.len() as f64;
         (!bins.is_empty()).then(|| CompensationError {
             compensation: running.id,
+            pressure: running.pressure,
             contacts: running.after.contacts(),
             mean: bins.iter().map(|bin| bin.error).sum::<f64>() / count,
             sd: bins.iter().map(|bin| bin.sd.powi(2)).sum::<f64>().sqrt() / count,
             bins,
+            with_gain: running.error_with_gain(self, params),
         })
     }
 

@@ -7,18 +7,21 @@
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
 //! `shared` (what a whole array feels), `layout` (what is on it), `compensation` (who serves whom), `what_if`, `command`
-//! (setpoints) and `measure` (Eq. 35).
+//! (setpoints), `measure` (Eq. 35) and [`refinement`] (the closed loop).
 
 mod command;
 mod compensation;
 mod contact;
 pub mod effect;
 pub mod event;
+mod felt;
 mod gauge;
 mod health;
 mod layout;
 mod measure;
 pub mod params;
+mod prediction;
+pub mod refinement;
 pub mod sequence;
 mod shared;
 mod stored;

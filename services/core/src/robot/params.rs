@@ -1,5 +1,6 @@
 //! Everything that the core is told once: models, noise, limits.
 
+use super::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
 use crate::estimation::{LeakParams, SensorNoise};
@@ -26,6 +27,8 @@ pub struct Params {
     pub health: HealthParams,
     /// Measurement of the compensation error.
     pub measurement: MeasurementParams,
+    /// Refinement of setpoints.
+    pub refinement: RefinementParams,
 }
 
 /// How setpoints are sent.
@@ -84,6 +87,7 @@ impl Params {
             command: CommandParams::default(),
             health: HealthParams::default(),
             measurement: MeasurementParams::default(),
+            refinement: RefinementParams::default(),
         }
     }
 

@@ -96,6 +96,7 @@ impl Robot {
             whisker.take_out(log_shift);
             for running in self.compensations.iter_mut().filter(|one| one.compensator() == member) {
                 running.after.shift(log_shift);
+                running.refining.since_gain.shift(log_shift);
                 if let Some(before) = &mut running.before {
                     before.shift(log_shift);
                 }

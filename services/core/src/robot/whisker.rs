@@ -10,7 +10,9 @@ use super::shared::UNSTEADY_SHARE;
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
-use crate::estimation::{ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins};
+use crate::estimation::{
+    ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, OwnCalibration, ResponseBins, Waiting,
+};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::units::{Megapascal, Micros};
 
@@ -31,8 +33,12 @@ pub struct Whisker {
     pub(super) pending_trim: Option<PendingTrim>,
     /// Its response while whole, against the model at whole length.
     pub(super) whole: ResponseBins,
+    /// Contacts that are not counted in it yet, and never will be if the whisker is not whole any more.
+    pub(super) whole_waiting: Waiting,
     /// Its offset while whole at nominal pressure, once it is not any more.
     pub(super) whole_offset: Option<Offset>,
+    /// Its responses at the pressures where it served.
+    pub(super) own: OwnCalibration,
     pub(super) air: Air,
     pub(super) leak: LeakWatch,
     pub(super) gauge: GaugeWatch,
@@ -136,7 +142,9 @@ impl Whisker {
             condition: Condition::Learning,
             pending_trim: None,
             whole: ResponseBins::default(),
+            whole_waiting: Waiting::default(),
             whole_offset: None,
+            own: OwnCalibration::default(),
             air: Air {
                 measured: None,
                 setpoint: sheet.pressure,
@@ -214,7 +222,8 @@ impl Whisker {
                 let shift = seen.row[LENGTH] * (estimate / self.sheet.length.mm()).ln();
                 let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
                 // An outlier counts for what it is worth.
-                self.whole.add(contact.ratio, deviation, seen.noise_variance / seen.seen.sound.max(1e-3));
+                let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
+                self.whole_waiting.add(&mut self.whole, contact.ratio, deviation, variance);
             }
         }
         let eroding = self.condition == Condition::Eroding;

@@ -9,7 +9,7 @@ fn plant(seed: u64, calibration_error: f64, noise: Noise) -> Plant {
         contact: stream(seed, "r", "a", 0, Purpose::Contact),
         noise: stream(seed, "r", "a", 0, Purpose::Noise),
     };
-    Plant::new(70.0, 0.1, calibration_error, noise, streams).unwrap()
+    Plant::new(70.0, 0.1, Truth::Within(calibration_error), noise, streams).unwrap()
 }
 
 #[test]

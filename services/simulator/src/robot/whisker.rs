@@ -6,7 +6,7 @@ use vibrissa_core::mechanics::{ContactOnChamber, ModelError};
 use vibrissa_protocol::{Gauge, Name, Regulator as Condition, WhiskerStatus};
 
 use super::RobotConfig;
-use crate::plant::{LengthChange, Plant, Streams};
+use crate::plant::{LengthChange, Plant, Streams, Truth};
 use crate::random::{Purpose, stream};
 use crate::regulator::Regulator;
 use crate::scenario::{ArrayScenario, Change, WhiskerScenario};
@@ -58,7 +58,7 @@ impl Whisker {
             plant: Plant::new(
                 facts.length_mm,
                 facts.pressure_mpa,
-                config.calibration_error,
+                facts.rubber.map_or(Truth::Within(config.calibration_error), Truth::Known),
                 config.noise.clone(),
                 streams,
             )?,

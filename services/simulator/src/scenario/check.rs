@@ -130,6 +130,12 @@ impl WhiskerScenario {
         within(format!("{place} x_mm"), self.x_mm, -100_000.0..=100_000.0)?;
         within(format!("{place} y_mm"), self.y_mm, -100_000.0..=100_000.0)?;
         length(format!("{place} length_mm"), self.length_mm)?;
+        if let Some(rubber) = &self.rubber {
+            let factors = [("c", rubber.c), ("a", rubber.a), ("b", rubber.b), ("elongation", rubber.elongation)];
+            for (name, factor) in factors {
+                within(format!("{place} rubber.{name}"), factor, 0.5..=1.5)?;
+            }
+        }
         within(format!("{place} pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(format!("{place} pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)
     }

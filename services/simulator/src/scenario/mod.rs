@@ -154,6 +154,41 @@ pub struct WhiskerScenario {
     pub pressure_max_mpa: f64,
     /// Whiskers of the same array that can take its place.
     pub neighbours: Vec<u16>,
+    /// How its rubber truly is; drawn by chance within the scenario's `calibration_error` if not said.
+    pub rubber: Option<Rubber>,
+}
+
+/// How a whisker truly differs from the built-in calibration: factors on its parameters, and which formulation
+/// of the mechanics is true.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Rubber {
+    /// On k2's c, 0.5 to 1.5.
+    pub c: f64,
+    /// On k2's a, 0.5 to 1.5.
+    pub a: f64,
+    /// On k2's b, 0.5 to 1.5.
+    pub b: f64,
+    /// On the elongation gain, 0.5 to 1.5.
+    pub elongation: f64,
+    /// How a factor that the paper misprints is to be read.
+    pub formulation: TrueFormulation,
+}
+
+/// How a factor that the paper misprints is to be read; see [`vibrissa_core::mechanics::Formulation`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum TrueFormulation {
+    /// As printed.
+    Published,
+    /// Under pressure, as the rest is.
+    Consistent,
+}
+
+impl Default for Rubber {
+    fn default() -> Self {
+        Self { c: 1.0, a: 1.0, b: 1.0, elongation: 1.0, formulation: TrueFormulation::Consistent }
+    }
 }
 
 impl Default for WhiskerScenario {
@@ -166,6 +201,7 @@ impl Default for WhiskerScenario {
             pressure_mpa: 0.1,
             pressure_max_mpa: 0.2,
             neighbours: Vec::new(),
+            rubber: None,
         }
     }
 }

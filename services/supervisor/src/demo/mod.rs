@@ -118,7 +118,8 @@ async fn watch(store: &Store) -> anyhow::Result<()> {
         bar.set_message(format!("{} contacts recorded", store.contact_count().await?));
         let all_measured =
             measured.iter().filter(|&&contacts| contacts >= CONTACTS_TO_MEASURE).count() >= compensations;
-        if all_measured && report::is_all_found(store).await? {
+        let answered = store.setpoint_states().await?.iter().all(|(state, _)| state == "APPLIED");
+        if all_measured && answered && report::is_all_found(store).await? {
             break;
         }
     }

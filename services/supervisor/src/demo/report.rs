@@ -155,7 +155,7 @@ impl Report {
     fn header(&mut self) {
         let _ = writeln!(
             self.text,
-            "{:<20} {:<9} {:>8} {:>15} {:>9}  {:<19} {:>2} {:>16} {:>9} {:>16} {:>7}",
+            "{:<20} {:<9} {:>8} {:>15} {:>9}  {:<19} {:>2} {:>16} {:>17} {:>16} {:>7}",
             "whisker",
             "found",
             "true mm",
@@ -187,14 +187,18 @@ impl Report {
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
         let percent = |value: f64| format!("{:.1} %", 100.0 * value);
         let pressure =
-            served.and_then(|one| Some(format!("{:.4} > {:.4}", one.pressure_before_mpa?, one.pressure_mpa?)));
+            served.and_then(|one| Some(format!("{:.4} > {:.4}", one.pressure_before_mpa?, one.held_pressure_mpa?)));
+        let predicted = served.and_then(|one| {
+            let (low, high) = (one.predicted_error_low?, one.predicted_error_high?);
+            Some(format!("{:.1} ({:.0}..{:.0}) %", 100.0 * one.predicted_error?, 100.0 * low, 100.0 * high))
+        });
         let measured = served.and_then(|one| {
             let half = (one.measured_error_high? - one.measured_error_low?) / 2.0;
             Some(format!("{:.1} +- {:.1} %", 100.0 * one.measured_error?, 100.0 * half))
         });
         let _ = writeln!(
             self.text,
-            "{:<20} {:<9} {:>8.2} {:>15} {:>9}  {:<19} {:>2} {:>16} {:>9} {:>16} {:>7}",
+            "{:<20} {:<9} {:>8.2} {:>15} {:>9}  {:<19} {:>2} {:>16} {:>17} {:>16} {:>7}",
             format!("{}/{}/{}", incident.robot, incident.array, incident.whisker),
             whisker.condition,
             truth.length_mm,
@@ -203,7 +207,7 @@ impl Report {
             case,
             or_dash(served.and_then(|one| one.compensator_whisker).map(|by| by.to_string())),
             or_dash(pressure),
-            or_dash(served.and_then(|one| one.predicted_error).map(percent)),
+            or_dash(predicted),
             or_dash(measured),
             or_dash(truth.error.map(percent)),
         );

@@ -1,15 +1,15 @@
 //! Effects become rows and publications.
 
 use tracing::{error, info, warn};
-use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin};
+use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin, Refinement};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
 
 use super::publication::command_id;
 use super::{Engine, mpa};
 use crate::store::batch::{
-    CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, ResponseRow, RobotRow, SetpointRow,
-    WhiskerRow,
+    CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow,
+    RobotRow, SetpointRow, WhiskerRow,
 };
 use vibrissa_edge::words::{Word, Z95};
 
@@ -132,6 +132,11 @@ impl Engine {
                 self.metrics.compensation_error.observe(error.mean);
                 self.batch.records.push(Record::Error(Box::new(error_row(robot_id, recorded_us, &error))));
             }
+            Effect::Refined(look) => {
+                let row = refinement_row(robot_id, recorded_us, &look);
+                info!(robot = %name, outcome = row.outcome, error = look.error, "a setpoint was looked at");
+                self.batch.records.push(Record::Refinement(Box::new(row)));
+            }
             Effect::Alarm { whisker, kind } => {
                 self.metrics.alarms.with_label_values(&[kind.word()]).inc();
                 warn!(robot = %name, whisker, alarm = kind.word(), "alarm");
@@ -212,6 +217,7 @@ fn decision_row(robot_id: i64, decided_us: i64, decision: &Decision, whisker_id:
         pressure_before_mpa: one.pressure_before.mpa(),
         pressure_mpa: mpa(one.pressure),
         predicted_error: one.predicted_error,
+        predicted_error_interval: one.predicted_error_interval,
         predicted_error_by_ratio: one
             .predicted_error_by_ratio
             .and_then(|by_ratio| serde_json::to_string(&by_ratio).ok()),
@@ -263,8 +269,26 @@ fn error_row(robot_id: i64, recorded_us: i64, error: &CompensationError) -> Erro
         compensation_id: wide_id(robot_id, error.compensation),
         recorded_us,
         contacts: i64::from(error.contacts),
+        pressure_mpa: error.pressure.mpa(),
         error: interval(error.mean, error.sd),
+        with_gain: error.with_gain.map(|(mean, sd)| interval(mean, sd)),
         bins: error.bins.iter().map(bin_row).collect(),
+    }
+}
+
+fn refinement_row(robot_id: i64, recorded_us: i64, look: &Refinement) -> RefinementRow {
+    RefinementRow {
+        compensation_id: wide_id(robot_id, look.compensation),
+        recorded_us,
+        contacts: i64::from(look.contacts),
+        outcome: look.outcome.word(),
+        pressure_from_mpa: look.pressure_from.mpa(),
+        pressure_best_mpa: mpa(look.pressure_best),
+        error: interval(look.error, look.error_sd),
+        error_best: look.error_best.map(|(mean, sd)| interval(mean, sd)),
+        error_with_gain: look.error_with_gain,
+        error_with_own_gain: look.error_with_own_gain,
+        gain_published: look.gain_published,
     }
 }
 

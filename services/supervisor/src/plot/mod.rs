@@ -1,7 +1,8 @@
-//! SVG figures: the paper's curves and a calibration, on a light ground, in colours that everybody can tell apart.
+//! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart.
 
 pub mod calibration;
 pub mod detection;
+pub mod evaluation;
 pub mod health;
 pub mod paper;
 

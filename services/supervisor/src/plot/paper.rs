@@ -213,13 +213,19 @@ fn straight(chart: &mut Chart<'_>, slope: f64, colour: RGBColor, dash_px: i32) -
 
 /// The paper's marks.
 #[derive(Clone, Copy)]
-enum Mark {
+pub(super) enum Mark {
     Circle,
     Square,
     Cross,
 }
 
-fn marked(chart: &mut Chart<'_>, points: Vec<(f64, f64)>, name: String, colour: RGBColor, mark: Mark) -> Result<()> {
+pub(super) fn marked(
+    chart: &mut Chart<'_>,
+    points: Vec<(f64, f64)>,
+    name: String,
+    colour: RGBColor,
+    mark: Mark,
+) -> Result<()> {
     let line = colour.stroke_width(2);
     chart.draw_series(LineSeries::new(points.clone(), line)).map_err(drawing)?;
     let stroke = move |x: i32, y: i32| EmptyElement::at((x + 11, y)) + PathElement::new([(-11, 0), (11, 0)], line);

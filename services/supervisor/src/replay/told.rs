@@ -6,7 +6,8 @@ use serde::Serialize;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::{
-    CandidateRecord, Command, CommandKey, CompensationError, ContactRecord, Decision, Effect, ErrorBin, Response, Trim,
+    CandidateRecord, Command, CommandKey, CompensationError, ContactRecord, Decision, Effect, ErrorBin, Refinement,
+    Response, Trim,
 };
 use vibrissa_core::units::Megapascal;
 use vibrissa_edge::words::{Word, Z95};
@@ -83,6 +84,7 @@ enum Told<'a> {
     },
     Response(ResponseLine),
     Error(ErrorLine),
+    Refinement(RefinementLine),
     Alarm {
         #[serde(flatten)]
         place: Place<'a>,
@@ -150,6 +152,8 @@ struct CandidateLine {
     pressure_before_mpa: f64,
     pressure_mpa: Option<f64>,
     predicted_error: Option<f64>,
+    predicted_error_low: Option<f64>,
+    predicted_error_high: Option<f64>,
     predicted_error_by_ratio: Option<[f64; CONTACT_RATIOS.len()]>,
     gives_up_own_role: bool,
     chosen: bool,
@@ -192,7 +196,25 @@ struct ErrorLine {
     error: f64,
     error_low: f64,
     error_high: f64,
+    error_with_gain: Option<f64>,
+    error_with_gain_low: Option<f64>,
+    error_with_gain_high: Option<f64>,
+    pressure_mpa: f64,
     bins: Vec<BinLine>,
+}
+
+#[derive(Serialize)]
+struct RefinementLine {
+    compensation: u32,
+    contacts: u32,
+    outcome: &'static str,
+    pressure_from_mpa: f64,
+    pressure_best_mpa: Option<f64>,
+    error: f64,
+    error_best: Option<f64>,
+    error_with_gain: f64,
+    error_with_own_gain: f64,
+    gain_published: bool,
 }
 
 #[derive(Serialize)]
@@ -240,6 +262,7 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         }
         Effect::Response(response) => Told::Response(response_line(response, source)),
         Effect::Error(error) => Told::Error(error_line(error)),
+        Effect::Refined(look) => Told::Refinement(refinement_line(look)),
         Effect::Alarm { whisker, kind } => Told::Alarm { place: place(*whisker)?, kind: kind.word() },
         Effect::AskForFactsheet => Told::Request { request: protocol::RequestKind::Factsheet.as_str() },
     })
@@ -287,6 +310,8 @@ fn decision_line<'a>(decision: &Decision, target: Place<'a>, robot: &Robot) -> D
         pressure_before_mpa: one.pressure_before.mpa(),
         pressure_mpa: one.pressure.map(Megapascal::mpa),
         predicted_error: one.predicted_error,
+        predicted_error_low: one.predicted_error_interval.map(|(low, _)| low),
+        predicted_error_high: one.predicted_error_interval.map(|(_, high)| high),
         predicted_error_by_ratio: one.predicted_error_by_ratio,
         gives_up_own_role: one.gives_up_own_role,
         chosen: decision.chosen == Some(at),
@@ -333,6 +358,7 @@ fn response_line(response: &Response, source: Option<&protocol::Contacts>) -> Re
 
 fn error_line(error: &CompensationError) -> ErrorLine {
     let (error_low, error_high) = interval(error.mean, error.sd);
+    let with_gain = error.with_gain.map(|(mean, sd)| interval(mean, sd));
     let bins = error.bins.iter().map(bin_line).collect();
     ErrorLine {
         compensation: error.compensation,
@@ -340,7 +366,26 @@ fn error_line(error: &CompensationError) -> ErrorLine {
         error: error.mean,
         error_low,
         error_high,
+        error_with_gain: error.with_gain.map(|(mean, _)| mean),
+        error_with_gain_low: with_gain.map(|(low, _)| low),
+        error_with_gain_high: with_gain.map(|(_, high)| high),
+        pressure_mpa: error.pressure.mpa(),
         bins,
+    }
+}
+
+fn refinement_line(look: &Refinement) -> RefinementLine {
+    RefinementLine {
+        compensation: look.compensation,
+        contacts: look.contacts,
+        outcome: look.outcome.word(),
+        pressure_from_mpa: look.pressure_from.mpa(),
+        pressure_best_mpa: look.pressure_best.map(Megapascal::mpa),
+        error: look.error,
+        error_best: look.error_best.map(|(mean, _)| mean),
+        error_with_gain: look.error_with_gain,
+        error_with_own_gain: look.error_with_own_gain,
+        gain_published: look.gain_published,
     }
 }
 

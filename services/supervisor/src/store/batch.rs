@@ -184,6 +184,8 @@ pub enum Record {
     Response(ResponseRow),
     /// The compensation error.
     Error(Box<ErrorRow>),
+    /// A look at a setpoint.
+    Refinement(Box<RefinementRow>),
     /// An alarm.
     Alarm {
         /// About whom.
@@ -231,6 +233,8 @@ pub struct CandidateRow {
     pub pressure_mpa: Option<f64>,
     /// Predicted mean error.
     pub predicted_error: Option<f64>,
+    /// Its 95 % interval.
+    pub predicted_error_interval: Option<(f64, f64)>,
     /// The same by contact ratio, JSON.
     pub predicted_error_by_ratio: Option<String>,
     /// Whether it would give up its own role.
@@ -304,10 +308,41 @@ pub struct ErrorRow {
     pub recorded_us: i64,
     /// Contacts.
     pub contacts: i64,
+    /// Pressure at which it is measured.
+    pub pressure_mpa: f64,
     /// Mean and 95 % interval, as ratios.
     pub error: Interval,
+    /// The same with the gain in force.
+    pub with_gain: Option<Interval>,
     /// Bins.
     pub bins: Vec<ErrorBinRow>,
+}
+
+/// A look at a setpoint; see the table for the columns.
+#[derive(Debug)]
+pub struct RefinementRow {
+    /// Compensation.
+    pub compensation_id: i64,
+    /// When.
+    pub recorded_us: i64,
+    /// Contacts at the pressure.
+    pub contacts: i64,
+    /// What came of it.
+    pub outcome: &'static str,
+    /// The pressure that was held.
+    pub pressure_from_mpa: f64,
+    /// The best pressure.
+    pub pressure_best_mpa: Option<f64>,
+    /// Error as felt.
+    pub error: Interval,
+    /// Error to be expected at the best pressure.
+    pub error_best: Option<Interval>,
+    /// What the published gain leaves.
+    pub error_with_gain: f64,
+    /// What a gain from these contacts would leave.
+    pub error_with_own_gain: f64,
+    /// Whether a new gain went out.
+    pub gain_published: bool,
 }
 
 /// A value with its 95 % interval.

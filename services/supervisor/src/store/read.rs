@@ -3,7 +3,7 @@
 use super::database::on;
 use super::readings::{
     CandidateReading, Compensation, CompensationReading, ErrorBinReading, HealthChangeReading, LengthPoint,
-    SetpointStateReading, TrimReading, WhiskerReading,
+    RefinementReading, SetpointStateReading, TrimReading, WhiskerReading,
 };
 use super::{Store, StoreError, failed};
 
@@ -43,8 +43,16 @@ impl Store {
         let decisions: Vec<CompensationReading> = on!(&self.pool, |pool| sqlx::query_as(
             "SELECT c.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, target_length_mm, \
              target_pressure_mpa, k.whisker AS compensator_whisker, compensation_case, pressure_before_mpa, \
-             c.pressure_mpa, predicted_error, e.error AS measured_error, e.error_low AS measured_error_low, \
-             e.error_high AS measured_error_high, e.bins AS measured_bins, \
+             c.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, \
+             (SELECT s.pressure_mpa FROM setpoints s WHERE s.compensation_id = c.compensation_id \
+              ORDER BY epoch DESC, version DESC LIMIT 1) AS held_pressure_mpa, \
+             (SELECT count(*) FROM compensation_refinements l WHERE l.compensation_id = c.compensation_id) AS looks, \
+             (SELECT outcome FROM compensation_refinements l WHERE l.compensation_id = c.compensation_id \
+              ORDER BY compensation_refinement_id DESC LIMIT 1) AS last_look, \
+             e.error AS measured_error, e.error_low AS measured_error_low, \
+             e.error_high AS measured_error_high, e.pressure_mpa AS measured_pressure_mpa, \
+             e.error_with_gain AS measured_error_with_gain, e.error_with_gain_low AS measured_error_with_gain_low, \
+             e.error_with_gain_high AS measured_error_with_gain_high, e.bins AS measured_bins, \
              (SELECT state FROM setpoints s WHERE s.compensation_id = c.compensation_id \
               ORDER BY epoch DESC, version DESC LIMIT 1) AS setpoint_state, decided_us, ended_us, end_reason \
              FROM compensations c JOIN robots USING (robot_id) JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
@@ -61,7 +69,7 @@ impl Store {
         let candidates: Vec<CandidateReading> = on!(&self.pool, |pool| {
             sqlx::query_as(
             "SELECT compensation_id, w.whisker, compensation_case, k.length_mm, k.length_sd_mm, pressure_before_mpa, \
-             k.pressure_mpa, predicted_error, gives_up_own_role, chosen, refused \
+             k.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, gives_up_own_role, chosen, refused \
              FROM compensation_candidates k JOIN whiskers w USING (whisker_id) WHERE compensation_id IN \
              (SELECT compensation_id FROM compensations ORDER BY decided_us DESC, compensation_id DESC LIMIT $1) \
              ORDER BY compensation_id, ordinal",
@@ -110,6 +118,23 @@ impl Store {
         .fetch_all(pool)
         .await)
         .map_err(failed("read a compensation error"))
+    }
+
+    /// Every look at a compensation's setpoint, in order, at most [`ROWS_MAX`].
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn refinements(&self, compensation_id: i64) -> Result<Vec<RefinementReading>, StoreError> {
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT contacts, outcome, pressure_from_mpa, pressure_best_mpa, error, error_low, error_high, \
+             error_best, error_with_gain, gain_published FROM compensation_refinements \
+             WHERE compensation_id = $1 ORDER BY compensation_refinement_id LIMIT $2",
+        )
+        .bind(compensation_id)
+        .bind(ROWS_MAX)
+        .fetch_all(pool)
+        .await)
+        .map_err(failed("list the looks at a setpoint"))
     }
 
     /// Estimated length and pressure of a whisker over time, every `every`-th contact, at most [`ROWS_MAX`].
@@ -191,8 +216,10 @@ impl Store {
     /// The database cannot be read.
     pub async fn measured_contacts(&self) -> Result<Vec<i64>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_scalar(
-            "SELECT max(e.contacts) FROM compensation_errors e JOIN compensations USING (compensation_id) \
-             WHERE ended_us IS NULL GROUP BY compensation_id",
+            "SELECT contacts FROM compensation_errors JOIN compensations USING (compensation_id) \
+             WHERE ended_us IS NULL AND compensation_error_id IN \
+             (SELECT max(compensation_error_id) FROM compensation_errors GROUP BY compensation_id) \
+             ORDER BY compensation_id",
         )
         .fetch_all(pool)
         .await)

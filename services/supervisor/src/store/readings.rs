@@ -110,12 +110,30 @@ readings! {
         pub pressure_mpa: Option<f64>,
         /// Predicted mean error (Eq. 35), as a ratio.
         pub predicted_error: Option<f64>,
+        /// Lower end of its 95 % interval.
+        pub predicted_error_low: Option<f64>,
+        /// Upper end of its 95 % interval.
+        pub predicted_error_high: Option<f64>,
+        /// The pressure of its newest setpoint: as decided, or as refined since.
+        pub held_pressure_mpa: Option<f64>,
+        /// How often its setpoint was looked at.
+        pub looks: i64,
+        /// Why its pressure is what it is: what came of the newest look.
+        pub last_look: Option<String>,
         /// Measured mean error, newest, as a ratio.
         pub measured_error: Option<f64>,
         /// Lower end of its 95 % interval.
         pub measured_error_low: Option<f64>,
         /// Upper end of its 95 % interval.
         pub measured_error_high: Option<f64>,
+        /// The pressure at which it is measured.
+        pub measured_pressure_mpa: Option<f64>,
+        /// Measured mean error with the residual gain applied.
+        pub measured_error_with_gain: Option<f64>,
+        /// Lower end of its 95 % interval.
+        pub measured_error_with_gain_low: Option<f64>,
+        /// Upper end of its 95 % interval.
+        pub measured_error_with_gain_high: Option<f64>,
         /// Contact-ratio bins in it.
         pub measured_bins: Option<i64>,
         /// What became of its newest setpoint.
@@ -149,12 +167,41 @@ readings! {
         pub pressure_mpa: Option<f64>,
         /// Predicted mean error, as a ratio.
         pub predicted_error: Option<f64>,
+        /// Lower end of its 95 % interval.
+        pub predicted_error_low: Option<f64>,
+        /// Upper end of its 95 % interval.
+        pub predicted_error_high: Option<f64>,
         /// Whether it would give up its own role.
         pub gives_up_own_role: bool,
         /// Whether it was chosen.
         pub chosen: bool,
         /// Why not.
         pub refused: Option<String>,
+    }
+
+    /// A look at a setpoint.
+    #[derive(Debug, Clone, Serialize)]
+    pub struct RefinementReading {
+        /// Contacts at the pressure.
+        pub contacts: i64,
+        /// What came of it.
+        pub outcome: String,
+        /// The pressure that was held.
+        pub pressure_from_mpa: f64,
+        /// The best pressure.
+        pub pressure_best_mpa: Option<f64>,
+        /// Mean error as felt, as a ratio.
+        pub error: f64,
+        /// Lower end of its 95 % interval.
+        pub error_low: f64,
+        /// Upper end of its 95 % interval.
+        pub error_high: f64,
+        /// Error to be expected at the best pressure.
+        pub error_best: Option<f64>,
+        /// What the published gain leaves.
+        pub error_with_gain: f64,
+        /// Whether a new gain went out.
+        pub gain_published: bool,
     }
 
     /// A trim that was found.

@@ -2,7 +2,7 @@
 
 use sqlx::QueryBuilder;
 
-use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, SetpointRow};
+use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow};
 use super::database::{Tx, on};
 use super::{StoreError, failed};
 
@@ -27,6 +27,7 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
         Record::Decision(decision) => write_decision(tx, decision).await.map_err(failed("write a decision")),
         Record::Setpoint(setpoint) => write_setpoint(tx, setpoint).await.map_err(failed("write a setpoint")),
         Record::Error(error) => write_error(tx, error).await.map_err(failed("write a compensation error")),
+        Record::Refinement(look) => write_refinement(tx, look).await.map_err(failed("write a look at a setpoint")),
         Record::SetpointState { command_id, recorded_us, state, error, pressure_mpa } => {
             write_setpoint_state(tx, command_id, *recorded_us, state, *error, *pressure_mpa)
                 .await
@@ -121,7 +122,11 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
                 .await
                 .map(drop))?;
         }
-        Record::Decision(_) | Record::Setpoint(_) | Record::SetpointState { .. } | Record::Error(_) => {}
+        Record::Decision(_)
+        | Record::Setpoint(_)
+        | Record::SetpointState { .. }
+        | Record::Error(_)
+        | Record::Refinement(_) => {}
     }
     Ok(())
 }
@@ -131,7 +136,8 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
     on!(&mut *tx, |tx| sqlx::query(
         "INSERT INTO compensations (compensation_id, robot_id, target_whisker_id, target_length_mm, \
          target_pressure_mpa, compensator_whisker_id, compensation_case, pressure_before_mpa, pressure_mpa, \
-         predicted_error, decided_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+         predicted_error, predicted_error_low, predicted_error_high, decided_us) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
     )
     .bind(decision.compensation_id)
     .bind(decision.robot_id)
@@ -143,6 +149,8 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
     .bind(chosen.map(|candidate| candidate.pressure_before_mpa))
     .bind(chosen.and_then(|candidate| candidate.pressure_mpa))
     .bind(chosen.and_then(|candidate| candidate.predicted_error))
+    .bind(chosen.and_then(|candidate| candidate.predicted_error_interval).map(|interval| interval.0))
+    .bind(chosen.and_then(|candidate| candidate.predicted_error_interval).map(|interval| interval.1))
     .bind(decision.decided_us)
     .execute(&mut **tx)
     .await
@@ -151,8 +159,8 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
         on!(&mut *tx, |tx| sqlx::query(
             "INSERT INTO compensation_candidates (compensation_id, ordinal, whisker_id, compensation_case, \
              length_mm, length_sd_mm, pressure_before_mpa, pressure_mpa, predicted_error, \
-             predicted_error_by_ratio, gives_up_own_role, chosen, refused) \
-             VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+             predicted_error_low, predicted_error_high, predicted_error_by_ratio, gives_up_own_role, chosen, refused) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)",
         )
         .bind(decision.compensation_id)
         .bind(ordinal as i64)
@@ -163,6 +171,8 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
         .bind(candidate.pressure_before_mpa)
         .bind(candidate.pressure_mpa)
         .bind(candidate.predicted_error)
+        .bind(candidate.predicted_error_interval.map(|interval| interval.0))
+        .bind(candidate.predicted_error_interval.map(|interval| interval.1))
         .bind(&candidate.predicted_error_by_ratio)
         .bind(candidate.gives_up_own_role)
         .bind(candidate.chosen)
@@ -233,7 +243,8 @@ async fn write_setpoint_state(
 async fn write_error(tx: &mut Tx<'_>, error: &ErrorRow) -> sqlx::Result<()> {
     let written: i64 = on!(&mut *tx, |tx| sqlx::query_scalar(
         "INSERT INTO compensation_errors (compensation_id, recorded_us, contacts, bins, error, error_low, \
-         error_high) VALUES ($1, $2, $3, $4, $5, $6, $7) RETURNING compensation_error_id",
+         error_high, pressure_mpa, error_with_gain, error_with_gain_low, error_with_gain_high) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11) RETURNING compensation_error_id",
     )
     .bind(error.compensation_id)
     .bind(error.recorded_us)
@@ -242,6 +253,10 @@ async fn write_error(tx: &mut Tx<'_>, error: &ErrorRow) -> sqlx::Result<()> {
     .bind(error.error.mean)
     .bind(error.error.low)
     .bind(error.error.high)
+    .bind(error.pressure_mpa)
+    .bind(error.with_gain.map(|with_gain| with_gain.mean))
+    .bind(error.with_gain.map(|with_gain| with_gain.low))
+    .bind(error.with_gain.map(|with_gain| with_gain.high))
     .fetch_one(&mut **tx)
     .await)?;
     on!(tx, |tx| {
@@ -264,4 +279,31 @@ async fn write_error(tx: &mut Tx<'_>, error: &ErrorRow) -> sqlx::Result<()> {
         });
         insert.build().persistent(false).execute(&mut **tx).await.map(drop)
     })
+}
+
+async fn write_refinement(tx: &mut Tx<'_>, look: &RefinementRow) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| sqlx::query(
+        "INSERT INTO compensation_refinements (compensation_id, recorded_us, contacts, outcome, pressure_from_mpa, \
+         pressure_best_mpa, error, error_low, error_high, error_best, error_best_low, error_best_high, \
+         error_with_gain, error_with_own_gain, gain_published) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)",
+    )
+    .bind(look.compensation_id)
+    .bind(look.recorded_us)
+    .bind(look.contacts)
+    .bind(look.outcome)
+    .bind(look.pressure_from_mpa)
+    .bind(look.pressure_best_mpa)
+    .bind(look.error.mean)
+    .bind(look.error.low)
+    .bind(look.error.high)
+    .bind(look.error_best.map(|best| best.mean))
+    .bind(look.error_best.map(|best| best.low))
+    .bind(look.error_best.map(|best| best.high))
+    .bind(look.error_with_gain)
+    .bind(look.error_with_own_gain)
+    .bind(look.gain_published)
+    .execute(&mut **tx)
+    .await
+    .map(drop))
 }

@@ -137,6 +137,7 @@ fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Op
         pressure: one.sheet.pressure,
         pressure_max: one.sheet.pressure_max,
         offset: one.filter.offset(),
+        own: one.belief(model).predict,
     };
     let proposal = propose(&params.policy, model, broken.target(), broken.filter.offset(), &fitness, is_self);
     Some(params.policy.cost(proposal.case, proposal.predicted_error()?, false))

@@ -1,5 +1,6 @@
 //! `vibrissa evaluate`: how well the core does, on simulated whiskers whose truth is known.
 
+pub mod compensation;
 pub mod detection;
 pub mod health;
 
@@ -21,6 +22,8 @@ enum What {
     Detection(detection::DetectionArgs),
     /// What is wrong is called by its name: a confusion matrix of everything that is a trim and that is none.
     Health(health::HealthArgs),
+    /// The paper's compensation experiment on plants that are not the model: open loop, closed loop, with gain.
+    Compensation(compensation::CompensationArgs),
 }
 
 /// Runs an evaluation.
@@ -31,5 +34,6 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> Result<()> {
     match &args.what {
         What::Detection(args) => detection::run(args, out),
         What::Health(args) => health::run(args, out),
+        What::Compensation(args) => compensation::run(args, out),
     }
 }

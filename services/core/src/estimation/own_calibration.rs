@@ -1,0 +1,319 @@
+//! What a whisker's own calibration is, as its responses at several pressures tell.
+//!
+//! While a compensation holds a pressure, the compensator's response there is measured. How it differs from the
+//! model's there and at nominal pressure says how k2 and the elongation of *this* chamber differ from the
+//! built-in ones, and so what it will do at a pressure where it has never been.
+//!
+//! Linear and Gaussian: the deviation from the model over contact ratio a and pressure Q is taken as
+//! `o(a) + sum_i w_i (g_i(a, Q) - g_i(a, Q_nominal))`, where `o` is a parabola (gauge, gluing, everything that
+//! pressure leaves alone) and `g_i` how ln s changes for one step of the i-th parameter ([`Family`]). The weights
+//! w have the prior "uniform within 10 %, either formulation"; each visit of a trimmed whisker adds one more
+//! unknown, its error in length. Bayes' rule is one solution of the normal equations, so the answer depends on
+//! what was felt alone and not on the order of it, and it cannot run away: it is bounded besides.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix5};
+
+use super::bins::ResponseBins;
+use super::smooth::terms;
+use crate::mechanics::{CONTACT_RATIOS, FAMILY, Family, LogChanges, Model, OTHER_FORMULATION};
+use crate::units::{Megapascal, Millimetre};
+
+/// Pressures that are remembered.
+const VISITS_MAX: usize = 8;
+/// Prior standard deviations of the parabola: level, slope, bend.
+const OFFSET_PRIOR: [f64; 3] = [0.3, 0.6, 0.1];
+/// What linear changes do not explain, log sensitivity in one bin.
+const NO_FIT: f64 = 0.004;
+/// Bound of the calibration's weights: 30 % from the built-in one.
+const WEIGHT_MAX: f64 = 0.3 / crate::mechanics::FAMILY_STEP;
+/// Bounds of the formulation's weight.
+const FORMULATION_MIN_MAX: (f64, f64) = (-0.5, 1.5);
+
+/// Weights of a [`Family`]: by how many steps a whisker's own calibration differs from the model's.
+pub type Weights = [f64; FAMILY];
+
+/// A whisker's responses at the pressures where it served.
+#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub struct OwnCalibration {
+    visits: Vec<Visit>,
+}
+
+/// The response at one pressure.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct Visit {
+    /// The compensation in which it was felt.
+    pub compensation: u32,
+    /// The pressure.
+    pub pressure: Megapascal,
+    /// The length that the response is measured against.
+    pub length: Millimetre,
+    /// Its standard deviation, mm.
+    pub length_sd_mm: f64,
+    /// The response against the model at that length.
+    pub bins: ResponseBins,
+}
+
+/// The whole whisker at nominal pressure: what visits are compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct Nominal<'a> {
+    /// Whole length.
+    pub length: Millimetre,
+    /// Nominal pressure.
+    pub pressure: Megapascal,
+    /// The response against the model there.
+    pub bins: &'a ResponseBins,
+}
+
+/// What is believed of a whisker's own calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Belief {
+    /// Mean of the weights.
+    pub mean: Weights,
+    /// Lower triangle R of their covariance, R R^T: row by row.
+    pub root: [Weights; FAMILY],
+    /// What to predict with: the mean where the whisker was felt at another pressure, otherwise the model as it
+    /// is. (That both formulations are as likely is no reason to predict with half of each.)
+    pub predict: Weights,
+}
+
+impl OwnCalibration {
+    /// Keeps what was felt at a pressure, in place of what was known of the same one; the oldest gives way.
+    pub fn remember(&mut self, visit: Visit) {
+        let same = |one: &Visit| one.compensation == visit.compensation && one.pressure == visit.pressure;
+        match self.visits.iter_mut().find(|one| same(one)) {
+            Some(known) => *known = visit,
+            None => {
+                if self.visits.len() == VISITS_MAX {
+                    self.visits.remove(0);
+                }
+                self.visits.push(visit);
+            }
+        }
+    }
+
+    /// The weights, from everything that is remembered.
+    #[must_use]
+    pub fn belief(&self, model: &Model, nominal: &Nominal<'_>) -> Belief {
+        if self.visits.is_empty() {
+            return Belief::prior();
+        }
+        let family = model.family();
+        let count = 3 + FAMILY + self.visits.len();
+        let mut equations = Equations::new(count);
+        equations.prior(&self.visits);
+        for bin in nominal.bins.felt() {
+            let mut row = DVector::zeros(count);
+            row.as_mut_slice()[..3].copy_from_slice(&terms(bin.mean_ratio()));
+            equations.observe(&row, bin.mean(), bin.variance() + NO_FIT.powi(2));
+        }
+        let at_nominal = family.log_changes(model, nominal.length, nominal.pressure);
+        for (at, visit) in self.visits.iter().enumerate() {
+            equations.visit(model, &family, &at_nominal, visit, at);
+        }
+        equations.belief()
+    }
+
+    /// Whether the whisker was felt at another pressure than its nominal one.
+    #[must_use]
+    pub fn is_informed(&self) -> bool {
+        !self.visits.is_empty()
+    }
+}
+
+impl Belief {
+    /// Nothing was felt: uniform within 10 %, either formulation.
+    #[must_use]
+    pub fn prior() -> Self {
+        let mut root = [[0.0; FAMILY]; FAMILY];
+        for (i, row) in root.iter_mut().enumerate() {
+            row[i] = prior_of(i).1;
+        }
+        Self { mean: std::array::from_fn(|i| prior_of(i).0), root, predict: [0.0; FAMILY] }
+    }
+
+    /// How the deviation from the model changes between two pressures, at [`CONTACT_RATIOS`].
+    #[must_use]
+    pub fn change(weights: &Weights, from: &LogChanges, to: &LogChanges) -> [f64; CONTACT_RATIOS.len()] {
+        std::array::from_fn(|k| (0..FAMILY).map(|i| weights[i] * (to[k][i] - from[k][i])).sum())
+    }
+
+    /// The same for each of the independent standard normal causes behind the covariance.
+    #[must_use]
+    pub fn causes(&self, from: &LogChanges, to: &LogChanges) -> [[f64; CONTACT_RATIOS.len()]; FAMILY] {
+        std::array::from_fn(|j| Self::change(&std::array::from_fn(|i| self.root[i][j]), from, to))
+    }
+}
+
+/// Mean and standard deviation: of a calibration's step, or of which formulation it is (0 or 1).
+fn prior_of(index: usize) -> (f64, f64) {
+    if index == OTHER_FORMULATION { (0.5, 0.5) } else { (0.0, 1.0) }
+}
+
+/// Normal equations of parabola, weights and the visits' errors in log length.
+struct Equations {
+    information: DMatrix<f64>,
+    weighed: DVector<f64>,
+}
+
+impl Equations {
+    fn new(count: usize) -> Self {
+        Self { information: DMatrix::zeros(count, count), weighed: DVector::zeros(count) }
+    }
+
+    fn observe(&mut self, row: &DVector<f64>, value: f64, variance: f64) {
+        self.information += row * row.transpose() / variance;
+        self.weighed += row * (value / variance);
+    }
+
+    fn prior(&mut self, visits: &[Visit]) {
+        let offsets = OFFSET_PRIOR.map(|sd| (0.0, sd)).into_iter();
+        let weights = (0..FAMILY).map(prior_of);
+        let lengths = visits.iter().map(|visit| (0.0, (visit.length_sd_mm / visit.length.mm()).max(1e-5)));
+        for (i, (mean, sd)) in offsets.chain(weights).chain(lengths).enumerate() {
+            self.information[(i, i)] += sd.powi(-2);
+            self.weighed[i] += mean / sd.powi(2);
+        }
+        // One compensation has one length: its visits share the error.
+        for (later, visit) in visits.iter().enumerate() {
+            if let Some(first) = visits[..later].iter().position(|one| one.compensation == visit.compensation) {
+                let mut row = DVector::zeros(self.weighed.len());
+                (row[3 + FAMILY + first], row[3 + FAMILY + later]) = (1.0, -1.0);
+                self.observe(&row, 0.0, 1e-10);
+            }
+        }
+    }
+
+    fn visit(&mut self, model: &Model, family: &Family, at_nominal: &LogChanges, visit: &Visit, at: usize) {
+        let there = family.log_changes(model, visit.length, visit.pressure);
+        let morphology = model.morphology(visit.pressure);
+        for bin in visit.bins.felt() {
+            let a = bin.mean_ratio();
+            let Ok(ratio) = crate::units::ContactRatio::new(a) else { continue };
+            let Ok((_, slope)) = model.sensitivity_and_slope(ratio, visit.length, &morphology) else { continue };
+            let (k, share) = between(a);
+            let mut row = DVector::zeros(self.weighed.len());
+            row.as_mut_slice()[..3].copy_from_slice(&terms(a));
+            for i in 0..FAMILY {
+                let change = |k: usize| there[k][i] - at_nominal[k][i];
+                row[3 + i] = change(k) + share * (change(k + 1) - change(k));
+            }
+            row[3 + FAMILY + at] = slope;
+            self.observe(&row, bin.mean(), bin.variance() + NO_FIT.powi(2));
+        }
+    }
+
+    fn belief(self) -> Belief {
+        // The prior keeps the information positive; rounding could not be blamed on the whisker either.
+        let Some(factor) = Cholesky::new(self.information) else { return Belief::prior() };
+        let solved = factor.solve(&self.weighed);
+        let covariance = factor.inverse();
+        let own = Matrix5::from_fn(|i, j| covariance[(3 + i, 3 + j)]);
+        let Some(root) = Cholesky::new(own) else { return Belief::prior() };
+        let root = root.l();
+        let mean = std::array::from_fn(|i| {
+            let (low, high) = if i == OTHER_FORMULATION { FORMULATION_MIN_MAX } else { (-WEIGHT_MAX, WEIGHT_MAX) };
+            solved[3 + i].clamp(low, high)
+        });
+        Belief { mean, root: std::array::from_fn(|i| std::array::from_fn(|j| root[(i, j)])), predict: mean }
+    }
+}
+
+/// Between which two of [`CONTACT_RATIOS`] a contact ratio lies, and how far along.
+fn between(a: f64) -> (usize, f64) {
+    let steps = (a - CONTACT_RATIOS[0]) / super::bins::WIDTH;
+    let k = (steps.max(0.0) as usize).min(CONTACT_RATIOS.len() - 2);
+    (k, steps - k as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Calibration, Formulation, Geometry};
+    use crate::units::ContactRatio;
+
+    const NOMINAL: f64 = 0.1;
+
+    fn plant(factors: [f64; 4], formulation: Formulation) -> Model {
+        let built_in = Calibration::nguyen_2021();
+        let calibration = Calibration {
+            c: factors[0] * built_in.c,
+            a: factors[1] * built_in.a,
+            b_per_mpa: factors[2] * built_in.b_per_mpa,
+            elongation_gain_mm: factors[3] * built_in.elongation_gain_mm,
+            ..built_in
+        };
+        Model::new(Geometry::nguyen_2021(), calibration, formulation).unwrap()
+    }
+
+    /// Noise-free contacts of the plant against the model, with the noise that they are said to have.
+    fn felt(plant: &Model, model: &Model, length: f64, pressure: f64) -> ResponseBins {
+        let (length, pressure) = (Millimetre::known(length), Megapascal::known(pressure));
+        let mut bins = ResponseBins::default();
+        for k in 0..1200 {
+            let ratio = ContactRatio::known(0.45 + 0.55 * f64::from(k) / 1199.0);
+            let log = |m: &Model| m.sensitivity_per_mm(ratio, length, &m.morphology(pressure)).unwrap().ln();
+            bins.add(ratio, log(plant) - log(model), 0.035_f64.powi(2));
+        }
+        bins
+    }
+
+    fn visit(plant: &Model, model: &Model, pressure: f64) -> Visit {
+        Visit {
+            compensation: 1,
+            pressure: Megapascal::known(pressure),
+            length: Millimetre::known(65.0),
+            length_sd_mm: 0.1,
+            bins: felt(plant, model, 65.0, pressure),
+        }
+    }
+
+    #[test]
+    fn property_a_response_at_one_more_pressure_predicts_those_where_it_never_was() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let plants = [
+            ([1.1, 0.9, 1.1, 1.1], Formulation::Consistent),
+            ([0.9, 1.1, 0.9, 0.9], Formulation::Published),
+            ([0.95, 0.92, 1.08, 1.0], Formulation::Consistent),
+        ];
+        for (factors, formulation) in plants {
+            let plant = plant(factors, formulation);
+            let whole = felt(&plant, &model, 65.0, NOMINAL);
+            let nominal =
+                Nominal { length: Millimetre::known(65.0), pressure: Megapascal::known(NOMINAL), bins: &whole };
+            let off_by = |own: &OwnCalibration, pressure: f64| {
+                let belief = own.belief(&model, &nominal);
+                let changes = |q: f64| model.family().log_changes(&model, nominal.length, Megapascal::known(q));
+                let told = Belief::change(&belief.predict, &changes(NOMINAL), &changes(pressure));
+                let log = |m: &Model, q: f64| m.log_sensitivities(nominal.length, Megapascal::known(q));
+                let deviation = |q: f64, k: usize| log(&plant, q)[k].unwrap() - log(&model, q)[k].unwrap();
+                (0..12).map(|k| (told[k] - deviation(pressure, k) + deviation(NOMINAL, k)).abs()).sum::<f64>() / 12.0
+            };
+            let mut own = OwnCalibration::default();
+            let before = off_by(&own, 0.03);
+            own.remember(visit(&plant, &model, 0.05));
+            let after = off_by(&own, 0.03);
+            assert!(after < 0.4 * before && after < 0.006, "{factors:?} {formulation:?}: {before} {after}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_bounded_and_the_oldest_visit_gives_way() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let whole = felt(&model, &model, 65.0, NOMINAL);
+        let nominal = Nominal { length: Millimetre::known(65.0), pressure: Megapascal::known(NOMINAL), bins: &whole };
+        let mut own = OwnCalibration::default();
+        for k in 0..20 {
+            let mut one = visit(&model, &model, 0.02 + 0.004 * f64::from(k));
+            for _ in 0..100 {
+                one.bins.add(ContactRatio::TIP, 3.0, 1e-4);
+            }
+            own.remember(one.clone());
+            own.remember(one);
+        }
+        assert_eq!(own.visits.len(), VISITS_MAX);
+        let belief = own.belief(&model, &nominal);
+        assert!(belief.mean.iter().all(|weight| weight.abs() <= WEIGHT_MAX), "{:?}", belief.mean);
+        assert_eq!(OwnCalibration::default().belief(&model, &nominal), Belief::prior());
+    }
+}

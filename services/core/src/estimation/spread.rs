@@ -1,0 +1,119 @@
+//! How uncertain Eq. 35 is, from how uncertain the responses in it are.
+//!
+//! Eq. 35 divides small differences and takes absolute values, so its spread is not told by derivatives: near a
+//! perfect match the error can only be larger than it seems. Instead a fixed, evenly spread set of equally likely
+//! cases is gone through: no randomness, the same answer every time.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use crate::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
+
+/// Cases that are gone through.
+const CASES: u32 = 400;
+
+/// A value at each of [`CONTACT_RATIOS`].
+pub type Curve = [f64; CONTACT_RATIOS.len()];
+
+/// `N` responses as ln s by contact ratio, each the sum of a mean and of what independent standard normal
+/// causes add to it. One cause may move several responses.
+#[derive(Debug, Clone)]
+pub struct Uncertain<const N: usize> {
+    /// Means.
+    pub mean: [Curve; N],
+    /// Causes, each with what one standard deviation of it adds.
+    pub causes: Vec<[Curve; N]>,
+}
+
+impl<const N: usize> Uncertain<N> {
+    /// Adds causes that move the responses named in `to` alike.
+    pub fn moves(&mut self, curves: &[Curve], to: &[usize]) {
+        for curve in curves {
+            let mut cause = [[0.0; CONTACT_RATIOS.len()]; N];
+            for &response in to {
+                cause[response] = *curve;
+            }
+            self.causes.push(cause);
+        }
+    }
+
+    /// What `of` makes of each of the equally likely cases.
+    pub fn cases<T>(&self, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+        let steps = evenly_spread(self.causes.len());
+        let normal = Normal::standard();
+        let one = |case: u32| {
+            let mut responses = self.mean;
+            for (cause, step) in self.causes.iter().zip(&steps) {
+                let part = (0.5 + f64::from(case) * step).fract().clamp(1e-9, 1.0 - 1e-9);
+                let amount = normal.inverse_cdf(part);
+                for (response, added) in responses.iter_mut().zip(cause) {
+                    response.iter_mut().zip(added).for_each(|(value, added)| *value += amount * added);
+                }
+            }
+            of(&responses)
+        };
+        (0..CASES).map(one).collect()
+    }
+}
+
+/// The additive recurrence of the generalised golden ratio (Roberts 2018), one step for each dimension.
+fn evenly_spread(dimensions: usize) -> Vec<f64> {
+    let power = 1.0 / (dimensions as f64 + 1.0);
+    let golden = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(power));
+    (0..dimensions as i32).map(|at| golden.powi(-at - 1)).collect()
+}
+
+/// The mean of Eq. 35 from ln s after, before and of the target, over the contact ratios that are `known`.
+#[must_use]
+pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, known: &[bool; CONTACT_RATIOS.len()]) -> f64 {
+    let per_mm = |logs: &Curve| -> ByRatio { std::array::from_fn(|k| known[k].then(|| logs[k].exp())) };
+    ErrorProfile::new(&per_mm(after), &per_mm(before), &per_mm(target)).mean
+}
+
+/// Mean and standard deviation.
+#[must_use]
+pub fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt())
+}
+
+/// The central 95 % of the cases.
+#[must_use]
+pub fn interval95(mut values: Vec<f64>) -> (f64, f64) {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+    (at(0.025), at(0.975))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cases_have_the_stated_moments_and_correlations() {
+        let flat = |value: f64| [value; CONTACT_RATIOS.len()];
+        let mut one = Uncertain { mean: [flat(1.0), flat(2.0)], causes: Vec::new() };
+        one.moves(&[flat(0.3)], &[0, 1]);
+        one.moves(&[flat(0.4), flat(0.0)], &[1]);
+        let cases = one.cases(|[a, b]| (a[3], b[7]));
+        let (mean_a, sd_a) = moments(&cases.iter().map(|case| case.0).collect::<Vec<_>>());
+        let (mean_b, sd_b) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
+        let together = cases.iter().map(|case| (case.0 - mean_a) * (case.1 - mean_b)).sum::<f64>() / cases.len() as f64;
+        assert!((mean_a - 1.0).abs() < 0.01 && (sd_a - 0.3).abs() < 0.01, "{mean_a} {sd_a}");
+        assert!((mean_b - 2.0).abs() < 0.02 && (sd_b - 0.5).abs() < 0.02, "{mean_b} {sd_b}");
+        assert!((together - 0.09).abs() < 0.01, "{together}");
+        let (low, high) = interval95(cases.iter().map(|case| case.0).collect());
+        assert!((low - 1.0 + 1.96 * 0.3).abs() < 0.03 && (high - 1.0 - 1.96 * 0.3).abs() < 0.03, "{low} {high}");
+    }
+
+    #[test]
+    fn a_perfect_match_that_is_uncertain_has_an_error() {
+        let flat = |value: f64| [value; CONTACT_RATIOS.len()];
+        let mut one = Uncertain { mean: [flat(0.0), flat(0.2), flat(0.0)], causes: Vec::new() };
+        assert_eq!(mean_error(&one.mean[0], &one.mean[1], &one.mean[2], &[true; 12]), 0.0);
+        one.moves(&[flat(0.02)], &[0]);
+        let cases = one.cases(|[after, before, target]| mean_error(after, before, target, &[true; 12]));
+        let (mean, _) = moments(&cases);
+        assert!((mean - 0.8 * 0.02 / (0.2_f64.exp() - 1.0)).abs() < 0.01, "{mean}");
+    }
+}

@@ -1,0 +1,118 @@
+//! How a whisker's response would change if its calibration were a little other: what a whisker's own
+//! calibration is learned from, and what the interval of a prediction comes from.
+//!
+//! Over the ten per cent that rubbers differ, ln s is nearly linear in the parameters: the change with the
+//! pressure of any such whisker is told to about 1 % of the sensitivity, and a response that was measured at one
+//! pressure anchors the others.
+
+use super::calibration::Calibration;
+use super::model::{Formulation, Model};
+use super::profile::CONTACT_RATIOS;
+use crate::units::{ContactRatio, Megapascal, Millimetre};
+
+/// What may be other: k2's c, a and b, the elongation gain G, and the formulation.
+pub const FAMILY: usize = 5;
+/// Index of the formulation: 0 is the model's own, 1 the other one.
+pub const OTHER_FORMULATION: usize = 4;
+/// One step of a calibration's parameter, relative: the standard deviation of an error that is uniform within
+/// 10 %.
+pub const FAMILY_STEP: f64 = 0.057_735;
+
+/// A model's relatives: each one step away in one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Family {
+    relatives: [Model; FAMILY],
+}
+
+/// Changes of ln s, one row per contact ratio of [`CONTACT_RATIOS`], one column per relative.
+///
+/// 0 where the contact would lie on the chamber: nothing is known of it there.
+pub type LogChanges = [[f64; FAMILY]; CONTACT_RATIOS.len()];
+
+impl Model {
+    /// The relatives of this model.
+    #[must_use]
+    pub fn family(&self) -> Family {
+        let own = *self.calibration();
+        let more = 1.0 + FAMILY_STEP;
+        let other = match self.formulation() {
+            Formulation::Published => Formulation::Consistent,
+            Formulation::Consistent => Formulation::Published,
+        };
+        let calibrated = |calibration: Calibration| self.relative(calibration, self.formulation());
+        Family {
+            relatives: [
+                calibrated(Calibration { c: own.c * more, ..own }),
+                calibrated(Calibration { a: own.a * more, ..own }),
+                calibrated(Calibration { b_per_mpa: own.b_per_mpa * more, ..own }),
+                calibrated(Calibration { elongation_gain_mm: own.elongation_gain_mm * more, ..own }),
+                self.relative(own, other),
+            ],
+        }
+    }
+
+    /// ln s at [`CONTACT_RATIOS`]; none where the contact would lie on the chamber.
+    #[must_use]
+    pub fn log_sensitivities(&self, length: Millimetre, pressure: Megapascal) -> [Option<f64>; CONTACT_RATIOS.len()] {
+        let morphology = self.morphology(pressure);
+        CONTACT_RATIOS.map(|a| self.sensitivity_per_mm(ContactRatio::known(a), length, &morphology).ok().map(f64::ln))
+    }
+}
+
+impl Family {
+    /// By how much ln s of each relative differs from the model's.
+    #[must_use]
+    pub fn log_changes(&self, model: &Model, length: Millimetre, pressure: Megapascal) -> LogChanges {
+        let own = model.log_sensitivities(length, pressure);
+        let others = self.relatives.each_ref().map(|relative| relative.log_sensitivities(length, pressure));
+        std::array::from_fn(|k| {
+            std::array::from_fn(|i| match (others[i][k], own[k]) {
+                (Some(other), Some(own)) => other - own,
+                (_, _) => 0.0,
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Geometry;
+    use super::*;
+
+    /// A plant that is off in everything: its change with the pressure is told to 1.5 % of its sensitivity.
+    #[test]
+    fn property_the_change_with_the_pressure_is_nearly_linear_over_ten_per_cent() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let (family, built_in, length) = (model.family(), Calibration::nguyen_2021(), Millimetre::known(67.0));
+        for (c, a, b, g) in [(1.1, 0.9, 1.1, 1.1), (0.9, 0.9, 1.1, 1.1), (1.1, 1.1, 0.9, 0.9), (0.9, 1.1, 0.9, 1.1)] {
+            for formulation in [Formulation::Published, Formulation::Consistent] {
+                let calibration = Calibration {
+                    c: c * built_in.c,
+                    a: a * built_in.a,
+                    b_per_mpa: b * built_in.b_per_mpa,
+                    elongation_gain_mm: g * built_in.elongation_gain_mm,
+                    ..built_in
+                };
+                let plant = Model::new(Geometry::nguyen_2021(), calibration, formulation).unwrap();
+                let steps = [c, a, b, g].map(|factor: f64| (factor - 1.0) / FAMILY_STEP);
+                let other = f64::from(u8::from(formulation == Formulation::Consistent));
+                let weights = [steps[0], steps[1], steps[2], steps[3], other];
+                let deviation = |pressure: f64, k: usize| {
+                    let at = |model: &Model| model.log_sensitivities(length, Megapascal::known(pressure))[k].unwrap();
+                    at(&plant) - at(&model)
+                };
+                let linear = |pressure: f64, k: usize| -> f64 {
+                    let changes = family.log_changes(&model, length, Megapascal::known(pressure))[k];
+                    changes.iter().zip(weights).map(|(change, weight)| change * weight).sum()
+                };
+                for pressure in [0.02, 0.05, 0.15, 0.2] {
+                    for k in [0, 5, 11] {
+                        let told = linear(pressure, k) - linear(0.1, k);
+                        let true_change = deviation(pressure, k) - deviation(0.1, k);
+                        assert!((told - true_change).abs() < 0.015, "{weights:?} {pressure} {k}: {told} {true_change}");
+                    }
+                }
+            }
+        }
+    }
+}

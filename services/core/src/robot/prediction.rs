@@ -1,0 +1,60 @@
+//! How uncertain a candidate's predicted error is, before anything has been tried.
+//!
+//! What can be wrong: how this chamber's rubber changes with the pressure (10 %, and which formulation holds),
+//! how whole target and compensator differ from the model at their nominal pressures, and the compensator's
+//! length. All of it is gone through together; 95 % of the cases lie in the interval.
+
+use super::Robot;
+use super::effect::WhiskerIndex;
+use super::felt::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
+use super::params::Params;
+use crate::estimation::spread::{Uncertain, interval95, mean_error};
+use crate::estimation::{Belief, Smooth};
+use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
+use crate::policy::Fitness;
+use crate::units::Megapascal;
+
+impl Robot {
+    /// The 95 % interval of the mean error (Eq. 35) that a candidate will have at its setpoint, as ratios.
+    pub(super) fn predicted_interval(
+        &self,
+        params: &Params,
+        (target, compensator): (WhiskerIndex, WhiskerIndex),
+        fitness: &Fitness<'_>,
+        setpoint: &Setpoint,
+    ) -> Option<(f64, f64)> {
+        let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
+        let (model, target_model) = (fitness.model, broken.model(params)?);
+        let (own, whole) = (Smooth::through(&one.whole), Smooth::through(&broken.whole));
+        let belief = one.belief(model);
+        let family = model.family();
+        let changes = |pressure: Megapascal| family.log_changes(model, fitness.length, pressure);
+        let (from, to) = (changes(fitness.pressure), changes(setpoint.pressure));
+
+        let mut known = [true; CONTACT_RATIOS.len()];
+        // The line that the filter holds by now, and the bend that only the bins know.
+        let since_whole = {
+            let (now, then) = (fitness.offset, one.whole_offset());
+            curve(Offset { level: now.level - then.level, slope: now.slope - then.slope })
+        };
+        let differs = sum(&own.by_ratio(), &since_whole);
+        let before = sum(&log_curve(model, fitness.length, fitness.pressure, &mut known), &differs);
+        let moved = Belief::change(&belief.mean, &from, &to);
+        let after = sum(&sum(&log_curve(model, fitness.length, setpoint.pressure, &mut known), &differs), &moved);
+        let at_target = log_curve(target_model, broken.sheet.length, broken.sheet.pressure, &mut known);
+        let mut responses = Uncertain { mean: [after, before, sum(&at_target, &whole.by_ratio())], causes: Vec::new() };
+
+        if target == compensator {
+            responses.moves(&own.causes(), &[AFTER, BEFORE, TARGET]);
+        } else {
+            responses.moves(&own.causes(), &[AFTER, BEFORE]);
+            responses.moves(&whole.causes(), &[TARGET]);
+        }
+        responses.moves(&belief.causes(&from, &to), &[AFTER]);
+        let sd_mm = one.filter.length().sd_mm;
+        responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
+        let errors = responses.cases(|[after, before, target]| mean_error(after, before, target, &known));
+        let (low, high) = interval95(errors);
+        Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))
+    }
+}

@@ -1,0 +1,261 @@
+//! The closed loop: what was felt at a setpoint is compared with the target, and the setpoint refined.
+//!
+//! Looked at after 200 contacts at a pressure, and then whenever their number has doubled: the more there are,
+//! the less another look can tell that is new. A look teaches the whisker's own calibration, finds the pressure
+//! with the least mean of Eq. 35 and moves there, if
+//! - the gain in mean error exceeds a margin (what is there is as good as any pressure otherwise),
+//! - the move exceeds what a regulator dithers (or it would chase the regulator, not the whisker),
+//! - 95 of 100 cases that the contacts leave open are better there, and
+//! - no more than three steps were made. Numbers of setpoints are bounded by that and by the doubling.
+//!
+//! What no single pressure corrects, a gain by contact ratio does: it goes with each setpoint, and is published
+//! anew, with the same pressure, when the contacts tell it better than the one in force.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::Robot;
+use super::compensation::Compensation;
+use super::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
+use super::felt::{Felt, sum};
+use super::params::Params;
+use super::whisker::Desired;
+use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
+use crate::estimation::{Belief, Carried, ResponseBins, Visit};
+use crate::mechanics::{CONTACT_RATIOS, Compensator, Setpoint, least_error};
+use crate::policy::Case;
+use crate::units::Megapascal;
+
+/// How a setpoint is refined.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinementParams {
+    /// The first look comes after this many contacts at a pressure; each further one after twice as many.
+    pub first_look_contacts: u32,
+    /// Moves of pressure in one compensation.
+    pub steps_max: u8,
+    /// Expected gain in mean error (Eq. 35) below which a setpoint stays, as a ratio.
+    pub margin: f64,
+    /// Moves up to this are lost in a regulator's dither, MPa.
+    pub dither_mpa: f64,
+    /// Share of the open cases that must be better at the new pressure.
+    pub confidence: f64,
+    /// A gain stays while the mean error with it is below this, as a ratio.
+    pub gain_margin: f64,
+}
+
+impl Default for RefinementParams {
+    fn default() -> Self {
+        Self {
+            first_look_contacts: 200,
+            steps_max: 3,
+            margin: 0.005,
+            dither_mpa: 0.0012,
+            confidence: 0.95,
+            gain_margin: 0.01,
+        }
+    }
+}
+
+/// How far the refinement of a compensation is.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Refining {
+    steps: u8,
+    /// Contacts at the present pressure from which the next look is due; 0 for the first.
+    due: u32,
+    /// What was believed of the response at the present pressure before it was held.
+    carried: Carried,
+    /// The gain that was published last.
+    pub gain: Curve,
+    /// The compensator's response since: the gain is judged by contacts that it was not made from.
+    pub since_gain: ResponseBins,
+}
+
+impl Refining {
+    pub(super) fn new(gain: Curve) -> Self {
+        Self { steps: 0, due: 0, carried: Carried::default(), gain, since_gain: ResponseBins::default() }
+    }
+}
+
+/// What a look found.
+struct Look {
+    /// The best pressure with what it promises.
+    best: Setpoint,
+    /// Mean error there, over the open cases.
+    error: f64,
+    /// Its standard deviation.
+    sd: f64,
+    /// Expected gain in mean error.
+    gained: f64,
+    /// Share of the cases that are better there.
+    better: f64,
+    /// The gain for it.
+    gain: Curve,
+    /// What is believed of the response there.
+    carried: Carried,
+}
+
+impl Robot {
+    /// Looks at a running compensation if that is due, and refines it.
+    pub(super) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
+        let running = &self.compensations[at];
+        let contacts = running.after.contacts();
+        let due = running.refining.due.max(params.refinement.first_look_contacts);
+        let one = &self.whiskers[running.compensator()];
+        // A suspicion is for the detector to settle first.
+        let calm = match one.condition {
+            Condition::Healthy | Condition::Trimmed => one.fault.is_none() && one.pending_trim.is_none(),
+            Condition::Learning | Condition::Suspected | Condition::Eroding | Condition::SensitivityLoss => false,
+        };
+        if contacts < due || !calm || one.command.is_some() {
+            return;
+        }
+        self.compensations[at].refining.due = contacts.saturating_mul(2);
+        self.remember(at);
+        let running = &self.compensations[at];
+        let Some(felt) = self.felt(params, running, &running.refining.carried, &running.after) else { return };
+        let look = self.look(params, running, &felt);
+        let outcome = outcome(params, running, look.as_ref());
+        let (error, error_sd) = felt.error(None);
+        let gain_error = felt.error(Some(&running.refining.gain)).0;
+        let own_gain_error = felt.error_of_own_gain();
+        let moves = outcome == RefinementOutcome::Refined;
+        let gain_better = gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error);
+        let record = Refinement {
+            compensation: running.id,
+            contacts,
+            outcome,
+            pressure_from: running.pressure,
+            pressure_best: look.as_ref().map(|look| look.best.pressure),
+            error,
+            error_sd,
+            error_best: look.as_ref().map(|look| (look.error, look.sd)),
+            error_with_gain: gain_error,
+            error_with_own_gain: own_gain_error,
+            gain_published: moves || gain_better,
+        };
+        effects.push(Effect::Refined(Box::new(record)));
+        match &look {
+            Some(look) if moves => self.move_to(at, look),
+            Some(_) | None if gain_better => self.publish_gain(at, felt.gain()),
+            Some(_) | None => {}
+        }
+    }
+
+    /// What a compensator showed at its pressure, for this and later decisions.
+    fn remember(&mut self, at: usize) {
+        let running = &self.compensations[at];
+        let one = &mut self.whiskers[running.compensator()];
+        // An estimate goes on after the decision, but the visit is measured against the length at it.
+        let length_sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
+        one.own.remember(Visit {
+            compensation: running.id,
+            pressure: running.pressure,
+            length: running.length,
+            length_sd_mm,
+            bins: running.after.clone(),
+        });
+        one.changed = true;
+    }
+
+    /// The best pressure within the compensation's limits, by what is known of the compensator now.
+    fn look(&self, params: &Params, running: &Compensation, felt: &Felt) -> Option<Look> {
+        let one = &self.whiskers[running.compensator()];
+        let model = one.model(params)?;
+        let (belief, family) = (one.belief(model), model.family());
+        let changes = |pressure: Megapascal| family.log_changes(model, running.length, pressure);
+        let from = changes(running.pressure);
+        let held = felt.held;
+        let deviation =
+            |pressure: Megapascal| sum(&held.by_ratio(), &Belief::change(&belief.predict, &from, &changes(pressure)));
+        let limit = one.sheet.pressure_max.mpa().min(Megapascal::EXAMINED_MAX.mpa());
+        let highest = match running.case {
+            // Lower than before, or the strain would grow beyond what the cut did.
+            Case::SelfCompensation => limit.min(running.pressure_before.mpa()),
+            Case::ShorterForLonger | Case::LongerForShorter => limit,
+        };
+        let compensator = Compensator {
+            length: running.length,
+            pressure: running.pressure_before,
+            pressure_min: Megapascal::ZERO,
+            pressure_max: Megapascal::known(highest),
+        };
+        let [before, target] = [super::felt::BEFORE, super::felt::TARGET].map(|response| felt.per_mm(response));
+        let best = *least_error(model, compensator, &deviation, before, target)?.setpoint();
+        let to = changes(best.pressure);
+        let mut known = felt.known;
+        let there =
+            sum(&super::felt::log_curve(model, running.length, best.pressure, &mut known), &deviation(best.pressure));
+        let [after, before, target] = felt.responses.mean;
+        let mut both = Uncertain { mean: [after, before, target, there], causes: Vec::new() };
+        // What moves the response here moves it there.
+        both.causes.extend(felt.responses.causes.iter().map(|[a, b, t]| [*a, *b, *t, *a]));
+        let causes = belief.causes(&from, &to);
+        both.moves(&causes, &[3]);
+        let cases = both.cases(|[here, before, target, there]| {
+            (mean_error(here, before, target, &known), mean_error(there, before, target, &known))
+        });
+        let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
+        let (gained, _) = moments(&cases.iter().map(|case| case.0 - case.1).collect::<Vec<_>>());
+        let better = cases.iter().filter(|case| case.1 < case.0).count() as f64 / cases.len() as f64;
+        let gain = std::array::from_fn(|k| (target[k] - there[k]).exp());
+        let carried = held.carried(&Belief::change(&belief.predict, &from, &to), &causes);
+        Some(Look { best, error, sd, gained, better, gain, carried })
+    }
+
+    fn move_to(&mut self, at: usize, look: &Look) {
+        let running = &mut self.compensations[at];
+        running.pressure = look.best.pressure;
+        running.refining.carried = look.carried;
+        running.after = ResponseBins::default();
+        running.refining.steps += 1;
+        running.refining.due = 0;
+        self.publish_gain(at, look.gain);
+    }
+
+    /// A new setpoint with the present pressure and this gain.
+    fn publish_gain(&mut self, at: usize, gain: Curve) {
+        let running = &mut self.compensations[at];
+        // Not settled until the robot has taken it: that is what makes it be sent.
+        running.settled = false;
+        running.refining.gain = gain;
+        running.refining.since_gain = ResponseBins::default();
+        let (compensator, desired) = (running.compensator(), running.desired(Reason::Refinement));
+        self.changed = true;
+        self.desire(compensator, desired);
+    }
+}
+
+impl Compensation {
+    /// What its compensator shall hold now.
+    pub(super) fn desired(&self, reason: Reason) -> Desired {
+        Desired { pressure: self.pressure, reason, compensation: Some(self.id), gain: Some(self.refining.gain) }
+    }
+
+    /// Mean and standard deviation of Eq. 35 with the gain in force, by contacts since it was published; none
+    /// while these are too few.
+    pub(super) fn error_with_gain(&self, robot: &Robot, params: &Params) -> Option<(f64, f64)> {
+        let since = &self.refining.since_gain;
+        let enough = since.contacts() >= CONTACT_RATIOS.len() as u32 * params.measurement.bin_contacts_min;
+        // From these contacts alone: what was believed before went into the gain.
+        enough
+            .then(|| {
+                robot.felt(params, self, &Carried::default(), since).map(|felt| felt.error(Some(&self.refining.gain)))
+            })
+            .flatten()
+    }
+}
+
+fn outcome(params: &Params, running: &Compensation, look: Option<&Look>) -> RefinementOutcome {
+    let Some(look) = look else { return RefinementOutcome::HeldUnpredictable };
+    let way_mpa = (look.best.pressure.mpa() - running.pressure.mpa()).abs();
+    if way_mpa <= params.refinement.dither_mpa {
+        RefinementOutcome::HeldDither
+    } else if look.gained <= params.refinement.margin {
+        RefinementOutcome::HeldMargin
+    } else if look.better < params.refinement.confidence {
+        RefinementOutcome::HeldUncertain
+    } else if running.refining.steps >= params.refinement.steps_max {
+        RefinementOutcome::HeldSteps
+    } else {
+        RefinementOutcome::Refined
+    }
+}

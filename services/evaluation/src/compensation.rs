@@ -1,0 +1,318 @@
+//! The paper's compensation experiment on simulated plants that are not the model.
+//!
+//! A plant is one batch of rubber: k2's three parameters and the elongation gain are each off by up to 10 %, and
+//! every second one follows the other formulation. On each, compensators of several lengths serve one target, as
+//! in the paper's Fig. 9 and 10, and a whisker is trimmed to several lengths and serves itself. Everything that
+//! the core knows it learns as in service: from noisy contacts, through a cold start, a cut that it finds itself,
+//! and a regulator that dithers. What comes of it is judged by the plant itself, without noise.
+
+mod summary;
+mod truth;
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use vibrissa_core::mechanics::{CONTACT_RATIOS, ErrorProfile, Formulation, Objective, Offset};
+use vibrissa_core::policy::{Fitness, PolicyParams, propose};
+use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::{CandidateRecord, Command, Effect, Refinement};
+use vibrissa_core::units::{Megapascal, Millimetre};
+use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
+use vibrissa_simulator::Scenario;
+use vibrissa_simulator::scenario::{
+    ArrayScenario, Behaviour, Change, Event, Noise, RobotScenario, Rubber, TrueFormulation, WhiskerScenario,
+};
+
+pub use summary::{Summary, served_in, summary};
+pub use truth::Truth;
+
+use crate::World;
+
+/// Both whiskers start there, as in the paper, MPa.
+pub const START_MPA: f64 = 0.1;
+/// How far a plant's parameters may be off, relative.
+pub const PLANT_ERROR: f64 = 0.1;
+/// Contacts of each whisker while whole.
+pub const WHOLE_CONTACTS: u64 = 3000;
+/// Contacts of each whisker from the cut on.
+pub const CONTACTS_AFTER: u64 = 8000;
+/// A target that a neighbour shall serve is cut to this: too short to serve itself.
+const CUT_MM: f64 = 45.0;
+const CONTACTS_PER_SECOND: f64 = 100.0;
+
+/// Which of the paper's experiments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Case {
+    /// Case 1: compensators of 65 to 69 mm for a target of 70 mm.
+    Shorter,
+    /// Case 1, special: a whisker of 70 mm trimmed to 65 to 69 mm serves itself.
+    Itself,
+    /// Case 2: compensators of 66 to 70 mm for a target of 65 mm.
+    Longer,
+}
+
+/// All of them, in order.
+pub const CASES: [Case; 3] = [Case::Shorter, Case::Itself, Case::Longer];
+
+impl Case {
+    /// The target's length, mm.
+    #[must_use]
+    pub fn target_mm(self) -> f64 {
+        match self {
+            Self::Shorter | Self::Itself => 70.0,
+            Self::Longer => 65.0,
+        }
+    }
+
+    /// The compensators' lengths, mm.
+    #[must_use]
+    pub fn lengths_mm(self) -> [f64; 5] {
+        match self {
+            Self::Shorter | Self::Itself => [65.0, 66.0, 67.0, 68.0, 69.0],
+            Self::Longer => [66.0, 67.0, 68.0, 69.0, 70.0],
+        }
+    }
+
+    /// The highest pressure that it allows, MPa.
+    fn highest_mpa(self) -> f64 {
+        match self {
+            Self::Itself => START_MPA,
+            Self::Shorter | Self::Longer => Megapascal::EXAMINED_MAX.mpa(),
+        }
+    }
+}
+
+/// One compensation on one plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// Which experiment.
+    pub case: Case,
+    /// The compensator's length, mm.
+    pub length_mm: f64,
+    /// The plant's number.
+    pub plant: usize,
+    /// The plant.
+    pub rubber: Rubber,
+    /// Where its contacts and noise start.
+    pub seed: u64,
+}
+
+/// Eq. 35 on the plant itself: by contact ratio, and the mean.
+pub type TrueError = ErrorProfile;
+
+/// What came of a trial that was served.
+#[derive(Debug, Clone)]
+pub struct Served {
+    /// The trial.
+    pub trial: Trial,
+    /// The first decision's candidate.
+    pub chosen: CandidateRecord,
+    /// Eq. 34's setpoint, as the core decided it: MPa and error.
+    pub tip: (f64, TrueError),
+    /// The setpoint that the model's least mean error would have been, by what the core knew then.
+    pub mean: (f64, TrueError),
+    /// The pressure that was held in the end.
+    pub closed: (f64, TrueError),
+    /// The same with the gain that was published last.
+    pub with_gain: TrueError,
+    /// The best single pressure on this plant, by brute force.
+    pub best: (f64, TrueError),
+    /// Setpoints that were sent.
+    pub setpoints: usize,
+    /// Every look at the setpoint.
+    pub looks: Vec<Refinement>,
+    /// Contacts at the last pressure when the last gain was published; 0 if the one that came with the
+    /// pressure stood.
+    pub gain_contacts: u32,
+    /// The last gain.
+    pub gain: [f64; CONTACT_RATIOS.len()],
+}
+
+/// What came of a trial.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// The compensator served.
+    Served(Box<Served>),
+    /// Nobody could.
+    Unserved(Trial),
+}
+
+/// The plants of a seed, every second one of the other formulation.
+#[must_use]
+pub fn plants(seed: u64, count: usize) -> Vec<Rubber> {
+    let mut stream = ChaCha8Rng::seed_from_u64(seed);
+    let mut factor = || 1.0 + stream.random_range(-PLANT_ERROR..=PLANT_ERROR);
+    (0..count)
+        .map(|plant| Rubber {
+            c: factor(),
+            a: factor(),
+            b: factor(),
+            elongation: factor(),
+            formulation: if plant % 2 == 0 { TrueFormulation::Published } else { TrueFormulation::Consistent },
+        })
+        .collect()
+}
+
+/// Every length of every case on every plant.
+#[must_use]
+pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
+    let plants = plants(seed, count);
+    let mut trials = Vec::new();
+    for case in CASES {
+        for (plant, rubber) in plants.iter().enumerate() {
+            for length_mm in case.lengths_mm() {
+                let number = trials.len() as u64;
+                let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number);
+                trials.push(Trial { case, length_mm, plant, rubber: *rubber, seed });
+            }
+        }
+    }
+    trials
+}
+
+/// Runs trials on all processors; the order and the results are those of the trials.
+pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
+    trials
+        .par_iter()
+        .map(|trial| {
+            let outcome = run(trial);
+            done();
+            outcome
+        })
+        .collect()
+}
+
+/// Runs one trial.
+#[must_use]
+pub fn run(trial: &Trial) -> Outcome {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    // Whoever can serve shall be tried.
+    params.policy.predicted_error_max = f64::INFINITY;
+    let mut world = World::new(&scenario(trial), params);
+    let whole_s = WHOLE_CONTACTS as f64 / CONTACTS_PER_SECOND;
+    world.run_until_s(whole_s - 0.1);
+    let target_offset = world.core.whisker(0).map_or(Offset::NONE, |whisker| whisker.offset);
+    let end_s = whole_s + CONTACTS_AFTER as f64 / CONTACTS_PER_SECOND;
+    let mut now_s = whole_s;
+    while world.core.compensations().is_empty() && now_s < end_s {
+        now_s += 0.05;
+        world.run_until_s(now_s);
+    }
+    let Some(index) = world.core.compensations().first().map(vibrissa_core::robot::Compensation::compensator) else {
+        return Outcome::Unserved(*trial);
+    };
+    let mean_mpa = mean_setpoint_mpa(trial, &world, index, target_offset);
+    world.run_until_s(end_s);
+    served(trial, &world, mean_mpa).map_or(Outcome::Unserved(*trial), |served| Outcome::Served(Box::new(served)))
+}
+
+/// The objective that the core was not told to use.
+fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: Offset) -> Option<f64> {
+    let one = world.core.whisker(index)?;
+    let model = world.params.model(&one.sheet.model)?;
+    let params = PolicyParams { objective: Objective::Mean, ..world.params.policy };
+    let target = vibrissa_core::mechanics::Target {
+        length: Millimetre::known(trial.case.target_mm()),
+        pressure: Megapascal::known(START_MPA),
+    };
+    let fitness = Fitness {
+        model,
+        length: one.length.length,
+        pressure: Megapascal::known(START_MPA),
+        pressure_max: one.sheet.pressure_max,
+        offset: one.offset,
+        own: Default::default(),
+    };
+    let proposal = propose(&params, model, target, target_offset, &fitness, trial.case == Case::Itself);
+    proposal.setpoint.map(|setpoint| setpoint.pressure.mpa())
+}
+
+fn served(trial: &Trial, world: &World, mean_mpa: Option<f64>) -> Option<Served> {
+    let chosen = world
+        .picked(|effect| match effect {
+            Effect::Decided(decision) => Some(decision.chosen.map(|at| decision.candidates[at])),
+            _ => None,
+        })
+        .into_iter()
+        .flatten()
+        .next()?;
+    let sent: Vec<Command> = world.picked(|effect| match effect {
+        Effect::Command(command) => Some((**command).clone()),
+        _ => None,
+    });
+    let looks: Vec<Refinement> = world.picked(|effect| match effect {
+        Effect::Refined(look) => Some((**look).clone()),
+        _ => None,
+    });
+    let last = sent.last()?;
+    let truth = Truth::new(trial);
+    let at = |mpa: f64| (mpa, truth.error(mpa, None));
+    let gain = last.gain?;
+    let gains = looks.iter().filter(|look| look.gain_published && look.pressure_from == last.pressure);
+    let (tip_mpa, held_mpa) = (chosen.pressure?.mpa(), last.pressure.mpa());
+    Some(Served {
+        trial: *trial,
+        chosen,
+        tip: at(tip_mpa),
+        mean: at(mean_mpa?),
+        closed: at(held_mpa),
+        with_gain: truth.error(held_mpa, Some(&gain)),
+        best: at(truth.best_mpa()),
+        setpoints: sent.len(),
+        gain_contacts: gains.map(|look| look.contacts).max().unwrap_or(0),
+        looks,
+        gain,
+    })
+}
+
+/// One array: target and compensator of one rubber, or the one whisker that serves itself.
+#[must_use]
+pub fn scenario(trial: &Trial) -> Scenario {
+    let target_mm = trial.case.target_mm();
+    let whisker = |whisker: u16, length_mm: f64, neighbours: &[u16]| WhiskerScenario {
+        whisker,
+        x_mm: 25.0 * f64::from(whisker),
+        length_mm,
+        pressure_mpa: START_MPA,
+        neighbours: neighbours.to_vec(),
+        rubber: Some(trial.rubber),
+        ..WhiskerScenario::default()
+    };
+    let (array_type, whiskers, cut_mm) = match trial.case {
+        Case::Itself => (ArrayType::Type2, vec![whisker(0, target_mm, &[])], trial.length_mm),
+        Case::Shorter | Case::Longer => {
+            (ArrayType::Type1, vec![whisker(0, target_mm, &[1]), whisker(1, trial.length_mm, &[0])], CUT_MM)
+        }
+    };
+    let name = |text: &str| Name::new(text).expect("a name");
+    let cut = Event::at_contact(WHOLE_CONTACTS, name("a"), 0, Change::Trim { length_mm: cut_mm });
+    Scenario {
+        seed: trial.seed,
+        fleet: name("f"),
+        behaviour: Behaviour {
+            contacts_per_second: CONTACTS_PER_SECOND,
+            contacts_per_message: 20,
+            ..Behaviour::default()
+        },
+        noise: Noise::default(),
+        calibration_error: 0.0,
+        robots: vec![RobotScenario {
+            robot: name("r"),
+            model: "evaluation".to_owned(),
+            on_supervisor_loss: OnSupervisorLoss::Hold,
+            arrays: vec![ArrayScenario { array: name("a"), array_type, whiskers }],
+            events: vec![cut],
+        }],
+    }
+}
+
+impl Outcome {
+    /// Of which trial.
+    #[must_use]
+    pub fn trial(&self) -> &Trial {
+        match self {
+            Self::Served(served) => &served.trial,
+            Self::Unserved(trial) => trial,
+        }
+    }
+}

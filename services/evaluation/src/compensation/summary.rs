@@ -1,0 +1,72 @@
+//! Means over trials.
+
+use super::{Case, Outcome, Served};
+
+/// Means over the trials of one case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Which.
+    pub case: Case,
+    /// Trials that were served.
+    pub served: usize,
+    /// Trials that nobody served: the cut was not found, or Eq. 34 has no root in range.
+    pub unserved: usize,
+    /// Open loop, Eq. 34.
+    pub tip: f64,
+    /// Open loop, least mean.
+    pub mean: f64,
+    /// Closed loop.
+    pub closed: f64,
+    /// Closed loop with gain.
+    pub with_gain: f64,
+    /// Best single pressure.
+    pub best: f64,
+    /// Mean error that the first decision predicted.
+    pub predicted: f64,
+    /// Share of the trials whose true open-loop error lies in the predicted interval.
+    pub coverage: f64,
+    /// Mean width of that interval.
+    pub width: f64,
+    /// Median of the contacts at the last pressure when the last gain was published.
+    pub gain_contacts: u32,
+    /// Setpoints sent, on average and at most.
+    pub setpoints: (f64, usize),
+}
+
+/// The means of a case; none if nothing was served.
+#[must_use]
+pub fn summary(case: Case, outcomes: &[Outcome]) -> Option<Summary> {
+    let served: Vec<&Served> = served_in(case, outcomes).collect();
+    let all = outcomes.iter().filter(|outcome| outcome.trial().case == case).count();
+    let mean_of = |of: &dyn Fn(&Served) -> f64| served.iter().map(|one| of(one)).sum::<f64>() / served.len() as f64;
+    let interval = |one: &Served| one.chosen.predicted_error_interval.unwrap_or((f64::NAN, f64::NAN));
+    let covered = |one: &Served| {
+        let (low, high) = interval(one);
+        f64::from(u8::from(low <= one.tip.1.mean && one.tip.1.mean <= high))
+    };
+    let mut gain_contacts: Vec<u32> = served.iter().map(|one| one.gain_contacts).collect();
+    gain_contacts.sort_unstable();
+    (!served.is_empty()).then(|| Summary {
+        case,
+        served: served.len(),
+        unserved: all - served.len(),
+        tip: mean_of(&|one| one.tip.1.mean),
+        mean: mean_of(&|one| one.mean.1.mean),
+        closed: mean_of(&|one| one.closed.1.mean),
+        with_gain: mean_of(&|one| one.with_gain.mean),
+        best: mean_of(&|one| one.best.1.mean),
+        predicted: mean_of(&|one| one.chosen.predicted_error.unwrap_or(f64::NAN)),
+        coverage: mean_of(&covered),
+        width: mean_of(&|one| interval(one).1 - interval(one).0),
+        gain_contacts: gain_contacts[gain_contacts.len() / 2],
+        setpoints: (mean_of(&|one| one.setpoints as f64), served.iter().map(|one| one.setpoints).max().unwrap_or(0)),
+    })
+}
+
+/// The served trials of a case, in order.
+pub fn served_in(case: Case, outcomes: &[Outcome]) -> impl Iterator<Item = &Served> {
+    outcomes.iter().filter_map(move |outcome| match outcome {
+        Outcome::Served(served) if served.trial.case == case => Some(&**served),
+        Outcome::Served(_) | Outcome::Unserved(_) => None,
+    })
+}

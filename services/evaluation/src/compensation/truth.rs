@@ -1,0 +1,66 @@
+//! What a compensation is worth on the plant itself, without noise.
+
+use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile, Model};
+use vibrissa_core::units::{Megapascal, Millimetre};
+
+use super::{Case, START_MPA, Trial, TrueError};
+
+/// The search for the best single pressure goes in steps of a quarter of a kilopascal.
+const BRUTE_FORCE_STEPS: u32 = 800;
+
+/// The plant itself.
+pub struct Truth {
+    model: Model,
+    case: Case,
+    length_mm: f64,
+    before: ByRatio,
+    target: ByRatio,
+}
+
+impl Truth {
+    /// Of one trial.
+    #[must_use]
+    pub fn new(trial: &Trial) -> Self {
+        let model = trial.rubber.model().expect("factors that a scenario may have");
+        let before = per_mm(&model, trial.length_mm, START_MPA);
+        let target = per_mm(&model, trial.case.target_mm(), START_MPA);
+        Self { model, case: trial.case, length_mm: trial.length_mm, before, target }
+    }
+
+    /// Eq. 35 at a pressure, with a gain on the compensator's strain if there is one.
+    ///
+    /// Strain is linear in the deflection, so that the deflections of the paper (0 to 6 mm in 0.1 mm) cancel in
+    /// the ratio: one stands for all.
+    #[must_use]
+    pub fn error(&self, pressure_mpa: f64, gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> TrueError {
+        ErrorProfile::new(&self.after(pressure_mpa, gain), &self.before, &self.target)
+    }
+
+    /// Sensitivities at a pressure, with a gain on the strain if there is one; per mm.
+    #[must_use]
+    pub fn after(&self, pressure_mpa: f64, gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> ByRatio {
+        let bare = per_mm(&self.model, self.length_mm, pressure_mpa);
+        std::array::from_fn(|k| Some(bare[k]? * gain.map_or(1.0, |gain| gain[k])))
+    }
+
+    /// Sensitivities of the compensator before and of the target, per mm.
+    #[must_use]
+    pub fn before_and_target(&self) -> (ByRatio, ByRatio) {
+        (self.before, self.target)
+    }
+
+    /// The best single pressure: every quarter of a kilopascal is tried.
+    #[must_use]
+    pub fn best_mpa(&self) -> f64 {
+        let highest_mpa = self.case.highest_mpa();
+        let pressures =
+            (0..=BRUTE_FORCE_STEPS).map(|step| highest_mpa * f64::from(step) / f64::from(BRUTE_FORCE_STEPS));
+        let errors = pressures.map(|mpa| (mpa, self.error(mpa, None).mean));
+        errors.min_by(|one, other| one.1.total_cmp(&other.1)).map_or(START_MPA, |best| best.0)
+    }
+}
+
+fn per_mm(model: &Model, length_mm: f64, pressure_mpa: f64) -> ByRatio {
+    let logs = model.log_sensitivities(Millimetre::known(length_mm), Megapascal::known(pressure_mpa));
+    logs.map(|log| log.map(f64::exp))
+}
