@@ -90,8 +90,12 @@ impl Pool {
     /// Brings the tables up to date.
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
-            Either::Sqlite(pool) => migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases").run(pool).await,
-            Either::Postgres(pool) => migrations!("postgres": 1 "0001_supervision", 2 "0002_leases").run(pool).await,
+            Either::Sqlite(pool) => {
+                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 5 "0005_rates").run(pool).await
+            }
+            Either::Postgres(pool) => {
+                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 5 "0005_rates").run(pool).await
+            }
         }
         .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })
     }
