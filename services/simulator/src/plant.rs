@@ -151,12 +151,13 @@ impl Plant {
         let deflection_mm = self.contact_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
         let errors: [f64; 4] = std::array::from_fn(|_| normal(&mut self.noise_stream, 1.0));
         let sensitivity_per_mm = self.sensitivity_per_mm(ratio, pressure_mpa);
+        let baseline_strain = self.baseline.strain;
         self.contacts += 1;
         self.wear();
 
         let strain = sensitivity_per_mm? * deflection_mm * (1.0 + self.noise.strain_relative * errors[0])
             + self.noise.strain_floor * errors[1]
-            + self.baseline.strain;
+            + baseline_strain;
         let deflection_mm = self.deflection_factor * deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
         Ok(Reading {
             ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(1e-4, 1.0),

@@ -91,10 +91,14 @@ impl Pool {
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop").run(pool).await
+                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates")
+                    .run(pool)
+                    .await
             }
             Either::Postgres(pool) => {
-                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop").run(pool).await
+                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates")
+                    .run(pool)
+                    .await
             }
         }
         .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })
