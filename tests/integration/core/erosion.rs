@@ -11,12 +11,11 @@ use vibrissa_simulator::scenario::{Change, Event};
 
 const RATES_MM: [f64; 4] = [0.002, 0.003, 0.005, 0.008];
 
-fn eroding(seed: u64, contacts: f64) -> World {
+/// One whisker of an array erodes, at the rate of its place; were it all of them, it would be the array's.
+fn eroding(seed: u64, whisker: usize, contacts: f64) -> World {
     let mut one = super::scenario(seed, ArrayType::Type2, &[70.0; RATES_MM.len()]);
-    for (whisker, rate_mm_per_contact) in (0..).zip(RATES_MM) {
-        let change = Change::Erode { rate_mm_per_contact, until_length_mm: 45.0 };
-        one.robots[0].events.push(Event::at_contact(300, super::name("left"), whisker, change));
-    }
+    let change = Change::Erode { rate_mm_per_contact: RATES_MM[whisker], until_length_mm: 45.0 };
+    one.robots[0].events.push(Event::at_contact(300, super::name("left"), whisker as u16, change));
     let mut world = World::new(&one, Params::nguyen_2021(Formulation::Published));
     world.run_until_s(contacts / 50.0);
     world
@@ -31,8 +30,8 @@ fn of(world: &World, whisker: usize) -> Option<Erosion> {
 fn property_the_rate_of_erosion_is_told_and_its_interval_covers_the_truth() {
     let (mut told, mut covered) = (0, 0);
     for seed in 0..10 {
-        let world = eroding(200 + seed, 2000.0);
         for (whisker, rate) in RATES_MM.into_iter().enumerate() {
+            let world = eroding(200 + seed, whisker, 2000.0);
             let Some(erosion) = of(&world, whisker) else { continue };
             let told_rate = erosion.mm_per_contact;
             told += 1;
@@ -52,8 +51,8 @@ fn property_the_contacts_left_are_those_after_which_it_is_too_short() {
     let shortest_mm = compensable_range(&model, target, Megapascal::ZERO, Megapascal::EXAMINED_MAX).0.mm();
     let (mut told, mut covered) = (0, 0);
     for seed in 0..10 {
-        let world = eroding(300 + seed, 1200.0);
         for (whisker, rate) in RATES_MM.into_iter().enumerate() {
+            let world = eroding(300 + seed, whisker, 1200.0);
             let Some(erosion) = of(&world, whisker) else { continue };
             let truth = (world.robot.whiskers()[whisker].plant().length_mm() - shortest_mm).max(0.0) / rate;
             let left = erosion.contacts_left;
@@ -68,7 +67,7 @@ fn property_the_contacts_left_are_those_after_which_it_is_too_short() {
 
 #[test]
 fn a_whisker_that_is_too_short_already_has_no_contacts_left() {
-    let world = eroding(41, 2800.0);
+    let world = eroding(41, 3, 2800.0);
     let left = of(&world, 3).expect("it erodes").contacts_left;
     assert_eq!((left.mean, left.low, left.high), (Some(0.0), Some(0.0), Some(0.0)), "18 mm shorter");
 }

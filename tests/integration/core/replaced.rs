@@ -20,7 +20,10 @@ fn served() -> World {
             Change::Trim { length_mm },
         ));
     }
-    let mut world = World::new(&scenario, Params::nguyen_2021(Formulation::Published));
+    // No refinement: nothing is to be under way but what a replacement brings.
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.refinement.first_look_contacts = u32::MAX;
+    let mut world = World::new(&scenario, params);
     world.run_until_s(14.0);
     assert_eq!(pairs(&world), [(0, 1), (3, 3)]);
     assert!(world.core.commands_under_way().next().is_none(), "settled");

@@ -219,7 +219,9 @@ impl LeakWatch {
         let leaps = greatest(&Refills::least_leaps_per_s);
         let fitted = self.fitted_rate_per_s(params);
         let part = if self.is_leaking { 0.5 } else { 1.0 };
-        let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { rate.low });
+        // It is asked again and again for as long as the chamber lives: well beyond the interval, for a call.
+        let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
+        let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { surely(rate) });
         let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
         self.is_leaking = fallen > part * params.rate_max_per_s || is_refilled;
         if fitted.is_some_and(|rate| refilled > rate.high.max(0.0)) {

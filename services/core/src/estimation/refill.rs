@@ -29,8 +29,9 @@ const LEAP_REFILLS: f64 = 1.5;
 const LEAP_GAP_S: f64 = 2.5;
 /// A change by more than this many refills counts as so many: nothing that happens once weighs more.
 const CHANGE_MAX: f64 = 4.0;
-/// Lower bounds are so many standard deviations below the estimate: one-sided 97.5 %.
-const BOUND_SDS: f64 = 2.0;
+/// Lower bounds are so many standard deviations below the estimate. They are asked for again and again for as long
+/// as a chamber lives.
+const BOUND_SDS: f64 = 3.0;
 
 /// One source's readings: each is in order by itself.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
