@@ -85,7 +85,9 @@ mod tests {
         let density = InnovationDensity::learned_from(1e9);
         for shift in [0.1, 0.3, 1.0, 2.0, 4.0, 8.0] {
             let mean = integral(|w| normal(w) * density.at(w - shift).density / density.at(w).density);
-            assert!(mean < 1.005 && mean > 0.4, "{shift}: {mean}");
+            assert!(mean < 1.005, "{shift}: {mean}");
+            // What the outliers take away is little where contacts are to tell.
+            assert!(shift > 2.0 || mean > 0.95, "{shift}: {mean}");
         }
     }
 
