@@ -116,3 +116,16 @@ fn erosion_is_called_erosion() {
         assert!(off_mm < 1.0, "whisker {index}: {off_mm} mm off {truth}");
     }
 }
+
+/// Far off the length that the model is linearised at, what is left of a fitted step is no sign of erosion; and a
+/// supposed small change under way must not take the cut's contacts for outliers.
+#[test]
+fn regress_a_very_large_cut_is_called_as_soon_as_a_smaller_one() {
+    for seed in 0..60 {
+        let mut one = super::scenario(60 + seed, ArrayType::Type2, &[70.0]);
+        cut(&mut one, 0, 48.0);
+        let found = trims(&run(&one, 400));
+        assert_eq!(found.len(), 1, "seed {seed}");
+        assert!(found[0].contacts_to_detect <= 40, "seed {seed}: {:?}", found[0]);
+    }
+}

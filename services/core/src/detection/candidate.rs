@@ -42,6 +42,9 @@ impl Candidate {
     /// Takes one innovation in. None where the supposed start was given up.
     pub fn update(&mut self, supposed: &Hypothesis, seen: &Innovation) -> Option<Felt> {
         let state = supposed.kind.state();
+        if self.would_rather_begin(supposed, seen) {
+            *self = Self { shiryaev: self.shiryaev, ..Self::default() };
+        }
         if supposed.kind.is_gradual() || self.evidence.contacts == 0 {
             self.lacking[state] += 1.0;
         }
@@ -64,6 +67,23 @@ impl Candidate {
             self.evidence.add(signature, seen.standardised, under.sound);
             Some(Felt { signature, sound: under.sound })
         }
+    }
+
+    /// Whether this contact alone, as the first one of a change of any size, is likelier than all since the supposed
+    /// start: an estimate that took chance for a small change would take a large one for outliers.
+    fn would_rather_begin(&self, supposed: &Hypothesis, seen: &Innovation) -> bool {
+        if supposed.spread == 0.0 || self.evidence.contacts == 0 {
+            return false;
+        }
+        let ratio = |candidate: &Self| {
+            let signature = candidate.signature(seen);
+            let (size, variance) = candidate.evidence.posterior(supposed);
+            let spread = (1.0 + signature * signature * variance).sqrt();
+            seen.density.at((seen.standardised - signature * size) / spread).density / spread
+        };
+        let mut begun = Self::default();
+        begun.lacking[supposed.kind.state()] = 1.0;
+        ratio(&begun) > self.cusum * ratio(self)
     }
 
     /// Forgets how likely an alarm was, but not since when there may be something.

@@ -41,6 +41,9 @@ const STEP_LOG_RATIO: f64 = 9.0;
 const GRADUAL_LOG_RATIO: f64 = 3.0;
 /// How much more than a step a drift of the baseline must gain.
 const DRIFT_LOG_RATIO: f64 = 6.0;
+/// With this lead nothing gradual can be meant, whatever the step leaves: far from the length where the model is
+/// linearised, a large cut always leaves something.
+const SURELY_STEP_LOG_RATIO: f64 = 30.0;
 /// Log likelihood that a further loss beside the step may gain and still be chance: nine tenths of a standard deviation.
 const GOES_ON_LOG_RATIO: f64 = 0.4;
 /// The same from which it is none: two standard deviations.
@@ -296,7 +299,8 @@ impl Detector {
             (false, true) => GRADUAL_LOG_RATIO,
             (false, false) => f64::INFINITY,
         };
-        if lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO {
+        let surely = lead - goes_on > SURELY_STEP_LOG_RATIO;
+        if surely || (lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO) {
             step
         } else if eroding || lead < -needed {
             // On a whisker that erodes, the filter lags behind or runs ahead: no new change.
