@@ -176,12 +176,6 @@ impl LengthFilter {
         }
     }
 
-    /// The part of the length's standard deviation that more contacts can lower, mm: without the model's own error.
-    #[must_use]
-    pub fn length_sd_by_contacts_mm(&self) -> f64 {
-        self.whole_length_mm * self.mean[LENGTH].exp() * self.covariance[LENGTH][LENGTH].max(0.0).sqrt()
-    }
-
     /// Present offset from the model.
     #[must_use]
     pub fn offset(&self) -> Offset {

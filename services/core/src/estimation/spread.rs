@@ -8,8 +8,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
 
-/// Cases that are gone through.
-const CASES: u32 = 400;
+/// Cases that are gone through where nothing else is said.
+pub const CASES: u32 = 400;
 
 /// A value at each of [`CONTACT_RATIOS`].
 pub type Curve = [f64; CONTACT_RATIOS.len()];
@@ -37,7 +37,12 @@ impl<const N: usize> Uncertain<N> {
     }
 
     /// What `of` makes of each of the equally likely cases.
-    pub fn cases<T>(&self, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+    pub fn cases<T>(&self, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+        self.some_cases(CASES, of)
+    }
+
+    /// The same of so many cases: of fewer than some forty, [`interval95`] is from the least to the greatest.
+    pub fn some_cases<T>(&self, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
         let steps = evenly_spread(self.causes.len());
         let normal = Normal::standard();
         let one = |case: u32| {
@@ -51,7 +56,7 @@ impl<const N: usize> Uncertain<N> {
             }
             of(&responses)
         };
-        (0..CASES).map(one).collect()
+        (0..count).map(one).collect()
     }
 }
 

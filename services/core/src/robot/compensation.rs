@@ -8,6 +8,7 @@ use super::Robot;
 use super::effect::{AlarmKind, CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
 use super::event::ArrayKind;
 use super::params::Params;
+use super::prediction::cases_for_each;
 use super::refinement::Refining;
 use super::whisker::Whisker;
 use crate::estimation::ResponseBins;
@@ -206,8 +207,10 @@ impl Robot {
         self.whiskers[target].changed = true;
         let compensation = self.next_compensation;
         self.next_compensation += 1;
+        let cases = cases_for_each(asked.len());
         let of_target: Vec<&Asked> = asked.iter().filter(|one| one.target == target).collect();
-        let candidates: Vec<CandidateRecord> = of_target.iter().map(|one| self.record(params, one, chosen)).collect();
+        let candidates: Vec<CandidateRecord> =
+            of_target.iter().map(|one| self.record(params, one, chosen, cases)).collect();
         let whole = self.whiskers[target].target();
         effects.push(Effect::Decided(Box::new(Decision {
             compensation,
@@ -223,7 +226,7 @@ impl Robot {
         }
     }
 
-    fn record(&self, params: &Params, asked: &Asked, chosen: Option<WhiskerIndex>) -> CandidateRecord {
+    fn record(&self, params: &Params, asked: &Asked, chosen: Option<WhiskerIndex>, cases: u32) -> CandidateRecord {
         let one = &self.whiskers[asked.compensator];
         let is_self = asked.target == asked.compensator;
         let proposal = asked.proposal.as_ref().ok();
@@ -248,7 +251,7 @@ impl Robot {
             predicted_error: setpoint.map(|setpoint| setpoint.error.mean),
             predicted_error_interval: setpoint.as_ref().and_then(|setpoint| {
                 let fitness = one.fitness(one.model(params)?, is_self);
-                self.predicted_interval(params, (asked.target, asked.compensator), &fitness, setpoint)
+                self.predicted_interval(params, (asked.target, asked.compensator), &fitness, setpoint, cases)
             }),
             gives_up_own_role: !is_self,
             refused: match asked.proposal {

@@ -149,8 +149,9 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let Some(pending) = &mut whisker.pending_trim else { return };
         let length: LengthEstimate = whisker.filter.length();
-        // The model's own error stays whatever comes: only what contacts can tell is waited for.
-        let certain = whisker.filter.length_sd_by_contacts_mm() <= params.health.length_sd_max_mm;
+        // After a large cut the model's own error keeps this from being reached: then the full number of contacts is
+        // waited for, in which the filter gets over its linearisation, too.
+        let certain = length.sd_mm <= params.health.length_sd_max_mm;
         if !certain && pending.contacts_since_confirmed < params.health.length_contacts_max {
             pending.contacts_since_confirmed += 1;
             return;

@@ -8,11 +8,22 @@ use super::Robot;
 use super::effect::WhiskerIndex;
 use super::felt::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
 use super::params::Params;
-use crate::estimation::spread::{Uncertain, interval95, mean_error};
+use crate::estimation::spread::{CASES, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
 use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
 use crate::policy::Fitness;
 use crate::units::Megapascal;
+
+/// Cases that one decision goes through for all its candidates, and for each of them at least: a decision over a large
+/// array must not take seconds.
+const CASES_A_DECISION: usize = 12_800;
+const CASES_MIN: u32 = 16;
+
+/// Cases for each of so many candidates.
+pub(super) fn cases_for_each(candidates: usize) -> u32 {
+    let share = CASES_A_DECISION / candidates.max(1);
+    u32::try_from(share).unwrap_or(CASES).clamp(CASES_MIN, CASES)
+}
 
 impl Robot {
     /// The 95 % interval of the mean error (Eq. 35) that a candidate will have at its setpoint, as ratios.
@@ -22,6 +33,7 @@ impl Robot {
         (target, compensator): (WhiskerIndex, WhiskerIndex),
         fitness: &Fitness<'_>,
         setpoint: &Setpoint,
+        cases: u32,
     ) -> Option<(f64, f64)> {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
         let (model, target_model) = (fitness.model, broken.model(params)?);
@@ -53,7 +65,7 @@ impl Robot {
         responses.moves(&belief.causes(&from, &to), &[AFTER]);
         let sd_mm = one.filter.length().sd_mm;
         responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
-        let errors = responses.cases(|[after, before, target]| mean_error(after, before, target, &known));
+        let errors = responses.some_cases(cases, |[after, before, target]| mean_error(after, before, target, &known));
         let (low, high) = interval95(errors);
         Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))
     }
