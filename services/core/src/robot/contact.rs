@@ -83,6 +83,8 @@ impl Robot {
             if whisker.condition == Condition::Suspected {
                 self.set_condition(index, Condition::Healthy, effects);
             }
+            // It could be a cut after all: people are told, though no air is moved.
+            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::ArrayShift });
             return;
         }
         let length_before_mm = whisker.filter.length().length.mm();

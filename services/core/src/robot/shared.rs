@@ -2,8 +2,8 @@
 //!
 //! A single whisker cannot tell such a shift from a cut. So before a change is called, the array's other healthy whiskers
 //! are asked whether they feel the same. Each speaks from its own contacts, and the majority decides: one whisker that was
-//! really cut, or never touched, moves nothing. It costs a trim no contact, unless the others have not
-//! been touched since the alarm.
+//! really cut, or never touched, moves nothing. It costs a trim the contacts that the others need to deny it: one or two for a
+//! large cut.
 
 use super::Robot;
 use super::effect::{AlarmKind, Condition, Effect, WhiskerIndex};
