@@ -15,6 +15,8 @@ use vibrissa_protocol::Name;
 use crate::broker::Broker;
 use crate::engine::wall_clock;
 use crate::fleet::Shared;
+use crate::http::App;
+use crate::http::access::Access;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -113,9 +115,13 @@ impl Service {
         };
         let ownership = Ownership::new(supervisor, shared, is_prepared);
         let (stop, stopped) = watch::channel(false);
-        let (http, http_task) =
-            crate::http::serve(options.http, store.clone(), metrics.clone(), readiness.clone(), stopped.clone())
-                .await?;
+        let app = App {
+            store: store.clone(),
+            metrics: metrics.clone(),
+            readiness: readiness.clone(),
+            access: Access::new(options.http.ip().is_loopback()),
+        };
+        let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })
     }

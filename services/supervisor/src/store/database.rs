@@ -91,12 +91,12 @@ impl Pool {
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates")
+                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
                     .run(pool)
                     .await
             }
             Either::Postgres(pool) => {
-                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates")
+                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
                     .run(pool)
                     .await
             }

@@ -10,6 +10,8 @@ mod commit;
 mod database;
 mod error;
 mod lease;
+pub mod list;
+pub mod lists;
 mod load;
 mod lock;
 mod postgres;
@@ -18,6 +20,8 @@ pub mod readings;
 mod records;
 mod roll;
 mod sqlite;
+pub mod time;
+pub mod tokens;
 mod writer;
 
 use std::sync::Arc;

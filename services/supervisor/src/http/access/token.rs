@@ -1,0 +1,79 @@
+//! Tokens of the API: two halves, `vbr_ID_SECRET`. The database has the first, and a hash of the second.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use subtle::ConstantTimeEq as _;
+use vibrissa_protocol::Name;
+
+use super::{Caller, Role, Scope};
+use crate::store::tokens::TokenRow;
+use crate::store::{Store, StoreError};
+
+const PREFIX: &str = "vbr_";
+/// Bytes of the half that names it.
+const ID_BYTES: usize = 6;
+/// Bytes of the half that is secret.
+const SECRET_BYTES: usize = 32;
+
+/// What a new token shall be.
+#[derive(Debug, Clone)]
+pub struct NewToken {
+    /// What it is for, for people.
+    pub name: String,
+    /// What it allows.
+    pub role: Role,
+    /// Where.
+    pub scope: Scope,
+    /// Until when, microseconds since 1970 UTC.
+    pub expires_us: i64,
+    /// Who makes it.
+    pub created_by: String,
+}
+
+/// Makes a token and returns it: nobody can see it again.
+///
+/// # Errors
+/// The system has no randomness, or the database cannot be written.
+pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Result<(String, TokenRow)> {
+    let (mut id, mut secret) = ([0; ID_BYTES], [0; SECRET_BYTES]);
+    getrandom::fill(&mut id).map_err(|problem| anyhow::anyhow!("no randomness from the system: {problem}"))?;
+    getrandom::fill(&mut secret).map_err(|problem| anyhow::anyhow!("no randomness from the system: {problem}"))?;
+    let fleets = match &new.scope {
+        Scope::All => None,
+        Scope::Only(fleets) => Some(fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",")),
+    };
+    let row = TokenRow {
+        token_id: id.iter().map(|byte| format!("{byte:02x}")).collect(),
+        name: new.name.clone(),
+        role: new.role.word().to_owned(),
+        fleets,
+        secret_hash: blake3::hash(&secret).as_bytes().to_vec(),
+        created_us: now_us,
+        created_by: new.created_by.clone(),
+        expires_us: new.expires_us,
+        revoked_us: None,
+    };
+    store.add_token(&row).await?;
+    Ok((format!("{PREFIX}{}_{}", row.token_id, URL_SAFE_NO_PAD.encode(secret)), row))
+}
+
+/// Whom a token lets in; nobody if it is not known, has expired, or was revoked.
+///
+/// # Errors
+/// The database cannot be read.
+pub async fn caller(store: &Store, token: &str, now_us: i64) -> Result<Option<Caller>, StoreError> {
+    let halves = token.strip_prefix(PREFIX).and_then(|halves| halves.split_once('_'));
+    let Some((id, secret)) = halves else { return Ok(None) };
+    let Ok(secret) = URL_SAFE_NO_PAD.decode(secret) else { return Ok(None) };
+    let Some(row) = store.token(id).await? else { return Ok(None) };
+    let is_right = bool::from(blake3::hash(&secret).as_bytes().ct_eq(&row.secret_hash));
+    if !is_right || row.revoked_us.is_some() || row.expires_us <= now_us {
+        return Ok(None);
+    }
+    let Some(role) = Role::of_word(&row.role) else { return Ok(None) };
+    let scope = match &row.fleets {
+        None => Scope::All,
+        Some(fleets) => Scope::Only(fleets.split(',').filter_map(|fleet| Name::new(fleet).ok()).collect()),
+    };
+    Ok(Some(Caller { actor: format!("token:{}", row.name), role, scope }))
+}

@@ -1,0 +1,12 @@
+//! What is served under `/v1`: a module for each kind of thing.
+
+mod whiskers;
+
+use utoipa_axum::router::OpenApiRouter;
+
+use super::App;
+
+/// All routes, with what they say of themselves.
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().merge(whiskers::routes())
+}

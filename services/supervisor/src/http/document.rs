@@ -1,0 +1,110 @@
+//! The OpenAPI document: what the code says of itself, and which role each route asks for.
+
+use std::collections::BTreeMap;
+
+use axum::http::Method;
+use serde_json::{Value, json};
+use utoipa::OpenApi;
+use utoipa::openapi::OpenApi as Document;
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
+
+use super::access::Role;
+use super::problem::{FieldError, Problem};
+
+/// Says of an operation which role it asks for.
+const ROLE: &str = "x-required-role";
+
+/// What is not said by the routes.
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "vibrissa",
+        description = "Supervisor for fleets of robots with soft whisker arrays. Lengths in mm, pressures in MPa, strain in \
+                       m/m, errors as ratios; times are RFC 3339 in UTC. What goes wrong is told as RFC 9457 \
+                       (application/problem+json).",
+        license(name = "MIT OR Apache-2.0")
+    ),
+    components(schemas(Problem, FieldError)),
+    security(("token" = []))
+)]
+struct Base;
+
+/// The document without its routes.
+#[must_use]
+pub fn base() -> Document {
+    Base::openapi()
+}
+
+/// Adds what holds for every operation: who may, and what can go wrong with any request.
+pub fn complete(document: &mut Document) {
+    let token = SecurityScheme::Http(Http::builder().scheme(HttpAuthScheme::Bearer).bearer_format("vbr_...").build());
+    document.components.get_or_insert_default().add_security_scheme("token", token);
+    let problem = json!({
+        "description": "A problem (RFC 9457)",
+        "content": { super::problem::MEDIA_TYPE: { "schema": { "$ref": "#/components/schemas/Problem" } } },
+    });
+    let Ok(problem) = serde_json::from_value::<utoipa::openapi::Response>(problem) else { return };
+    for item in document.paths.paths.values_mut() {
+        for (method, operation) in operations(item) {
+            let statuses: &[&str] = if method == Method::GET {
+                &["400", "401", "403", "404", "422", "429", "500", "503", "504"]
+            } else {
+                &["400", "401", "403", "404", "409", "412", "413", "415", "422", "428", "429", "500", "503", "504"]
+            };
+            for status in statuses {
+                let response = utoipa::openapi::RefOr::T(problem.clone());
+                operation.responses.responses.entry((*status).to_owned()).or_insert(response);
+            }
+        }
+    }
+}
+
+fn operations(
+    item: &mut utoipa::openapi::PathItem,
+) -> impl Iterator<Item = (Method, &mut utoipa::openapi::path::Operation)> {
+    let of_methods = [
+        (Method::GET, item.get.as_mut()),
+        (Method::POST, item.post.as_mut()),
+        (Method::PUT, item.put.as_mut()),
+        (Method::DELETE, item.delete.as_mut()),
+        (Method::PATCH, item.patch.as_mut()),
+    ];
+    of_methods.into_iter().filter_map(|(method, operation)| Some((method, operation?)))
+}
+
+/// Which role each route asks for.
+#[derive(Debug, Default)]
+pub struct Roles(BTreeMap<(String, String), Role>);
+
+impl Roles {
+    /// Reads them off the document: what is looked at asks for a viewer, everything else says whom.
+    ///
+    /// # Panics
+    /// A route that changes something does not say who may: a fault of the program, seen at each start.
+    #[must_use]
+    pub fn of(document: &mut Document) -> Self {
+        let mut roles = BTreeMap::new();
+        for (path, item) in &mut document.paths.paths {
+            for (method, operation) in operations(item) {
+                let told = operation.extensions.as_ref().and_then(|extensions| extensions.get(ROLE));
+                let told = told.and_then(Value::as_str).and_then(Role::of_word);
+                let role = match (told, &method) {
+                    (Some(role), _) => role,
+                    (None, &Method::GET) => Role::Viewer,
+                    (None, _) => panic!("{method} {path} does not say which role it asks for"),
+                };
+                let extensions = operation.extensions.get_or_insert_default();
+                extensions.insert(ROLE.to_owned(), Value::from(role.word()));
+                roles.insert((method.to_string(), path.clone()), role);
+            }
+        }
+        Self(roles)
+    }
+
+    /// The role for a method of a route, if there is one.
+    #[must_use]
+    pub fn needed(&self, method: &Method, path: &str) -> Option<Role> {
+        let method = if method == Method::HEAD { "GET" } else { method.as_str() };
+        self.0.get(&(method.to_owned(), path.to_owned())).copied()
+    }
+}

@@ -1,0 +1,87 @@
+//! Requests taken apart, each value checked once: what is wrong is told with its field.
+
+use axum::body::Bytes;
+use axum::extract::rejection::PathRejection;
+use axum::extract::{FromRequest, FromRequestParts, Request};
+use axum::http::header;
+use axum::http::request::Parts;
+use serde::de::DeserializeOwned;
+
+use super::problem::{Kind, Problem};
+
+/// Query parameters; a field that is not known is refused by the type's `deny_unknown_fields`.
+#[derive(Debug)]
+pub struct Query<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let query = parts.uri.query().unwrap_or_default();
+        let pairs = url::form_urlencoded::parse(query.as_bytes());
+        serde_path_to_error::deserialize(serde_urlencoded::Deserializer::new(pairs)).map(Self).map_err(field)
+    }
+}
+
+/// Parts of the path.
+#[derive(Debug)]
+pub struct Path<T>(pub T);
+
+impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Path<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        match axum::extract::Path::<T>::from_request_parts(parts, state).await {
+            Ok(axum::extract::Path(value)) => Ok(Self(value)),
+            Err(PathRejection::FailedToDeserializePathParams(problem)) => {
+                Err(Problem::invalid("path", problem.body_text()))
+            }
+            Err(problem) => Err(Problem::new(Kind::Internal, problem.body_text())),
+        }
+    }
+}
+
+/// A JSON body; fields that are not known are refused by the type's `deny_unknown_fields`.
+#[derive(Debug)]
+pub struct Body<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+        let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+        let essence = kind.split(';').next().unwrap_or_default().trim();
+        if !essence.eq_ignore_ascii_case("application/json") {
+            return Err(Problem::new(Kind::WrongMediaType, "send the body as Content-Type: application/json"));
+        }
+        let bytes = Bytes::from_request(request, state).await.map_err(|problem| match problem.status().as_u16() {
+            413 => Problem::new(Kind::TooLarge, "the body is larger than is read here"),
+            _ => Problem::new(Kind::Malformed, problem.body_text()),
+        })?;
+        let mut json = serde_json::Deserializer::from_slice(&bytes);
+        let value =
+            serde_path_to_error::deserialize(&mut json).map_err(|problem| match problem.inner().classify() {
+                serde_json::error::Category::Data => field(problem),
+                serde_json::error::Category::Syntax
+                | serde_json::error::Category::Eof
+                | serde_json::error::Category::Io => Problem::new(Kind::Malformed, problem.inner().to_string()),
+            })?;
+        json.end().map_err(|problem| Problem::new(Kind::Malformed, problem.to_string()))?;
+        Ok(Self(value))
+    }
+}
+
+/// Names the field, also the one that is not known or missing, which the path does not reach.
+fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Problem {
+    let told = problem.inner().to_string();
+    let path = problem.path().to_string();
+    let inner =
+        told.split('`').nth(1).filter(|_| told.starts_with("unknown field") || told.starts_with("missing field"));
+    let field = match (path.as_str(), inner) {
+        ("." | "", Some(inner)) => inner.to_owned(),
+        (".", None) => String::new(),
+        (path, Some(inner)) if !path.ends_with(inner) => format!("{path}.{inner}"),
+        (path, _) => path.to_owned(),
+    };
+    Problem::invalid(field, told)
+}

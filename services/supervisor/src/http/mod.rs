@@ -1,0 +1,104 @@
+//! HTTP: the API under `/v1`, its documentation, and whether the service is alive and ready.
+//!
+//! A request passes `passage` (a name, a place in the log, a limit in time), then `access` (who asks, and whether
+//! they may), then its handler in `api`, which takes it apart with `extract` and asks the store or the engine. What
+//! goes wrong is a `Problem`. The OpenAPI document is read off the handlers (`document`).
+
+pub mod access;
+pub mod api;
+pub mod document;
+pub mod extract;
+mod health;
+pub mod page;
+pub mod passage;
+pub mod problem;
+pub mod words;
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::middleware::{from_fn, from_fn_with_state};
+use axum::response::Json;
+use axum::routing::get;
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+use utoipa::openapi::OpenApi as Document;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_swagger_ui::{Config, SwaggerUi};
+
+use crate::metrics::Metrics;
+use crate::readiness::Readiness;
+use crate::store::Store;
+use access::{Access, Gate};
+
+/// What the handlers share.
+#[derive(Debug, Clone)]
+pub struct App {
+    /// The database.
+    pub store: Store,
+    /// What is counted.
+    pub metrics: Metrics,
+    /// Which fleets are supervised here, and what keeps the service from its work.
+    pub readiness: Readiness,
+    /// Who is let in.
+    pub access: Access,
+}
+
+/// Bytes of a body at the most, unless a route takes more.
+const BODY_BYTES_MAX: usize = 64 * 1024;
+
+/// Why HTTP is not served.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot listen for HTTP on {address}: {source}; choose another address with --http")]
+pub struct ListenError {
+    address: SocketAddr,
+    source: std::io::Error,
+}
+
+/// Serves until `stop`. Returns the address, which tells the port where 0 was asked for.
+///
+/// # Errors
+/// The address is taken.
+pub async fn serve(
+    address: SocketAddr,
+    app: App,
+    mut stop: watch::Receiver<bool>,
+) -> Result<(SocketAddr, tokio::task::JoinHandle<()>), ListenError> {
+    let failed = |source| ListenError { address, source };
+    let listener = TcpListener::bind(address).await.map_err(failed)?;
+    let bound = listener.local_addr().map_err(failed)?;
+    let (router, _) = router(app);
+    let task = tokio::spawn(async move {
+        let stopped = async move {
+            let _ = stop.wait_for(|&stop| stop).await;
+        };
+        if let Err(problem) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
+            tracing::error!(%problem, "HTTP has stopped");
+        }
+    });
+    Ok((bound, task))
+}
+
+/// Everything that is served, and the document of what is under `/v1`.
+#[must_use]
+pub fn router(app: App) -> (Router, Document) {
+    let (api, mut document) = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).split_for_parts();
+    let roles = Arc::new(document::Roles::of(&mut document));
+    document::complete(&mut document);
+    let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
+    let served = document.clone();
+    let docs = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
+    let router = Router::new()
+        .merge(api.route_layer(from_fn_with_state(gate, access::check)))
+        .route("/openapi.json", get(async move || Json(served)))
+        .route("/livez", get(health::livez))
+        .route("/readyz", get(health::readyz))
+        .route("/metrics", get(health::metrics))
+        .with_state(app)
+        .merge(docs)
+        .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
+        .layer(from_fn(passage::passage));
+    (router, document)
+}

@@ -1,0 +1,127 @@
+//! Pages of lists: a limit, a cursor, an order.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::problem::Problem;
+use crate::store::list::{Place, Rows, Selection, Sort};
+
+/// Rows of a page unless it is asked for otherwise.
+pub const LIMIT: u32 = 100;
+/// Rows of a page at the most.
+pub const LIMIT_MAX: u32 = 1000;
+
+/// A page of a list.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Page<T> {
+    /// Its rows.
+    pub items: Vec<T>,
+    /// What to ask for as `cursor` to get the next page; null on the last one.
+    pub next_cursor: Option<String>,
+}
+
+/// Which way a list runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// The least first.
+    Ascending,
+    /// The greatest first.
+    Descending,
+}
+
+/// What a request says of its page.
+#[derive(Debug)]
+pub struct Paging<'a> {
+    /// Rows at the most.
+    pub limit: Option<u32>,
+    /// Where the last page ended.
+    pub cursor: Option<&'a str>,
+    /// By what.
+    pub sort: Sort,
+    /// Which way.
+    pub order: Option<Order>,
+}
+
+/// Where a page ended, and in what order.
+#[derive(Debug, Serialize, Deserialize)]
+struct Cursor {
+    sort: String,
+    descending: bool,
+    place: Place,
+}
+
+impl Paging<'_> {
+    /// The page as the database is asked for it.
+    ///
+    /// # Errors
+    /// The limit is out of range, or the cursor is none of this list in this order.
+    pub fn selection(&self) -> Result<Selection, Problem> {
+        let limit = self.limit.unwrap_or(LIMIT);
+        if !(1..=LIMIT_MAX).contains(&limit) {
+            return Err(Problem::invalid("limit", format!("must be 1 to {LIMIT_MAX}, not {limit}")));
+        }
+        let descending = self.order.map_or(self.sort.descending, |order| order == Order::Descending);
+        let after = self.cursor.map(|cursor| place(cursor, self.sort, descending)).transpose()?;
+        Ok(Selection { filters: Vec::new(), sort: self.sort, descending, after, limit })
+    }
+}
+
+fn place(cursor: &str, sort: Sort, descending: bool) -> Result<Place, Problem> {
+    let read = URL_SAFE_NO_PAD.decode(cursor).ok();
+    let read = read.and_then(|bytes| serde_json::from_slice::<Cursor>(&bytes).ok());
+    let read = read.filter(|cursor| cursor.sort == sort.column && cursor.descending == descending);
+    read.filter(|cursor| cursor.place.value.is_a(sort.kind)).map(|cursor| cursor.place).ok_or_else(|| {
+        Problem::invalid("cursor", "is none of this list in this order: use next_cursor of the page before, unchanged")
+    })
+}
+
+impl<T> Page<T> {
+    /// The page that rows make.
+    #[must_use]
+    pub fn of(rows: Rows<T>, selection: &Selection) -> Self {
+        let next_cursor = rows.next.and_then(|place| {
+            let cursor = Cursor { sort: selection.sort.column.to_owned(), descending: selection.descending, place };
+            serde_json::to_vec(&cursor).ok()
+        });
+        Self { items: rows.rows, next_cursor: next_cursor.map(|json| URL_SAFE_NO_PAD.encode(json)) }
+    }
+}
+
+/// Query parameters of a list: its filters, and what every list has.
+macro_rules! list_query {
+    ($(#[$meta:meta])* pub struct $name:ident by $sort:ty { $($(#[$field_meta:meta])* pub $field:ident: $type:ty,)* }) => {
+        $(#[$meta])*
+        #[derive(Debug, serde::Deserialize, utoipa::IntoParams)]
+        #[into_params(parameter_in = Query)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$field_meta])* pub $field: $type,)*
+            /// Rows of a page at the most.
+            #[param(minimum = 1, maximum = 1000, default = 100)]
+            pub limit: Option<u32>,
+            /// `next_cursor` of the page before.
+            #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
+            pub cursor: Option<String>,
+            /// What the list is sorted by.
+            pub sort: Option<$sort>,
+            /// Which way.
+            pub order: Option<$crate::http::page::Order>,
+        }
+
+        impl $name {
+            /// The page, without the filters.
+            ///
+            /// # Errors
+            /// The limit or the cursor is wrong.
+            pub fn page(&self) -> Result<$crate::store::list::Selection, $crate::http::problem::Problem> {
+                let sort = self.sort.map_or(<$sort>::SORTS[0], <$sort>::sort);
+                let (limit, cursor, order) = (self.limit, self.cursor.as_deref(), self.order);
+                $crate::http::page::Paging { limit, cursor, sort, order }.selection()
+            }
+        }
+    };
+}
+pub(super) use list_query;

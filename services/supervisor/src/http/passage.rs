@@ -1,0 +1,79 @@
+//! What every request passes through: a name, a place in the log, a limit in time; and every problem gets its
+//! request's name on the way out.
+
+use std::time::Duration;
+
+use axum::extract::Request;
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use tracing::Instrument;
+use uuid::Uuid;
+
+use super::problem::{Kind, Problem};
+
+/// How long an answer may take to begin.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+/// The header with the request's name, in both directions.
+pub static REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+/// Characters of a request's name at the most.
+const ID_LENGTH_MAX: usize = 128;
+
+/// The request's name: the caller's own if it sends a good one, otherwise a new one.
+#[derive(Debug, Clone)]
+pub struct RequestId(pub String);
+
+/// Lets a request through.
+pub async fn passage(mut request: Request, next: Next) -> Response {
+    let id = request
+        .headers()
+        .get(&REQUEST_ID)
+        .and_then(|id| id.to_str().ok())
+        .filter(|id| !id.is_empty() && id.len() <= ID_LENGTH_MAX && id.bytes().all(|byte| byte.is_ascii_graphic()))
+        .map_or_else(|| Uuid::new_v4().to_string(), ToOwned::to_owned);
+    request.extensions_mut().insert(RequestId(id.clone()));
+    let path = request.uri().path().to_owned();
+    let span = tracing::info_span!("request", request_id = id, method = %request.method(), path);
+    let response = async {
+        let answer = tokio::time::timeout(PATIENCE, next.run(request)).await.unwrap_or_else(|_| {
+            Problem::new(Kind::TooSlow, format!("no answer in {} s", PATIENCE.as_secs())).into_response()
+        });
+        tracing::debug!(status = answer.status().as_u16(), "answered");
+        answer
+    }
+    .instrument(span)
+    .await;
+    finish(response, id, path)
+}
+
+/// Names the request in the answer; what has no body of its own yet is told as a problem.
+fn finish(mut response: Response, id: String, path: String) -> Response {
+    let told = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
+    if let Some(mut problem) = told {
+        problem.instance = Some(path);
+        problem.request_id = Some(id.clone());
+        let headers = std::mem::take(response.headers_mut());
+        response = problem.into_response();
+        for (name, value) in &headers {
+            if *name != header::CONTENT_LENGTH && *name != header::CONTENT_TYPE {
+                response.headers_mut().insert(name, value.clone());
+            }
+        }
+    }
+    if let Ok(id) = HeaderValue::from_str(&id) {
+        response.headers_mut().insert(REQUEST_ID.clone(), id);
+    }
+    response
+}
+
+/// The router's own refusals, which have no words.
+fn bare(status: StatusCode) -> Option<Problem> {
+    match status {
+        StatusCode::NOT_FOUND => Some(Problem::new(Kind::NotFound, "nothing is served under this path; see /docs")),
+        StatusCode::METHOD_NOT_ALLOWED => {
+            Some(Problem::new(Kind::MethodNotAllowed, "this path does not know the method; see /docs"))
+        }
+        StatusCode::PAYLOAD_TOO_LARGE => Some(Problem::new(Kind::TooLarge, "the body is larger than is read here")),
+        _ => None,
+    }
+}

@@ -1,0 +1,30 @@
+//! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
+
+pub mod whiskers;
+
+/// The columns that may sort a list, as a closed enum; the first one does by default.
+macro_rules! sorts {
+    ($(#[$meta:meta])* pub enum $name:ident {
+        $($(#[$variant_meta:meta])* $variant:ident = $column:tt $kind:ident $way:ident,)+
+    }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, utoipa::ToSchema)]
+        pub enum $name { $($(#[$variant_meta])* #[serde(rename = $column)] $variant,)+ }
+
+        impl $name {
+            /// The columns.
+            pub const SORTS: &'static [$crate::store::list::Sort] = &[$($crate::store::list::Sort {
+                column: $column,
+                kind: $crate::store::list::Kind::$kind,
+                descending: $crate::store::list::Way::$way.is_descending(),
+            },)+];
+
+            /// The column.
+            #[must_use]
+            pub fn sort(self) -> $crate::store::list::Sort {
+                Self::SORTS[self as usize]
+            }
+        }
+    };
+}
+pub(self) use sorts;
