@@ -9,7 +9,7 @@ use utoipa::openapi::OpenApi as Document;
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 
 use super::access::Role;
-use super::problem::{FieldError, Problem};
+use super::problem::{FieldError, ProblemBody};
 
 /// Says of an operation which role it asks for.
 const ROLE: &str = "x-required-role";
@@ -24,7 +24,7 @@ const ROLE: &str = "x-required-role";
                        (application/problem+json).",
         license(name = "MIT OR Apache-2.0")
     ),
-    components(schemas(Problem, FieldError)),
+    components(schemas(ProblemBody, FieldError)),
     security(("token" = []))
 )]
 struct Base;

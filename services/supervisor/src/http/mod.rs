@@ -82,7 +82,6 @@ pub async fn serve(
 }
 
 /// Everything that is served, and the document of what is under `/v1`.
-#[must_use]
 pub fn router(app: App) -> (Router, Document) {
     let (api, mut document) = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).split_for_parts();
     let roles = Arc::new(document::Roles::of(&mut document));

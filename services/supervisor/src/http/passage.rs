@@ -49,11 +49,9 @@ pub async fn passage(mut request: Request, next: Next) -> Response {
 /// Names the request in the answer; what has no body of its own yet is told as a problem.
 fn finish(mut response: Response, id: String, path: String) -> Response {
     let told = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
-    if let Some(mut problem) = told {
-        problem.instance = Some(path);
-        problem.request_id = Some(id.clone());
+    if let Some(problem) = told {
         let headers = std::mem::take(response.headers_mut());
-        response = problem.into_response();
+        response = problem.told(path, id.clone());
         for (name, value) in &headers {
             if *name != header::CONTENT_LENGTH && *name != header::CONTENT_TYPE {
                 response.headers_mut().insert(name, value.clone());

@@ -65,9 +65,21 @@ kinds! {
     TooSlow: "too-slow", GATEWAY_TIMEOUT, "no answer in time";
 }
 
-/// A problem (RFC 9457).
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+/// A problem, as the program tells it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
+    /// What kind it is.
+    pub kind: Kind,
+    /// What was wrong this time, and what to do.
+    pub detail: String,
+    /// The fields that were wrong.
+    pub errors: Vec<FieldError>,
+}
+
+/// A problem, as the answer's body has it (RFC 9457).
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = Problem)]
+pub struct ProblemBody {
     /// What kind it is: an address on this service that explains it.
     #[serde(rename = "type")]
     #[schema(example = "/problems/not-found")]
@@ -80,13 +92,12 @@ pub struct Problem {
     /// What was wrong this time, and what to do.
     pub detail: String,
     /// What was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub instance: Option<String>,
+    pub instance: String,
     /// The request, as the log has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub request_id: Option<String>,
-    /// The fields that were wrong.
+    pub request_id: String,
+    /// The fields that were wrong; left out if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schema(required = false)]
     pub errors: Vec<FieldError>,
 }
 
@@ -104,15 +115,24 @@ impl Problem {
     /// A problem of that kind.
     #[must_use]
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
-        Self {
+        Self { kind, detail: detail.into(), errors: Vec::new() }
+    }
+
+    /// The answer, now that the request's name is known.
+    #[must_use]
+    pub fn told(self, instance: String, request_id: String) -> Response {
+        let kind = self.kind;
+        let body = ProblemBody {
             type_uri: format!("/problems/{}", kind.name()),
             title: kind.title().to_owned(),
             status: kind.status().as_u16(),
-            detail: detail.into(),
-            instance: None,
-            request_id: None,
-            errors: Vec::new(),
-        }
+            detail: self.detail,
+            instance,
+            request_id,
+            errors: self.errors,
+        };
+        let json = serde_json::to_vec(&body).unwrap_or_default();
+        (kind.status(), [(header::CONTENT_TYPE, MEDIA_TYPE)], json).into_response()
     }
 
     /// A value that is not what it must be.
@@ -140,11 +160,8 @@ impl From<StoreError> for Problem {
 impl IntoResponse for Problem {
     /// The body is written at the very end, when the request's name is known: see `passage`.
     fn into_response(self) -> Response {
-        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let body = serde_json::to_vec(&self).unwrap_or_default();
-        let mut response = (status, body).into_response();
-        response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(MEDIA_TYPE));
-        if status == StatusCode::UNAUTHORIZED {
+        let mut response = self.kind.status().into_response();
+        if self.kind == Kind::Unauthenticated {
             response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
         }
         response.extensions_mut().insert(self);

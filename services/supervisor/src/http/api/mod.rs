@@ -1,6 +1,7 @@
 //! What is served under `/v1`: a module for each kind of thing.
 
-mod whiskers;
+pub mod paths;
+pub mod whiskers;
 
 use utoipa_axum::router::OpenApiRouter;
 

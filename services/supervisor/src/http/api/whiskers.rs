@@ -2,19 +2,18 @@
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
-use serde::Deserialize;
-use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
+use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::ConditionWord;
-use crate::store::list::{Filter, Value};
+use crate::store::list::Filter;
 use crate::store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
@@ -60,23 +59,6 @@ async fn list_whiskers(
     Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
 }
 
-/// Where a whisker is.
-#[derive(Debug, Deserialize, IntoParams)]
-#[into_params(parameter_in = Path)]
-pub struct WhiskerPath {
-    /// Fleet.
-    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Name,
-    /// Robot.
-    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub robot: Name,
-    /// Array.
-    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub array: Name,
-    /// Number in the array.
-    pub whisker: u16,
-}
-
 /// One whisker.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}", tag = "whiskers",
@@ -84,14 +66,6 @@ pub struct WhiskerPath {
     responses((status = 200, description = "The whisker", body = Whisker))
 )]
 async fn get_whisker(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Json<Whisker>, Problem> {
-    let filters = vec![
-        Filter::Is("fleet", Value::Text(at.fleet.to_string())),
-        Filter::Is("robot", Value::Text(at.robot.to_string())),
-        Filter::Is("\"array\"", Value::Text(at.array.to_string())),
-        Filter::Is("whisker", Value::Whole(at.whisker.into())),
-    ];
-    let found = app.store.first(&WHISKERS, filters).await?;
-    found.map(Json).ok_or_else(|| {
-        Problem::not_found(format_args!("whisker {} of {}/{}/{}", at.whisker, at.fleet, at.robot, at.array))
-    })
+    let found = app.store.first(&WHISKERS, at.filters()).await?;
+    found.map(Json).ok_or_else(|| Problem::not_found(&at))
 }

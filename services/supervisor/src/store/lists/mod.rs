@@ -27,4 +27,4 @@ macro_rules! sorts {
         }
     };
 }
-pub(self) use sorts;
+use sorts;

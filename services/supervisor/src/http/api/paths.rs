@@ -1,0 +1,95 @@
+//! Where things are: the parts of paths.
+
+use serde::Deserialize;
+use utoipa::IntoParams;
+use vibrissa_protocol::Name;
+
+use crate::store::list::{Filter, Value};
+
+/// Spells out a path's parts, their filters on a list that has columns of their names, and how they are told.
+macro_rules! paths {
+    ($($(#[$meta:meta])* pub struct $name:ident ($what:literal) { $($(#[$field_meta:meta])* $field:ident = $column:literal,)+ })+) => {
+        $($(#[$meta])*
+        #[derive(Debug, Clone, Deserialize, IntoParams)]
+        #[into_params(parameter_in = Path)]
+        pub struct $name {
+            $($(#[$field_meta])*
+            #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+            pub $field: Name,)+
+        }
+
+        impl $name {
+            /// What picks it out of a list.
+            #[must_use]
+            pub fn filters(&self) -> Vec<Filter> {
+                vec![$(Filter::Is($column, Value::Text(self.$field.to_string())),)+]
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str($what)?;
+                [$(&self.$field),+].into_iter().try_for_each(|part| write!(f, " {part}"))
+            }
+        })+
+    };
+}
+
+paths! {
+    /// A fleet.
+    pub struct FleetPath ("fleet") {
+        /// Fleet.
+        fleet = "fleet",
+    }
+    /// A robot.
+    pub struct RobotPath ("robot") {
+        /// Fleet.
+        fleet = "fleet",
+        /// Robot.
+        robot = "robot",
+    }
+    /// An array.
+    pub struct ArrayPath ("array") {
+        /// Fleet.
+        fleet = "fleet",
+        /// Robot.
+        robot = "robot",
+        /// Array.
+        array = "\"array\"",
+    }
+}
+
+/// A whisker.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct WhiskerPath {
+    /// Fleet.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub fleet: Name,
+    /// Robot.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub robot: Name,
+    /// Array.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub array: Name,
+    /// Number in the array.
+    pub whisker: u16,
+}
+
+impl WhiskerPath {
+    /// What picks it out of a list.
+    #[must_use]
+    pub fn filters(&self) -> Vec<Filter> {
+        let names = [("fleet", &self.fleet), ("robot", &self.robot), ("\"array\"", &self.array)];
+        let mut filters: Vec<Filter> =
+            names.into_iter().map(|(column, name)| Filter::Is(column, Value::Text(name.to_string()))).collect();
+        filters.push(Filter::Is("whisker", Value::Whole(self.whisker.into())));
+        filters
+    }
+}
+
+impl std::fmt::Display for WhiskerPath {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "whisker {} {} {} {}", self.fleet, self.robot, self.array, self.whisker)
+    }
+}
