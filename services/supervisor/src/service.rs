@@ -16,7 +16,7 @@ use crate::broker::Broker;
 use crate::engine::wall_clock;
 use crate::fleet::Shared;
 use crate::http::App;
-use crate::http::access::Access;
+use crate::http::access::{Access, AccessOptions};
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -46,6 +46,8 @@ pub struct ServiceOptions {
     pub mqtt_port: u16,
     /// Where HTTP listens; port 0 takes any free one.
     pub http: SocketAddr,
+    /// Who is let in there, besides those whose tokens the database has.
+    pub access: AccessOptions,
     /// The core's parameters.
     pub params: Params,
 }
@@ -115,12 +117,15 @@ impl Service {
         };
         let ownership = Ownership::new(supervisor, shared, is_prepared);
         let (stop, stopped) = watch::channel(false);
-        let app = App {
-            store: store.clone(),
-            metrics: metrics.clone(),
-            readiness: readiness.clone(),
-            access: Access::new(options.http.ip().is_loopback()),
-        };
+        let access = Access::new(&options.access, options.http.ip());
+        if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
+            anyhow::bail!(
+                "HTTP would listen on {}, beyond this machine, and nobody could be let in: make a token first with \
+                 `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
+                options.http
+            );
+        }
+        let app = App { store: store.clone(), metrics: metrics.clone(), readiness: readiness.clone(), access };
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })

@@ -8,6 +8,8 @@ pub mod record;
 pub mod replay;
 pub mod serve;
 pub mod solve;
+pub mod table;
+pub mod token;
 
 use std::io::stdout;
 use std::process::ExitCode;
@@ -30,6 +32,8 @@ enum Command {
     Config(config::ConfigArgs),
     /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
+    /// Who may use the API: make, list and revoke tokens.
+    Token(token::TokenArgs),
     /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
     Record(record::RecordArgs),
     /// Recorded traffic through the core once more: every effect as a line of JSON, or two policies compared.
@@ -55,6 +59,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Demo(args) => {
             serve::demo(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
+        Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),
         Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),

@@ -38,7 +38,7 @@ pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
 /// How to connect.
-pub(super) type Options = Either<(SqliteConnectOptions, FileLock), PgConnectOptions>;
+pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), PgConnectOptions>;
 
 impl Options {
     /// A connection of its own.

@@ -14,12 +14,21 @@ use super::{StoreError, database};
 /// Rows of one statement: 15 values each, SQLite takes 32,766.
 const CONTACTS_A_STATEMENT: usize = 1000;
 
-/// Opens or makes the file.
+/// Opens or makes the file, for a supervisor of that name alone.
 pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
         return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
     let lock = FileLock::take(path, supervisor)?;
+    connect(path, name, Some(lock)).await
+}
+
+/// Opens the file beside the supervisor that works with it.
+pub(super) async fn open_beside(path: &Path, name: &str) -> Result<(Pool, Options), StoreError> {
+    connect(path, name, None).await
+}
+
+async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Pool, Options), StoreError> {
     let options = SqliteConnectOptions::new()
         .filename(path)
         .create_if_missing(true)
