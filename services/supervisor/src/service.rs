@@ -15,6 +15,7 @@ use vibrissa_protocol::Name;
 use crate::broker::Broker;
 use crate::engine::wall_clock;
 use crate::fleet::Shared;
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -60,6 +61,8 @@ pub struct Service {
     pub metrics: Metrics,
     /// What keeps it from its work.
     pub readiness: Readiness,
+    /// What those who ask for actions share with the fleets.
+    pub mailroom: Mailroom,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
     ownership: JoinHandle<()>,
@@ -96,12 +99,14 @@ impl Service {
         let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
+        let mailroom = Mailroom::default();
         let shared = Shared {
             store: store.clone(),
             broker: broker.clone(),
             prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
+            mailroom: mailroom.clone(),
             params: Arc::new(options.params),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
@@ -117,7 +122,7 @@ impl Service {
             crate::http::serve(options.http, store.clone(), metrics.clone(), readiness.clone(), stopped.clone())
                 .await?;
         let ownership = tokio::spawn(ownership.run(stopped));
-        Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })
+        Ok(Self { broker, http, store, metrics, readiness, mailroom, embedded, stop, ownership, http_task })
     }
 
     /// Stops in order: fleets are finished and given back, then everything else ends.

@@ -53,6 +53,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         target_length_mm: 70.0,
         target_pressure_mpa: 0.1,
         decided_us: 7,
+        approval: "AUTOMATIC",
         candidates: vec![candidate(0, true, None), candidate(1, false, Some("COSTS_MORE"))],
     };
     let setpoint = SetpointRow {

@@ -1,28 +1,26 @@
 //! What queries read, as JSON in the contract's words: a struct for each, its fields the query's columns.
 
 use serde::Serialize;
-use sqlx::postgres::PgRow;
-use sqlx::sqlite::SqliteRow;
-use sqlx::{FromRow, Row};
 
 /// Defines what a query reads: a struct whose fields are the query's columns, by name.
 macro_rules! readings {
     ($($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $type:ty,)+ })+) => {
         $($(#[$meta])* pub struct $name { $($(#[$field_meta])* pub $field: $type,)+ }
 
-        impl<'r> FromRow<'r, SqliteRow> for $name {
-            fn from_row(row: &'r SqliteRow) -> sqlx::Result<Self> {
-                Ok(Self { $($field: row.try_get(stringify!($field))?,)+ })
+        impl<'r> sqlx::FromRow<'r, sqlx::sqlite::SqliteRow> for $name {
+            fn from_row(row: &'r sqlx::sqlite::SqliteRow) -> sqlx::Result<Self> {
+                Ok(Self { $($field: sqlx::Row::try_get(row, stringify!($field))?,)+ })
             }
         }
 
-        impl<'r> FromRow<'r, PgRow> for $name {
-            fn from_row(row: &'r PgRow) -> sqlx::Result<Self> {
-                Ok(Self { $($field: row.try_get(stringify!($field))?,)+ })
+        impl<'r> sqlx::FromRow<'r, sqlx::postgres::PgRow> for $name {
+            fn from_row(row: &'r sqlx::postgres::PgRow) -> sqlx::Result<Self> {
+                Ok(Self { $($field: sqlx::Row::try_get(row, stringify!($field))?,)+ })
             }
         })+
     };
 }
+pub(super) use readings;
 
 readings! {
     /// A whisker with its estimate; `GET /v1/whiskers`.
