@@ -191,7 +191,7 @@ impl Whisker {
     fn gone(&self, names: &[String]) -> Option<Effect> {
         let alarms: Vec<AlarmKind> = self.standing.kinds().collect();
         let array = names.get(usize::from(self.array))?.clone();
-        (!alarms.is_empty()).then(|| Effect::Gone { array, number: self.sheet.number, alarms })
+        (!alarms.is_empty()).then_some(Effect::Gone { array, number: self.sheet.number, alarms })
     }
 
     /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure, once it is not
