@@ -7,6 +7,7 @@
 pub mod service;
 
 mod fleet;
+pub mod mailroom;
 mod ownership;
 pub mod readiness;
 mod sharing;

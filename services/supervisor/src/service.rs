@@ -17,6 +17,7 @@ use crate::engine::wall_clock;
 use crate::fleet::Shared;
 use crate::http::App;
 use crate::http::access::{Access, AccessOptions};
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -64,6 +65,8 @@ pub struct Service {
     pub metrics: Metrics,
     /// What keeps it from its work.
     pub readiness: Readiness,
+    /// What those who ask for actions share with the fleets.
+    pub mailroom: Mailroom,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
     ownership: JoinHandle<()>,
@@ -100,13 +103,16 @@ impl Service {
         let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
+        let mailroom = Mailroom::default();
+        let params = Arc::new(options.params);
         let shared = Shared {
             store: store.clone(),
             broker: broker.clone(),
             prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
-            params: Arc::new(options.params),
+            mailroom: mailroom.clone(),
+            params: params.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -125,10 +131,17 @@ impl Service {
                 options.http
             );
         }
-        let app = App { store: store.clone(), metrics: metrics.clone(), readiness: readiness.clone(), access };
+        let app = App {
+            store: store.clone(),
+            metrics: metrics.clone(),
+            readiness: readiness.clone(),
+            access,
+            mailroom: mailroom.clone(),
+            params,
+        };
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         let ownership = tokio::spawn(ownership.run(stopped));
-        Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })
+        Ok(Self { broker, http, store, metrics, readiness, mailroom, embedded, stop, ownership, http_task })
     }
 
     /// Stops in order: fleets are finished and given back, then everything else ends.

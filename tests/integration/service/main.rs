@@ -11,6 +11,7 @@ mod program;
 mod running;
 mod web;
 
+mod actions;
 mod bad_input;
 mod config;
 mod http;

@@ -6,6 +6,7 @@
 
 pub mod access;
 pub mod api;
+pub mod asking;
 pub mod document;
 pub mod extract;
 mod health;
@@ -28,6 +29,9 @@ use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
+use vibrissa_core::robot::Params;
+
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
 use crate::store::Store;
@@ -44,6 +48,10 @@ pub struct App {
     pub readiness: Readiness,
     /// Who is let in.
     pub access: Access,
+    /// The core's parameters, as the configuration has them.
+    pub params: Arc<Params>,
+    /// Where engines are asked for actions.
+    pub mailroom: Mailroom,
 }
 
 /// Bytes of a body at the most, unless a route takes more.

@@ -14,6 +14,7 @@ macro_rules! words {
         }
     };
 }
+pub(super) use words;
 
 words! {
     /// Mechanical condition of a whisker.

@@ -54,6 +54,16 @@ impl Options {
     }
 }
 
+impl Pool {
+    /// Begins a transaction that writes, on one of the connections for reading: for what is rare and small.
+    pub(super) async fn begin(&self) -> sqlx::Result<Tx<'static>> {
+        match self {
+            Either::Sqlite(pool) => pool.begin_with("BEGIN IMMEDIATE").await.map(Either::Sqlite),
+            Either::Postgres(pool) => pool.begin().await.map(Either::Postgres),
+        }
+    }
+}
+
 impl Link {
     /// Begins a transaction.
     pub(super) async fn begin(&mut self) -> sqlx::Result<Tx<'_>> {
@@ -91,14 +101,16 @@ impl Pool {
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
-                    .run(pool)
-                    .await
+                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms")
+                .run(pool)
+                .await
             }
             Either::Postgres(pool) => {
-                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
-                    .run(pool)
-                    .await
+                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms")
+                .run(pool)
+                .await
             }
         }
         .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })

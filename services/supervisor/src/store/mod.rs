@@ -4,6 +4,7 @@
 //! writes only what a [`Lease`] allows: [`batch`] is what is written, `commit` writes it, `load` reads back what
 //! taking up a fleet needs. `sqlite` and `postgres` hold what differs. Nothing outside this module knows SQL.
 
+pub mod actions;
 pub mod address;
 pub mod batch;
 mod commit;

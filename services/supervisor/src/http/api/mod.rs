@@ -1,6 +1,9 @@
 //! What is served under `/v1`: a module for each kind of thing.
 
+pub mod actions;
+pub mod audit;
 pub mod paths;
+pub mod policy;
 pub mod whiskers;
 
 use utoipa_axum::router::OpenApiRouter;
@@ -9,5 +12,9 @@ use super::App;
 
 /// All routes, with what they say of themselves.
 pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().merge(whiskers::routes())
+    OpenApiRouter::new()
+        .merge(whiskers::routes())
+        .merge(actions::routes())
+        .merge(policy::routes())
+        .merge(audit::routes())
 }
