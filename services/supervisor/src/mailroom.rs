@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use tokio::sync::{Notify, broadcast};
+use tokio::sync::{Notify, broadcast, watch};
 use tokio::time::{Duration, Instant, sleep_until};
 use vibrissa_protocol::Name;
 
@@ -25,11 +25,16 @@ pub struct Mailroom(Arc<Inner>);
 struct Inner {
     bells: Mutex<BTreeMap<Name, Arc<Notify>>>,
     answered: broadcast::Sender<i64>,
+    changed: watch::Sender<u64>,
 }
 
 impl Default for Mailroom {
     fn default() -> Self {
-        Self(Arc::new(Inner { bells: Mutex::default(), answered: broadcast::channel(ANSWERS).0 }))
+        Self(Arc::new(Inner {
+            bells: Mutex::default(),
+            answered: broadcast::channel(ANSWERS).0,
+            changed: watch::Sender::new(0),
+        }))
     }
 }
 
@@ -49,6 +54,16 @@ impl Mailroom {
 
     fn bells(&self) -> MutexGuard<'_, BTreeMap<Name, Arc<Notify>>> {
         self.0.bells.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Says that something was committed which live pages show.
+    pub(crate) fn changed(&self) {
+        self.0.changed.send_modify(|count| *count = count.wrapping_add(1));
+    }
+
+    /// What changes with each such commit of this supervisor.
+    pub(crate) fn changes(&self) -> watch::Receiver<u64> {
+        self.0.changed.subscribe()
     }
 
     /// Says that these actions are answered, and committed so.

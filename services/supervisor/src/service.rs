@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::Context;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Duration, timeout};
 use tracing::{error, warn};
@@ -138,8 +138,11 @@ impl Service {
             access,
             mailroom: mailroom.clone(),
             params,
+            followers: Arc::new(Semaphore::new(crate::http::FOLLOWERS_MAX)),
+            stop: stopped.clone(),
         };
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
+        tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self { broker, http, store, metrics, readiness, mailroom, embedded, stop, ownership, http_task })
     }
@@ -158,6 +161,21 @@ impl Service {
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(broker) = self.embedded {
             broker.stop().await;
+        }
+    }
+}
+
+/// How long what live pages follow is kept.
+const CHANGES_KEPT: Duration = Duration::from_secs(86_400);
+/// How often the rest is removed.
+const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
+
+/// Removes changes that nobody can have waited for, until the service stops.
+async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
+    while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
+        let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
+        if let Err(problem) = store.forget_changes(before_us).await {
+            warn!(%problem, "old changes stay for now");
         }
     }
 }

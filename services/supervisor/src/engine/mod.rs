@@ -292,6 +292,9 @@ impl Engine {
         self.end_of(&outage);
         self.batch = Batch::default();
         self.mailroom.answered(self.answered.drain(..));
+        if !self.batch.records.is_empty() {
+            self.mailroom.changed();
+        }
         Ok(())
     }
 

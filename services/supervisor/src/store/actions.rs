@@ -235,7 +235,6 @@ impl Writer {
 
 /// Records an action that needs no engine as done, in the transaction that does it: unless it is [`Asked::New`], it was
 /// done before, and nothing must be done now.
-#[allow(dead_code, reason = "for what is done without an engine, such as acknowledging an alarm")]
 pub(super) async fn record_done(tx: &mut Tx<'_>, action: &NewAction, done_us: i64) -> Result<Asked, StoreError> {
     insert(tx, action, "DONE", Some(done_us)).await.map_err(failed("record an action"))
 }

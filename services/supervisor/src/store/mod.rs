@@ -6,7 +6,9 @@
 
 pub mod actions;
 pub mod address;
+pub mod alarms;
 pub mod batch;
+pub mod changes;
 mod commit;
 mod database;
 mod error;

@@ -1,7 +1,9 @@
 //! What is served under `/v1`: a module for each kind of thing.
 
 pub mod actions;
+pub mod alarm_actions;
 pub mod audit;
+pub mod events;
 pub mod paths;
 pub mod policy;
 pub mod whiskers;
@@ -16,5 +18,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(whiskers::routes())
         .merge(actions::routes())
         .merge(policy::routes())
+        .merge(alarm_actions::routes())
         .merge(audit::routes())
+        .merge(events::routes())
 }
