@@ -1,5 +1,6 @@
 //! The command line.
 
+mod api;
 pub mod calibrate;
 pub mod config;
 pub mod evaluate;
@@ -10,6 +11,7 @@ pub mod serve;
 pub mod solve;
 pub mod table;
 pub mod token;
+pub mod whiskers;
 
 use std::io::stdout;
 use std::process::ExitCode;
@@ -32,6 +34,12 @@ enum Command {
     Config(config::ConfigArgs),
     /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
+    /// Every whisker that a supervisor knows: length, health, pressure, who serves it.
+    Whiskers(whiskers::WhiskersArgs),
+    /// The compensations that were decided, with predicted and measured error.
+    Compensations(whiskers::CompensationsArgs),
+    /// Set a whisker's pressure by hand, or let the supervisor set it again.
+    Setpoint(whiskers::SetpointArgs),
     /// Who may use the API: make, list and revoke tokens.
     Token(token::TokenArgs),
     /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
@@ -59,6 +67,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Demo(args) => {
             serve::demo(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
+        Command::Whiskers(args) => whiskers::whiskers(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Setpoint(args) => whiskers::setpoint(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),

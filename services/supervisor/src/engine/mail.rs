@@ -2,20 +2,27 @@
 
 use std::sync::Arc;
 
+use serde::Deserialize;
 use tracing::{error, info, warn};
+use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::PolicyParams;
-use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params};
+use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::{self, ActionKind, PolicyChange, Request, Subject};
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
 use super::{Engine, wall_clock};
+use crate::calibration_file::CalibrationFile;
 use crate::store::actions::{Action, PolicyReading};
 use crate::store::batch::{PolicyRow, Record};
+use crate::store::calibrations::{ActivationRow, ActiveCalibration};
 
 /// Actions that are read at a time.
 const ACTIONS_MAX: i64 = 100;
+
+/// The kind of an action that puts a calibration in force.
+pub const CALIBRATION: &str = "CALIBRATION";
 
 /// Why an action is refused: a word for programs, a colon, and a text for people.
 type Problem = String;
@@ -41,7 +48,11 @@ impl Engine {
                 Some(Ok(())) => ("DONE", None),
                 Some(Err(problem)) => ("REFUSED", Some(problem)),
             };
-            let kind = named(ActionKind::ALL, &action.kind).map_or("UNKNOWN", Word::word);
+            let kind = match named(ActionKind::ALL, &action.kind) {
+                Some(kind) => kind.word(),
+                None if action.kind == CALIBRATION => CALIBRATION,
+                None => "UNKNOWN",
+            };
             self.metrics.actions.with_label_values(&[kind, state]).inc();
             info!(fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor, "asked");
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
@@ -55,6 +66,9 @@ impl Engine {
         let whisker =
             action.whisker.map(u16::try_from).transpose().map_err(|_| refused(ActionProblem::UnknownWhisker))?;
         let subject = Subject { array: action.array.as_deref(), whisker, compensation };
+        if action.kind == CALIBRATION {
+            return self.change_calibration(action, now);
+        }
         let request = actions::request(&action.kind, &action.parameters, subject);
         match request.map_err(|problem| format!("{}: {problem}", problem.word()))? {
             Request::Operator(asked) => self.operate(action, &asked, now),
@@ -82,6 +96,38 @@ impl Engine {
             Some(Outcome::Refused(problem)) => Err(refused(problem)),
             Some(Outcome::Taken | Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot) | None => Ok(()),
         }
+    }
+
+    /// Another calibration of a model, in force from this transaction on; its whiskers are learned anew, at the lengths
+    /// that are estimated now.
+    fn change_calibration(&mut self, action: &Action, now: Micros) -> Result<(), Problem> {
+        let malformed = |problem: String| format!("MALFORMED: {problem}");
+        let told: Activation =
+            serde_json::from_str(&action.parameters).map_err(|problem| malformed(problem.to_string()))?;
+        let row = ActivationRow {
+            fleet: self.fleet.to_string(),
+            model: told.calibration.name.clone(),
+            calibration_id: told.calibration_id,
+            activated_us: wall_clock().0 as i64,
+            activated_by: action.actor.clone(),
+        };
+        let name = told.calibration.name.clone();
+        self.params = with_model(&self.params, &told.calibration).map_err(malformed)?;
+        self.batch.records.push(Record::Activation(Box::new(row)));
+        let concerned: Vec<(Name, String, u16)> = self
+            .robots
+            .iter()
+            .flat_map(|(robot, known)| {
+                let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
+                let its = views.filter(|view| view.sheet.model == name);
+                its.map(|view| (robot.clone(), view.array.to_owned(), view.sheet.number)).collect::<Vec<_>>()
+            })
+            .collect();
+        for (robot, array, whisker) in concerned {
+            let asked = OperatorAction::Rebaseline(Place { array: &array, whisker });
+            self.step(&robot, now, &Event::Operator(&asked), None);
+        }
+        Ok(())
     }
 
     /// Another policy for the whole fleet, in force from this transaction on.
@@ -117,6 +163,40 @@ impl Engine {
             action_id: action.action_id,
         }
     }
+}
+
+/// Which calibration shall be in force.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Activation {
+    calibration_id: i64,
+    calibration: CalibrationFile,
+}
+
+/// The parameters with another calibration of a model, or with one model more.
+fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {
+    let formulation = params.models.first().map_or_else(Formulation::default, |(_, model)| model.formulation());
+    let model = Model::new(file.geometry(), file.calibration(), formulation).map_err(|problem| problem.to_string())?;
+    let mut params = params.clone();
+    match params.models.iter_mut().find(|(name, _)| *name == file.name) {
+        Some((_, known)) => *known = model,
+        None => params.models.push((file.name.clone(), model)),
+    }
+    Ok(Arc::new(params))
+}
+
+/// The parameters with the calibrations that the fleet works with over the configuration's.
+pub(super) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
+    active.iter().fold(params, |params, one| {
+        let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
+        read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
+            error!(
+                calibration = one.calibration_id,
+                problem, "a calibration that cannot be used: the configuration's is taken"
+            );
+            params
+        })
+    })
 }
 
 fn refused(problem: ActionProblem) -> Problem {

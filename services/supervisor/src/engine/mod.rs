@@ -5,7 +5,7 @@
 //! is published is therefore always committed; what is not committed is sent again by the robots.
 
 mod intake;
-mod mail;
+pub mod mail;
 mod outage;
 mod publication;
 mod record;
@@ -127,6 +127,7 @@ impl Engine {
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
         let policy = writer.policy(&lease).await?;
         let params = mail::with_policy(params, policy.as_ref());
+        let params = mail::with_calibrations(params, &writer.calibrations(&lease).await?);
         let (mut robots, mut batch) = (BTreeMap::new(), Batch::default());
         for stored in writer.robots(&lease).await? {
             if let Ok(name) = Name::robot(&stored.robot) {

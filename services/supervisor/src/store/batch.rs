@@ -1,5 +1,7 @@
 //! What one transaction writes: plain rows, in the order in which they must be written.
 
+use super::calibrations::ActivationRow;
+
 /// Everything that a batch of messages has led to.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -190,6 +192,8 @@ pub enum Record {
     Error(Box<ErrorRow>),
     /// A look at a setpoint.
     Refinement(Box<RefinementRow>),
+    /// A calibration that is in force from now on.
+    Activation(Box<ActivationRow>),
     /// The approval of a proposed compensation.
     Approved {
         /// Which.

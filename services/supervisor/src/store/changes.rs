@@ -121,6 +121,7 @@ impl<'a> NewChange<'a> {
             }
             Record::Gone { robot_id, .. } => Self { kind: "HEALTH", robot_id: Some(*robot_id), ..Self::default() },
             Record::Answer { action_id, done_us, .. } => number("ACTION", *action_id, *done_us),
+            Record::Activation(row) => Self { kind: "POLICY", recorded_us: row.activated_us, ..Self::default() },
             Record::Policy(row) => Self { kind: "POLICY", recorded_us: row.changed_us, ..Self::default() },
         })
     }

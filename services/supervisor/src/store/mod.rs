@@ -8,6 +8,7 @@ pub mod actions;
 pub mod address;
 pub mod alarms;
 pub mod batch;
+pub mod calibrations;
 pub mod changes;
 mod commit;
 mod database;

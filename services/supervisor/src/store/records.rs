@@ -4,7 +4,7 @@ use sqlx::QueryBuilder;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow};
 use super::database::{Tx, on};
-use super::{StoreError, actions, failed};
+use super::{StoreError, actions, calibrations, failed};
 
 /// Takes everything off a robot; what is on it now follows.
 pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
@@ -39,6 +39,9 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
             actions::write_answer(tx, (*action_id, state, problem.as_deref()), *done_us)
                 .await
                 .map_err(failed("answer an action"))
+        }
+        Record::Activation(row) => {
+            calibrations::write_activation(tx, row).await.map_err(failed("write which calibration is in force"))
         }
         Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
         Record::Health { .. }
@@ -175,6 +178,7 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
         | Record::Error(_)
         | Record::Refinement(_)
         | Record::Answer { .. }
+        | Record::Activation(_)
         | Record::Policy(_) => {}
     }
     Ok(())

@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod alarm_actions;
 pub mod audit;
+pub mod calibrations;
 pub mod events;
 pub mod paths;
 pub mod policy;
@@ -20,5 +21,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(policy::routes())
         .merge(alarm_actions::routes())
         .merge(audit::routes())
+        .merge(calibrations::routes())
         .merge(events::routes())
 }

@@ -1,6 +1,7 @@
 //! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
 
 pub mod actions;
+pub mod calibrations;
 pub mod whiskers;
 
 /// The columns that may sort a list, as a closed enum; the first one does by default.
