@@ -1,6 +1,6 @@
 //! The command line.
 
-mod api;
+pub mod api;
 pub mod calibrate;
 pub mod config;
 pub mod evaluate;

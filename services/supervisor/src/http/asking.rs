@@ -140,7 +140,7 @@ pub async fn ask(app: &App, fleet: &Name, action: &NewAction) -> Result<Response
         let kind = match word {
             "UNKNOWN_ROBOT" | "UNKNOWN_WHISKER" => Kind::NotFound,
             "VERSION" => Kind::VersionChanged,
-            "OUT_OF_RANGE" => return Err(Problem::invalid("pressure_mpa", told)),
+            "PRESSURE_OUT_OF_RANGE" => return Err(Problem::invalid("pressure_mpa", told)),
             "MALFORMED" => Kind::Invalid,
             _ => Kind::Refused,
         };
