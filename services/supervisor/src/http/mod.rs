@@ -9,6 +9,7 @@ pub mod api;
 pub mod document;
 pub mod extract;
 mod health;
+pub mod moment;
 pub mod page;
 pub mod passage;
 pub mod problem;
@@ -27,6 +28,7 @@ use tokio::sync::watch;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
+use vibrissa_core::robot::Params;
 
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
@@ -44,6 +46,8 @@ pub struct App {
     pub readiness: Readiness,
     /// Who is let in.
     pub access: Access,
+    /// What decisions rest on.
+    pub params: Arc<Params>,
 }
 
 /// Bytes of a body at the most, unless a route takes more.
