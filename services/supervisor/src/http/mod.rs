@@ -10,6 +10,7 @@ pub mod asking;
 pub mod document;
 pub mod extract;
 mod health;
+pub mod moment;
 pub mod page;
 pub mod passage;
 pub mod problem;
@@ -28,7 +29,6 @@ use tokio::sync::{Semaphore, watch};
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
-
 use vibrissa_core::robot::Params;
 
 use crate::mailroom::Mailroom;

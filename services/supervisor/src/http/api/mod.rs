@@ -4,9 +4,18 @@ pub mod actions;
 pub mod alarm_actions;
 pub mod audit;
 pub mod calibrations;
+pub mod compensations;
+pub mod contacts;
+pub mod errors;
 pub mod events;
+pub mod fleets;
+pub mod happenings;
+pub mod model;
 pub mod paths;
 pub mod policy;
+pub mod robots;
+pub mod setpoints;
+pub mod what_if;
 pub mod whiskers;
 
 use utoipa_axum::router::OpenApiRouter;
@@ -23,4 +32,13 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(audit::routes())
         .merge(calibrations::routes())
         .merge(events::routes())
+        .merge(fleets::routes())
+        .merge(robots::routes())
+        .merge(contacts::routes())
+        .merge(model::routes())
+        .merge(what_if::routes())
+        .merge(happenings::routes())
+        .merge(compensations::routes())
+        .merge(setpoints::routes())
+        .merge(errors::routes())
 }

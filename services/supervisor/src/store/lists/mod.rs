@@ -2,6 +2,13 @@
 
 pub mod actions;
 pub mod calibrations;
+pub mod compensations;
+mod counts;
+pub mod errors;
+pub mod fleets;
+pub mod happenings;
+pub mod robots;
+pub mod setpoints;
 pub mod whiskers;
 
 /// The columns that may sort a list, as a closed enum; the first one does by default.
