@@ -14,6 +14,7 @@ mod web;
 mod bad_input;
 mod config;
 mod http;
+mod quickstart;
 mod replaced;
 mod restart;
 mod setpoints;
