@@ -24,7 +24,11 @@ struct Scene {
 impl Scene {
     async fn start() -> Self {
         let broker = Mosquitto::start();
-        let mut supervisor = Observer::connect(broker.port(), "supervisor").await;
+        // Not what it says itself: that may be junk.
+        let filters = RobotTopic::ALL.into_iter().filter(|topic| topic.is_from_robot());
+        let filters: Vec<String> = filters.map(|topic| format!("whisker/v1/f/r/{topic}")).collect();
+        let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
+        let mut supervisor = Observer::subscribed(broker.port(), "supervisor", &filters).await;
         let robot = Script::start(broker.port(), 1e6);
         let (boot_id, _) = connection(&mut supervisor, ConnectionState::Online).await;
         Self { robot, supervisor, boot_id, _broker: broker }
