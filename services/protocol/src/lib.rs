@@ -9,9 +9,11 @@
 
 mod check;
 pub mod decode;
+pub mod document;
 pub mod messages;
 pub mod name;
 pub mod refusal;
+mod schema;
 pub mod timestamp;
 pub mod topic;
 pub mod words;

@@ -15,6 +15,7 @@ mod actions;
 mod bad_input;
 mod config;
 mod http;
+mod quickstart;
 mod replaced;
 mod restart;
 mod setpoints;

@@ -3,6 +3,7 @@
 pub mod api;
 pub mod calibrate;
 pub mod config;
+pub mod contract;
 pub mod evaluate;
 pub mod paper;
 pub mod record;
@@ -54,6 +55,8 @@ enum Command {
     Evaluate(evaluate::EvaluateArgs),
     /// A whisker's own calibration from measurements of its chamber.
     Calibrate(calibrate::CalibrateArgs),
+    /// The MQTT contract for robots' engineers: AsyncAPI 3.0 and JSON Schemas.
+    Contract(contract::ContractArgs),
 }
 
 /// Runs a command.
@@ -77,5 +80,6 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Contract(args) => contract::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
     }
 }
