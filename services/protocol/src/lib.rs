@@ -12,6 +12,7 @@ pub mod decode;
 pub mod messages;
 pub mod name;
 pub mod refusal;
+pub mod rules;
 pub mod timestamp;
 pub mod topic;
 pub mod words;
@@ -23,6 +24,7 @@ pub use messages::{
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;
+pub use rules::Rule;
 pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
