@@ -79,7 +79,7 @@ use Visible::{Not, Restarting, Talking};
 
 rules! {
     Birth = "birth", "connection", Every, Talking,
-        "After it has connected and subscribed, the robot says ONLINE, retained, with quality of service 1.";
+        "After it has connected and subscribed, the robot says ONLINE, retained.";
     Will = "will", "connection", Every, Restarting,
         "The last will says CONNECTION_BROKEN with the boot_id of the birth of the same connection.";
     WillRetained = "will-retained", "connection", Every, Restarting,
@@ -116,7 +116,7 @@ rules! {
     Clock = "clock", "all", Every, Talking,
         "Times are of the present: microseconds since 1970 UTC, or RFC 3339 in UTC, right to 2 s.";
     TimeForward = "time-forward", "all", Every, Talking,
-        "In a boot, times do not run backwards from message to message of a topic.";
+        "In a boot, the times of status, setpoint_state and factsheet do not run backwards.";
     QualityOfService = "qos", "all", Every, Talking,
         "Quality of service is 1 for connection, factsheet and setpoint_state, 0 for status, and 0 or 1 for contacts.";
     NotRetained = "not-retained", "all", Every, Talking,
