@@ -121,7 +121,8 @@ impl Bench {
         let mut answered = 0;
         for _ in 0..ASKED {
             let mark = self.mark();
-            self.until(period * 2, |heard| heard.statuses(mark).next().map(drop)).await?;
+            let patience = (2 * period).min(self.timings().status.1);
+            self.until(patience, |heard| heard.statuses(mark).next().map(drop)).await?;
             let mark = self.mark();
             self.request(RequestKind::Status).await?;
             answered += usize::from(self.until(window, |heard| heard.statuses(mark).next().map(drop)).await?.is_some());
