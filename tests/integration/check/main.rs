@@ -72,6 +72,11 @@ fn connection(broker: &Mosquitto, name: &str) -> Connection {
 
 /// A robot of that name that touches something all the time; it is connected when this returns.
 async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
+    robot_of(&Broker::new("127.0.0.1", broker.port()), name, fault).await
+}
+
+/// The same at a broker that may want credentials.
+async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
     let text = format!(
         r#"
         fleet = "{FLEET}"
@@ -90,7 +95,7 @@ async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (
     );
     let mut scenario = Scenario::from_toml_str(&text).unwrap();
     scenario.behaviour.misbehaviour = fault;
-    let fleet = Fleet::start(&scenario, &Broker::new("127.0.0.1", broker.port())).unwrap();
+    let fleet = Fleet::start(&scenario, broker).unwrap();
     let robot = fleet.robots()[0].clone();
     wait::until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
     (fleet, robot)

@@ -14,6 +14,10 @@ from `services/protocol/src/rules.rs`; `VIBRISSA_WRITE_DOCS=1 cargo test --works
 sending contacts with quality of service 0. Rules marked *restart* are only tested while somebody takes the robot's power away and
 gives it back (`--restart`).
 
+The contract gives no times for what follows, so that the check is patient: 5 s for an answer to a request or the first one to a setpoint, 30 s
+for a setpoint's final state, 60 s until a contacts message comes again, 1 s in which what a receipt covers may still be under way. A pressure
+is near its setpoint within 0.005 MPa, and may be as far ahead of its ramp.
+
 | rule | topic | asked of | tested | what is asked |
 | --- | --- | --- | --- | --- |
 ";

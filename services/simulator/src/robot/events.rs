@@ -111,6 +111,12 @@ impl Robot {
         self.report_change(at_us);
     }
 
+    /// Starts again at its next poll, as if its power had been cut: without a farewell, in a new boot.
+    pub fn restart_soon(&mut self) {
+        let restart = Event { at_s: None, at_contact: None, array: None, whisker: None, change: Change::Restart };
+        self.events.push_front((0, restart));
+    }
+
     /// A restart without a farewell: a new boot that has nothing of the old one's memory.
     pub(super) fn restart(&mut self, out: &mut Vec<Outgoing>) {
         self.connected = false;

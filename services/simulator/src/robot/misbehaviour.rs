@@ -4,7 +4,8 @@
 use vibrissa_protocol::{Contact, Contacts, Message, Receipt, RobotTopic, Status, WhiskerStatus, decode, encode};
 
 use super::{Outgoing, Robot};
-use crate::scenario::Misbehaviour;
+use crate::outbox::Outbox;
+use crate::scenario::{Behaviour, Misbehaviour};
 
 /// How far [`Misbehaviour::HoldsLess`] stays below.
 pub(super) const HELD_LESS_MPA: f64 = 0.008;
@@ -13,6 +14,12 @@ pub(super) const AT_ONCE_MPA_PER_S: f64 = 10.0;
 /// A whisker that no scenario has.
 const NO_WHISKER: u16 = 60_000;
 const HOUR_US: u64 = 3_600_000_000;
+
+/// Where it keeps what it has sent.
+pub(super) fn outbox(behaviour: &Behaviour) -> Outbox {
+    let is_steady = behaviour.misbehaviour == Some(Misbehaviour::NoBackoff);
+    Outbox::new(behaviour.kept_messages, is_steady)
+}
 
 impl Robot {
     /// Whether it has that fault.

@@ -26,7 +26,7 @@ use crate::link::Link;
 use crate::outbox::Outbox;
 use crate::random::{Purpose, boot_text, stream};
 use crate::regulator::{SUPPLY_MPA, TICK_US};
-use crate::scenario::{Behaviour, Change, Event, Misbehaviour, Noise, RobotScenario, Scenario};
+use crate::scenario::{Behaviour, Event, Misbehaviour, Noise, RobotScenario, Scenario};
 use outgoing::Sequences;
 use timers::Contacts;
 
@@ -113,7 +113,7 @@ impl Robot {
             places,
             supply_mpa: SUPPLY_MPA,
             commands: Commands::default(),
-            outbox: outbox(&config.behaviour),
+            outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
             batch_until_us: None,
@@ -215,12 +215,6 @@ impl Robot {
         self.batch_until_us = self.batch_until_us.map(|_| 0);
     }
 
-    /// Starts again at its next poll, as if its power had been cut: without a farewell, in a new boot.
-    pub fn restart_soon(&mut self) {
-        let restart = Event { at_s: None, at_contact: None, array: None, whisker: None, change: Change::Restart };
-        self.events.push_front((0, restart));
-    }
-
     /// Whether its connection stands.
     #[must_use]
     pub fn is_connected(&self) -> bool {
@@ -298,11 +292,6 @@ impl Robot {
     pub fn messages_refused(&self) -> u64 {
         self.refused
     }
-}
-
-fn outbox(behaviour: &Behaviour) -> Outbox {
-    let is_steady = behaviour.misbehaviour == Some(Misbehaviour::NoBackoff);
-    Outbox::new(behaviour.kept_messages, is_steady)
 }
 
 /// The boot id of a robot's boot.

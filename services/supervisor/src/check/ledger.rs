@@ -142,3 +142,78 @@ fn is_same(one: &[u8], other: &[u8]) -> bool {
 fn same_text(is_same: bool) -> &'static str {
     if is_same { "with the same content" } else { "with another content" }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::report::Outcome;
+    use super::*;
+
+    /// A robot's messages, half a second apart.
+    struct Robot {
+        ledger: Ledger,
+        findings: Findings,
+        at: Instant,
+    }
+
+    impl Robot {
+        fn new(seqs: &[u64]) -> Self {
+            let ledger = Ledger { judges_order: true, ..Ledger::default() };
+            let mut robot = Self { ledger, findings: Findings::default(), at: Instant::now() };
+            robot.sends(seqs);
+            robot
+        }
+
+        fn sends(&mut self, seqs: &[u64]) {
+            for seq in seqs {
+                self.says(*seq, format!("{{\"seq\":{seq}}}"));
+            }
+        }
+
+        fn says(&mut self, seq: u64, text: String) {
+            self.at += Duration::from_millis(500);
+            let (boot, grace) = (BootId::new("b").unwrap(), Duration::from_millis(400));
+            self.ledger.arrive((&boot, seq), &Bytes::from(text), self.at, grace, &mut self.findings);
+            self.ledger.judges_order = true;
+        }
+
+        fn outcome(self, rule: Rule) -> Outcome {
+            let (findings, _) = self.findings.close("");
+            findings.iter().find(|finding| finding.rule == rule).unwrap().outcome
+        }
+    }
+
+    #[test]
+    fn what_comes_again_in_order_passes_also_when_new_ones_come_between() {
+        let mut robot = Robot::new(&[0, 1, 2]);
+        robot.sends(&[0, 1, 3, 2, 0, 1, 2, 3]);
+        assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Pass);
+    }
+
+    #[test]
+    fn a_newer_one_before_an_older_one_that_waits_longer_fails() {
+        let mut robot = Robot::new(&[0, 1, 2]);
+        robot.sends(&[2, 1, 0]);
+        assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Fail);
+    }
+
+    #[test]
+    fn what_is_receipted_may_come_once_more_if_it_was_under_way() {
+        for (grace, expected) in [(Duration::from_millis(200), Outcome::Skipped), (Duration::ZERO, Outcome::Fail)] {
+            let mut robot = Robot::new(&[0, 1, 2]);
+            robot.ledger.cover(1, &[2], robot.at + grace);
+            robot.sends(&[2]);
+            assert_eq!(robot.ledger.uncovered(), [1]);
+            assert_eq!(robot.outcome(Rule::ReceiptHeld), expected);
+        }
+    }
+
+    #[test]
+    fn content_is_compared_as_json() {
+        let mut robot = Robot::new(&[0]);
+        robot.says(0, "{ \"seq\": 0 }".to_owned());
+        robot.sends(&[1]);
+        assert_eq!(robot.ledger.missing(0), [0_u64; 0]);
+        robot.says(1, "{\"seq\":1,\"more\":true}".to_owned());
+        assert_eq!(robot.outcome(Rule::ResendSame), Outcome::Fail);
+    }
+}

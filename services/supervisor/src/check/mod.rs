@@ -12,6 +12,7 @@ mod bench;
 mod contacts;
 mod ledger;
 mod listener;
+mod log;
 mod opening;
 mod refusals;
 mod report;

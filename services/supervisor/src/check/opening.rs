@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use vibrissa_protocol::{ConnectionState, RequestKind, Rule, Status};
 
 use super::bench::{Bench, Trial};
-use super::listener::whiskers;
+use super::log::whiskers;
 use super::report::seconds;
 
 /// Statuses that are watched for their pace.

@@ -3,7 +3,8 @@
 use vibrissa_protocol::{Connection, ConnectionState, Message, Rule};
 
 use super::bench::Bench;
-use super::listener::{Entry, Listener};
+use super::listener::Listener;
+use super::log::Entry;
 use super::report::seconds;
 use super::{Progress, is_factsheet};
 

@@ -13,8 +13,10 @@ use tokio::task::JoinHandle;
 use vibrissa_protocol::QualityOfService;
 
 use super::Connection;
+use super::address::BrokerAddress;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
+use super::publish::is_failure;
 
 /// How long the good-bye may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
@@ -79,7 +81,7 @@ impl Talk {
         }
         // Unbounded: a robot says little, and whoever tests it keeps it all.
         let (sender, heard) = mpsc::unbounded_channel();
-        Ok(Self { client, heard, polling: tokio::spawn(poll(poller, sender)) })
+        Ok(Self { client, heard, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)) })
     }
 
     /// Publishes, not retained; `expiry_s` is how long the broker may keep it.
@@ -133,9 +135,13 @@ fn silence(failure: Failure) -> Silence {
     }
 }
 
-async fn poll(mut poller: Poller, heard: mpsc::UnboundedSender<Result<Said, Silence>>) {
+async fn poll(broker: BrokerAddress, mut poller: Poller, heard: mpsc::UnboundedSender<Result<Said, Silence>>) {
     loop {
         let said = match poller.next().await {
+            Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
+                let cause = Cause::Publication(format!("{:?}", ack.reason));
+                Err(Silence(Problem::new(&broker, cause).to_string()))
+            }
             Ok(Event::Incoming(Packet::Publish(publish))) => Ok(Said {
                 topic: String::from_utf8_lossy(&publish.topic).into_owned(),
                 payload: publish.payload,
