@@ -2,6 +2,7 @@
 
 pub mod api;
 pub mod calibrate;
+pub mod check_robot;
 pub mod config;
 pub mod contract;
 pub mod evaluate;
@@ -45,6 +46,8 @@ enum Command {
     Token(token::TokenArgs),
     /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
     Record(record::RecordArgs),
+    /// Does this robot keep the contract? Tests it rule by rule, as its supervisor would talk to it.
+    CheckRobot(check_robot::CheckRobotArgs),
     /// Recorded traffic through the core once more: every effect as a line of JSON, or two policies compared.
     Replay(replay::ReplayArgs),
     /// One question to the model: which pressure makes this whisker feel like that one?
@@ -75,6 +78,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Setpoint(args) => whiskers::setpoint(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),
         Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
