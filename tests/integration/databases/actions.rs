@@ -66,6 +66,9 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     until_true("an owner", async || owns(&owner)).await;
     let other = supervisor("b", server.port(), &broker).await;
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+    // By its contacts the robot's clock is known.
+    robot.touch(1, 1).await;
+    robot.receipted().await;
     let action = asks_of("SETPOINT", r#"{"pressure_mpa": 0.05}"#, Some(1));
     let answer = answered(&other.store, &other.mailroom, &action).await;
     assert_eq!(answer.state, "DONE", "{answer:?}");

@@ -38,7 +38,7 @@ pub enum Mode {
     #[default]
     Automatic,
     /// An operator: a decision proposes, and nothing is sent before it is approved. What was approved is refined
-    /// without asking again.
+    /// without asking again, and is not given up for a better assignment: only what breaks it ends it.
     Advise,
 }
 

@@ -73,7 +73,7 @@ pub enum ActionProblem {
         highest: Megapascal,
     },
     /// A setpoint that cannot be sent now must not be sent later.
-    #[error("the robot is offline, and a manual setpoint is not sent later")]
+    #[error("the robot is offline, or has not said its time yet: a manual setpoint is sent now or not at all")]
     RobotOffline,
     /// The compensator of what is to be approved is held.
     #[error("the whisker that would serve is held: release it first")]

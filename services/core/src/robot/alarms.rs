@@ -57,8 +57,9 @@ impl Whisker {
             by_condition,
             self.shift_told.then_some(AlarmKind::ArrayShift),
             self.drift_told.then_some(AlarmKind::BaselineDrift),
-            self.unserved.then_some(AlarmKind::Uncompensated),
+            // The cause before what follows from it.
             self.given_up.then_some(AlarmKind::SetpointFailed),
+            self.unserved.then_some(AlarmKind::Uncompensated),
             proposed.then_some(AlarmKind::Proposed),
         ])
     }

@@ -73,7 +73,7 @@ struct Asked {
     /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
     standing: Option<(Case, f64)>,
     proposal: Result<Proposal, Ineligible>,
-    /// It serves a target that is held, which nothing is decided about.
+    /// It serves in a compensation that is not to be changed by a decision.
     reserved: bool,
 }
 
@@ -150,7 +150,8 @@ impl Robot {
 
     fn decide_array(&mut self, params: &Params, array: u16, effects: &mut Vec<Effect>) {
         let targets: Vec<usize> = (0..self.whiskers.len())
-            .filter(|&index| self.whiskers[index].array == array && self.is_target(index) && !self.holds(index))
+            .filter(|&index| self.whiskers[index].array == array && self.is_target(index))
+            .filter(|&index| !self.holds(index) && !self.serving(index).any(|one| self.is_fixed(params, one)))
             .collect();
         if targets.is_empty() {
             return;
@@ -177,9 +178,19 @@ impl Robot {
         one.condition == Condition::Trimmed || one.undecided || self.server(index).is_some()
     }
 
+    /// Whether decisions leave it as it is: its target is held, or it runs where compensations must be approved, and is
+    /// not given up for one that nobody has approved.
+    fn is_fixed(&self, params: &Params, one: &Compensation) -> bool {
+        self.holds(one.target()) || (params.policy.mode == Mode::Advise && !one.proposed)
+    }
+
+    fn serving(&self, target: WhiskerIndex) -> impl Iterator<Item = &Compensation> {
+        self.compensations.iter().filter(move |one| one.target() == target)
+    }
+
     /// The compensation that serves it, and by whom.
     fn server(&self, target: WhiskerIndex) -> Option<(u32, WhiskerIndex)> {
-        self.compensations.iter().find(|one| one.target() == target).map(|one| (one.id, one.compensator()))
+        self.serving(target).next().map(|one| (one.id, one.compensator()))
     }
 
     /// Whether there is anything to say: not if it is still served by the same whisker, or still by none.
@@ -221,7 +232,7 @@ impl Robot {
             },
         };
         let mut running = self.compensations.iter();
-        let reserved = running.any(|one| one.compensator() == compensator && self.holds(one.target()));
+        let reserved = running.any(|one| one.compensator() == compensator && self.is_fixed(params, one));
         Asked { target, compensator, standing, proposal, reserved }
     }
 

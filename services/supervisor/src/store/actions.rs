@@ -317,3 +317,50 @@ pub(super) async fn write_policy(tx: &mut Tx<'_>, policy: &PolicyRow) -> sqlx::R
     .map(drop)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::DatabaseAddress;
+
+    #[tokio::test]
+    async fn what_needs_no_engine_is_recorded_as_done_once_and_with_what_it_does_or_not_at_all() {
+        let name = uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, &crate::service::start_seed());
+        let file = std::env::temp_dir().join(format!("vibrissa-actions-{name}.sqlite3"));
+        let store = Store::open(&DatabaseAddress::Sqlite(file.clone()), "test").await.unwrap();
+        store.prepare().await.unwrap();
+        let action = NewAction {
+            fleet: None,
+            robot: None,
+            array: None,
+            whisker: None,
+            compensation_id: None,
+            alarm_id: Some(3),
+            kind: "ACKNOWLEDGE".to_owned(),
+            parameters: "{}".to_owned(),
+            reason: None,
+            actor: "ann".to_owned(),
+            role: "OPERATOR".to_owned(),
+            request_id: "q".to_owned(),
+            idempotency_key: Some("k".to_owned()),
+            asked_us: 5,
+            expires_us: 9,
+        };
+        let mut given_up = store.pool.begin().await.unwrap();
+        assert!(matches!(record_done(&mut given_up, &action, 6).await.unwrap(), Asked::New(_)));
+        drop(given_up);
+        let mut tx = store.pool.begin().await.unwrap();
+        let Asked::New(action_id) = record_done(&mut tx, &action, 7).await.unwrap() else { panic!("new") };
+        tx.commit().await.unwrap();
+        let known = store.action(action_id).await.unwrap().unwrap();
+        assert_eq!((known.state.as_str(), known.done_us, known.alarm_id), ("DONE", Some(7), Some(3)));
+        let mut tx = store.pool.begin().await.unwrap();
+        assert_eq!(record_done(&mut tx, &action, 8).await.unwrap(), Asked::Again(known));
+        drop(tx);
+        store.close().await;
+        for end in ["", "-wal", "-shm", ".lock"] {
+            // Some of them may be gone already.
+            let _ = std::fs::remove_file(format!("{}{end}", file.display()));
+        }
+    }
+}
