@@ -12,6 +12,7 @@ pub mod fleets;
 pub mod happenings;
 pub mod model;
 pub mod paths;
+pub mod plots;
 pub mod policy;
 pub mod robots;
 pub mod setpoints;
@@ -41,4 +42,5 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(compensations::routes())
         .merge(setpoints::routes())
         .merge(errors::routes())
+        .merge(plots::routes())
 }
