@@ -8,6 +8,7 @@ pub mod observer;
 pub mod postgres;
 pub mod process;
 pub mod proxy;
+pub mod python;
 pub mod robot;
 pub mod wait;
 pub mod web;

@@ -5,7 +5,7 @@ use std::io;
 use std::net::SocketAddr;
 
 use serde_json::Value;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 
 /// An answer.
@@ -35,9 +35,29 @@ impl Answer {
 /// # Errors
 /// Nobody answers, or not in HTTP.
 pub async fn ask(address: SocketAddr, method: &str, path: &str, headers: &[(&str, &str)]) -> io::Result<Answer> {
+    send(address, method, path, headers, None).await
+}
+
+/// Asks with a method, headers, and a body of JSON.
+///
+/// # Errors
+/// Nobody answers, or not in HTTP.
+pub async fn send(
+    address: SocketAddr,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: Option<&Value>,
+) -> io::Result<Answer> {
+    let body = body.map(ToString::to_string);
     let mut stream = TcpStream::connect(address).await?;
     let headers: String = headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
-    let request = format!("{method} {path} HTTP/1.1\r\nHost: {address}\r\n{headers}Connection: close\r\n\r\n");
+    let typed =
+        body.as_ref().map(|body| format!("Content-Type: application/json\r\nContent-Length: {}\r\n", body.len()));
+    let host =
+        if headers.to_ascii_lowercase().contains("host:") { String::new() } else { format!("Host: {address}\r\n") };
+    let (typed, body) = (typed.unwrap_or_default(), body.unwrap_or_default());
+    let request = format!("{method} {path} HTTP/1.1\r\n{host}{headers}{typed}Connection: close\r\n\r\n{body}");
     stream.write_all(request.as_bytes()).await?;
     let mut answer = String::new();
     stream.read_to_string(&mut answer).await?;
@@ -48,6 +68,66 @@ pub async fn ask(address: SocketAddr, method: &str, path: &str, headers: &[(&str
     let headers = lines.filter_map(|line| line.split_once(": "));
     let headers = headers.map(|(name, value)| (name.to_ascii_lowercase(), value.to_owned())).collect();
     Ok(Answer { status, headers, body: body.to_owned() })
+}
+
+/// The beginning of an answer that does not end: its status line and headers, and the connection with what follows.
+///
+/// # Errors
+/// Nobody answers, or not in HTTP.
+pub async fn open(address: SocketAddr, path: &str, headers: &[(&str, &str)]) -> io::Result<(u16, Events)> {
+    let mut stream = BufReader::new(TcpStream::connect(address).await?);
+    let headers: String = headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
+    let request = format!("GET {path} HTTP/1.1\r\nHost: {address}\r\n{headers}\r\n");
+    stream.get_mut().write_all(request.as_bytes()).await?;
+    let mut line = String::new();
+    stream.read_line(&mut line).await?;
+    let status = line.split(' ').nth(1).and_then(|status| status.parse().ok());
+    let status = status.ok_or_else(|| io::Error::other(format!("no HTTP: {line}")))?;
+    while !line.trim().is_empty() {
+        line.clear();
+        stream.read_line(&mut line).await?;
+    }
+    Ok((status, Events(stream)))
+}
+
+/// Server-sent events as they come.
+#[derive(Debug)]
+pub struct Events(BufReader<TcpStream>);
+
+/// One event.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ServerEvent {
+    /// Its name.
+    pub event: String,
+    /// Its id.
+    pub id: String,
+    /// Its data.
+    pub data: String,
+}
+
+impl Events {
+    /// The next event; none once the server has ended the stream.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub async fn next(&mut self) -> io::Result<Option<ServerEvent>> {
+        let mut event = ServerEvent::default();
+        let mut line = String::new();
+        loop {
+            line.clear();
+            if self.0.read_line(&mut line).await? == 0 {
+                return Ok(None);
+            }
+            match line.trim_end().split_once(": ") {
+                Some(("event", text)) => text.clone_into(&mut event.event),
+                Some(("id", text)) => text.clone_into(&mut event.id),
+                Some(("data", text)) => text.clone_into(&mut event.data),
+                // The end of an event, a comment, or the size of a chunk.
+                _ if line.trim_end().is_empty() && !event.event.is_empty() => return Ok(Some(event)),
+                _ => {}
+            }
+        }
+    }
 }
 
 /// Status and body of an answer to GET.

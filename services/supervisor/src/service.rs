@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::Context;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::{Duration, timeout};
 use tracing::{error, warn};
@@ -131,16 +131,15 @@ impl Service {
                 options.http
             );
         }
-        let app = App {
-            store: store.clone(),
-            metrics: metrics.clone(),
-            readiness: readiness.clone(),
+        let app = App::new(
+            store.clone(),
+            metrics.clone(),
+            readiness.clone(),
             access,
-            mailroom: mailroom.clone(),
+            mailroom.clone(),
             params,
-            followers: Arc::new(Semaphore::new(crate::http::FOLLOWERS_MAX)),
-            stop: stopped.clone(),
-        };
+            stopped.clone(),
+        );
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));

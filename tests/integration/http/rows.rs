@@ -96,6 +96,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
             boot_id: Some("b1".to_owned()),
             connection: if name == "r1" { "ONLINE" } else { "OFFLINE" },
             updated_us: START_US,
+            held: false,
             state: robot.to_bytes().unwrap(),
         }],
         whiskers: (0..3).map(|index| whisker(&robot, &ids, index)).collect(),
@@ -129,6 +130,7 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
         fault: (index == 1).then_some("LEAK"),
         pressure_mpa: (index == 0).then_some(0.05),
         setpoint_mpa: 0.1,
+        held: false,
         contacts: 7,
         heard_us: (index == 0).then_some(START_US),
         leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
@@ -219,6 +221,7 @@ impl<'a> Decided<'a> {
         };
         let mut records = vec![
             Record::Decision(Box::new(DecisionRow {
+                approval: "AUTOMATIC",
                 compensation_id,
                 robot_id,
                 target_whisker_id: ids[target],

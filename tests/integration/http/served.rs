@@ -1,12 +1,17 @@
 //! HTTP over a database of the test's own, without a broker.
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 
 use serde_json::Value;
 use tempfile::TempDir;
 use tokio::sync::watch;
-use vibrissa::http::{App, access::Access, serve};
+use vibrissa::http::{
+    App,
+    access::{Access, AccessOptions},
+    serve,
+};
+use vibrissa::mailroom::Mailroom;
 use vibrissa::metrics::Metrics;
 use vibrissa::readiness::Readiness;
 use vibrissa::store::{DatabaseAddress, Store};
@@ -32,27 +37,41 @@ impl Served {
     /// Rows of two fleets in SQLite.
     pub(crate) async fn sqlite() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder)).await
+        Self::over(
+            DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
+            None,
+            Some(folder),
+            &AccessOptions::default(),
+        )
+        .await
     }
 
     /// The same rows in PostgreSQL.
     pub(crate) async fn postgres() -> Self {
         let server = Postgres::start().await;
-        Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None).await
+        Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None, &AccessOptions::default()).await
     }
 
-    async fn over(address: DatabaseAddress, server: Option<Postgres>, folder: Option<TempDir>) -> Self {
+    /// The same rows, for those who are let in only.
+    pub(crate) async fn to(access: &AccessOptions) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder), access).await
+    }
+
+    async fn over(
+        address: DatabaseAddress,
+        server: Option<Postgres>,
+        folder: Option<TempDir>,
+        access: &AccessOptions,
+    ) -> Self {
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();
         let written = rows::write(&store).await;
-        let app = App {
-            store: store.clone(),
-            metrics: Metrics::new().unwrap(),
-            readiness: Readiness::default(),
-            access: Access::new(true),
-            params: Arc::new(Params::nguyen_2021(Formulation::Published)),
-        };
         let (stop, stopped) = watch::channel(false);
+        let (metrics, params) = (Metrics::new().unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
+        let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
+        let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
+        let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());
         let (http, _) = serve(([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap();
         Self { store, http, written, _stop: stop, _server: server, _folder: folder }
     }

@@ -12,11 +12,13 @@ mod running;
 mod web;
 
 mod actions;
+mod api;
 mod bad_input;
 mod config;
 mod http;
 mod quickstart;
 mod replaced;
 mod restart;
+mod schemathesis;
 mod setpoints;
 mod start;

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
+use vibrissa::http::access::AccessOptions;
 use vibrissa::mqtt::BrokerAddress;
+use vibrissa::secret::Secret;
 use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
@@ -45,12 +47,22 @@ impl Running {
         Self::on(tempfile::tempdir().unwrap(), params, broker).await
     }
 
+    /// For those who have this token, or one of the database's.
+    pub(crate) async fn closed(token: &str) -> Self {
+        let access = AccessOptions { token: Some(Secret::new(token)), oidc: None };
+        Self::let_in(tempfile::tempdir().unwrap(), quick(), None, access).await
+    }
+
     /// On the database in that folder.
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
+        Self::let_in(folder, params, broker, AccessOptions::default()).await
+    }
+
+    async fn let_in(folder: TempDir, params: Params, broker: Option<u16>, access: AccessOptions) -> Self {
         let path = database_in(&folder);
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
-            access: vibrissa::http::access::AccessOptions::default(),
+            access,
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),

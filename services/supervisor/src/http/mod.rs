@@ -58,8 +58,25 @@ pub struct App {
     pub mailroom: Mailroom,
 }
 
+impl App {
+    /// What handlers share; they may follow live until `stop` becomes true.
+    #[must_use]
+    pub fn new(
+        store: Store,
+        metrics: Metrics,
+        readiness: Readiness,
+        access: Access,
+        mailroom: Mailroom,
+        params: Arc<Params>,
+        stop: watch::Receiver<bool>,
+    ) -> Self {
+        let followers = Arc::new(Semaphore::new(FOLLOWERS_MAX));
+        Self { store, metrics, readiness, access, followers, stop, params, mailroom }
+    }
+}
+
 /// How many may follow live at once.
-pub const FOLLOWERS_MAX: usize = 100;
+const FOLLOWERS_MAX: usize = 100;
 
 /// Bytes of a body at the most, unless a route takes more.
 const BODY_BYTES_MAX: usize = 64 * 1024;

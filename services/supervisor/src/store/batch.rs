@@ -91,7 +91,7 @@ pub struct WhiskerRow {
 }
 
 /// A contact; see the table for the columns.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ContactRow {
     /// Whose.
     pub whisker_id: i64,
@@ -384,7 +384,7 @@ pub struct ResponseRow {
 }
 
 /// The compensation error with its bins.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ErrorRow {
     /// Compensation.
     pub compensation_id: i64,
@@ -441,7 +441,7 @@ pub struct Interval {
 }
 
 /// One contact-ratio bin of an error.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ErrorBinRow {
     /// Centre.
     pub ratio: f64,

@@ -2,11 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use tempfile::TempDir;
 use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::python::environment;
 
 /// The document's robot as a process: robot `r` of the fleet `f`.
 pub(super) struct Script {
@@ -53,28 +53,10 @@ fn block() -> String {
     rest.split_once("```").expect("its end").0.to_owned()
 }
 
-/// A Python that has what the block needs: kept with the build, and made anew for other requirements.
+/// A Python that has what the block needs.
 fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("quickstart-venv");
-        let python = folder.join("bin/python");
-        let requirements = repository().join("tests/requirements.txt");
-        let (wanted, made) = (fs::read_to_string(&requirements).unwrap(), folder.join("made-for"));
-        if fs::read_to_string(&made).ok().as_ref() != Some(&wanted) {
-            run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
-            let pip = ["-m", "pip", "install", "--quiet", "--no-input", "--require-hashes", "-r"];
-            run(Command::new(&python).args(pip).arg(&requirements));
-            fs::write(made, wanted).unwrap();
-        }
-        python
-    })
-}
-
-fn run(command: &mut Command) {
-    let output = command.output().unwrap_or_else(|problem| panic!("{command:?}: {problem}; tests/run installs it"));
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}: {told}");
+    PYTHON.get_or_init(|| environment("requirements.txt", env!("CARGO_TARGET_TMPDIR")).join("python"))
 }
 
 #[test]

@@ -1,0 +1,198 @@
+//! Who is let in, and for what.
+
+use serde_json::{Value, json};
+use vibrissa::http::access::token::{NewToken, create};
+use vibrissa::http::access::{AccessOptions, Role, Scope};
+use vibrissa::secret::Secret;
+use vibrissa_protocol::Name;
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_tests::web::{Answer, open, send};
+
+use crate::served::Served;
+
+const HOUR_US: i64 = 3_600_000_000;
+const ROOT: &str = "a-token-of-more-than-32-characters-for-the-test";
+
+async fn closed() -> Served {
+    Served::to(&AccessOptions { token: Some(Secret::new(ROOT)), oidc: None }).await
+}
+
+async fn token(served: &Served, role: Role, fleets: Option<&[&str]>, good_for_us: i64) -> String {
+    let scope =
+        fleets.map_or(Scope::All, |fleets| Scope::Only(fleets.iter().map(|fleet| Name::new(fleet).unwrap()).collect()));
+    let now_us = now_us() as i64;
+    let new = NewToken {
+        name: format!("{}-{fleets:?}", role.word()),
+        role,
+        scope,
+        expires_us: now_us + good_for_us,
+        created_by: "test".to_owned(),
+    };
+    create(&served.store, &new, now_us).await.unwrap().0
+}
+
+async fn asked(served: &Served, method: &str, path: &str, token: Option<&str>) -> Answer {
+    let bearer = token.map(|token| format!("Bearer {token}"));
+    let headers: Vec<(&str, &str)> = bearer.iter().map(|bearer| ("Authorization", bearer.as_str())).collect();
+    send(served.http, method, path, &headers, None).await.unwrap()
+}
+
+/// Something in each part of a path, of the fleet `f`; not a robot, or engines would be waited for that are not there.
+fn filled(path: &str) -> String {
+    let values = [
+        ("{fleet}", "f"),
+        ("{robot}", "nobody"),
+        ("{array}", "left"),
+        ("{whisker}", "0"),
+        ("{compensation_id}", "1"),
+        ("{alarm_id}", "0"),
+        ("{action_id}", "1"),
+        ("{calibration_id}", "1"),
+        ("{command_id}", "x"),
+    ];
+    values.into_iter().fold(path.to_owned(), |path, (part, value)| path.replace(part, value))
+}
+
+/// Every route of the document with what it says that it asks for.
+async fn routes(served: &Served) -> Vec<(String, String, Role)> {
+    let document: Value = asked(served, "GET", "/openapi.json", None).await.json();
+    let mut routes = Vec::new();
+    for (path, methods) in document["paths"].as_object().unwrap() {
+        for (method, operation) in methods.as_object().unwrap().iter().filter(|(method, _)| *method != "parameters") {
+            let role = Role::of_word(operation["x-required-role"].as_str().unwrap()).unwrap();
+            routes.push((method.to_ascii_uppercase(), path.clone(), role));
+        }
+    }
+    assert!(routes.len() > 40, "{}", routes.len());
+    routes
+}
+
+/// Roles by what a route is for, told apart from what the routes say of themselves.
+fn expected(method: &str, path: &str) -> Role {
+    match (method, path) {
+        ("GET", _) => Role::Viewer,
+        ("PUT", _) => Role::Engineer,
+        (_, path) if path.contains("calibrations") => Role::Engineer,
+        _ => Role::Operator,
+    }
+}
+
+#[tokio::test]
+async fn every_route_for_every_role_in_every_fleet() {
+    let served = closed().await;
+    let mut callers: Vec<(Option<Role>, bool, Option<String>)> = vec![(None, false, None)];
+    for role in Role::ALL {
+        for (covers, fleets) in [(true, None), (true, Some(&["g", "f"][..])), (false, Some(&["g"][..]))] {
+            callers.push((Some(role), covers, Some(token(&served, role, fleets, HOUR_US).await)));
+        }
+    }
+    callers.push((Some(Role::Admin), true, Some(ROOT.to_owned())));
+    for (method, path, told) in routes(&served).await {
+        assert_eq!(told, expected(&method, &path), "{method} {path}");
+        let is_of_fleet = path.starts_with("/v1/fleets/{fleet}");
+        let filled = filled(&path);
+        for (role, covers, token) in &callers {
+            // A stream does not end: its beginning tells.
+            let status = if path == "/v1/events" {
+                let bearer = token.as_ref().map(|token| format!("Bearer {token}")).unwrap_or_default();
+                open(served.http, &filled, &[("Authorization", &bearer)]).await.unwrap().0
+            } else {
+                asked(&served, &method, &filled, token.as_deref()).await.status
+            };
+            let what = format!("{method} {filled} as {role:?}, covered: {covers}: {status}");
+            match role {
+                None => assert_eq!(status, 401, "{what}"),
+                Some(role) if *role < told => assert_eq!(status, 403, "{what}"),
+                Some(_) if is_of_fleet && !covers => assert_eq!(status, 403, "{what}"),
+                Some(_) => assert!(!matches!(status, 401 | 403 | 500), "{what}"),
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn only_good_tokens_open() {
+    let served = closed().await;
+    let good = token(&served, Role::Viewer, None, HOUR_US).await;
+    assert_eq!(asked(&served, "GET", "/v1/whiskers", Some(&good)).await.status, 200);
+    let expired = token(&served, Role::Admin, None, -1).await;
+    let revoked = token(&served, Role::Admin, None, HOUR_US).await;
+    let id = revoked.split('_').nth(1).unwrap();
+    assert!(served.store.revoke_token(id, now_us() as i64).await.unwrap());
+    assert!(!served.store.revoke_token(id, now_us() as i64).await.unwrap(), "once");
+    let mut forged = good.clone();
+    let last = forged.pop().unwrap();
+    forged.push(if last == 'A' { 'Q' } else { 'A' });
+    let (id, secret) = (good.split('_').nth(1).unwrap(), revoked.splitn(3, '_').nth(2).unwrap());
+    let mixed = format!("vbr_{id}_{secret}");
+    for bad in [&expired, &revoked, &forged, &mixed, "vbr_", "vbr__", "x", &ROOT[1..], "eyJhbGciOiJub25lIn0.e30."] {
+        let answer = asked(&served, "GET", "/v1/whiskers", Some(bad)).await;
+        assert_eq!(
+            (answer.status, answer.headers.get("www-authenticate").map(String::as_str)),
+            (401, Some("Bearer")),
+            "{bad}"
+        );
+        assert_eq!(answer.json()["type"], "/problems/unauthenticated");
+    }
+    let secrets: Vec<Vec<u8>> = served.store.tokens().await.unwrap().into_iter().map(|row| row.secret_hash).collect();
+    assert!(secrets.iter().all(|hash| hash.len() == 32 && !good.as_bytes().windows(32).any(|part| part == hash)));
+}
+
+#[tokio::test]
+async fn without_tokens_only_this_machine_is_answered_and_no_other_sites_page() {
+    let served = Served::sqlite().await;
+    let status = async |method: &str, headers: &[(&str, &str)]| {
+        let path = if method == "GET" { "/v1/whiskers" } else { "/v1/fleets/f/robots/nobody/hold" };
+        send(served.http, method, path, headers, None).await.unwrap().status
+    };
+    for host in ["localhost:8080", "127.0.0.1", "[::1]:9", "127.9.9.9:1"] {
+        assert_eq!(status("GET", &[("Host", host)]).await, 200, "{host}");
+    }
+    for host in ["evil.example", "localhost.evil.example:80", "192.0.2.1:8080", ""] {
+        assert_eq!(status("GET", &[("Host", host)]).await, 403, "{host}");
+    }
+    assert_eq!(status("GET", &[("X-Forwarded-For", "192.0.2.1")]).await, 401);
+    assert_eq!(status("POST", &[]).await, 404);
+    assert_eq!(status("POST", &[("Origin", "https://evil.example")]).await, 403);
+    assert_eq!(status("POST", &[("Sec-Fetch-Site", "cross-site")]).await, 403);
+    let own = format!("http://{}", served.http);
+    assert_eq!(status("POST", &[("Origin", &own), ("Sec-Fetch-Site", "same-origin")]).await, 404);
+}
+
+#[tokio::test]
+async fn requests_keep_a_good_name_and_get_one_instead_of_a_bad_one() {
+    let served = Served::sqlite().await;
+    let named = async |name: &str| {
+        let answer = send(served.http, "GET", "/v1/nothing", &[("X-Request-Id", name)], None).await.unwrap();
+        assert_eq!(answer.json()["request_id"], json!(answer.headers["x-request-id"]));
+        answer.headers["x-request-id"].clone()
+    };
+    assert_eq!(named("q-17").await, "q-17");
+    let long = "x".repeat(129);
+    for bad in ["a b", &long] {
+        let given = named(bad).await;
+        assert!(given != *bad && given.len() == 36, "{given}");
+    }
+}
+
+#[tokio::test]
+async fn bodies_are_of_the_right_kind_and_size_and_name_what_is_wrong() {
+    let served = Served::sqlite().await;
+    let path = "/v1/fleets/f/robots/r1/arrays/left/whiskers/0/setpoint";
+    let problem = async |body: Value| {
+        let answer = send(served.http, "POST", path, &[], Some(&body)).await.unwrap();
+        let told = answer.json();
+        assert_eq!(answer.headers["content-type"], "application/problem+json");
+        (answer.status, told["errors"][0]["field"].as_str().unwrap_or_default().to_owned())
+    };
+    assert_eq!(problem(json!({})).await, (422, "pressure_mpa".to_owned()));
+    assert_eq!(problem(json!({ "pressure_mpa": "0.1" })).await, (422, "pressure_mpa".to_owned()));
+    assert_eq!(problem(json!({ "pressure_mpa": 0.1, "now": true })).await, (422, "now".to_owned()));
+    assert_eq!(problem(json!({ "pressure_mpa": 0.1, "reason": "x".repeat(1001) })).await, (422, "reason".to_owned()));
+    assert_eq!(problem(json!({ "pressure_mpa": 0.1, "reason": "x".repeat(70_000) })).await.0, 413);
+    let plain = send(served.http, "POST", path, &[("Content-Type", "text/plain")], None).await.unwrap();
+    assert_eq!(plain.status, 415, "{}", plain.body);
+    let body = json!({ "pressure_mpa": 0.1 });
+    let key = send(served.http, "POST", path, &[("Idempotency-Key", "a b")], Some(&body)).await.unwrap();
+    assert_eq!(key.json()["errors"][0]["field"], "Idempotency-Key");
+}
