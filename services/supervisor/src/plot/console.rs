@@ -6,6 +6,7 @@ use crate::store::lists::errors::ErrorStatement;
 use crate::store::lists::setpoints::Setpoint;
 use crate::store::lists::whiskers::Whisker;
 use crate::store::series::{ContactMean, Series};
+use crate::store::time::Time;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 
 /// The paper's measured mean error of case 1 and self-compensation.
@@ -20,8 +21,8 @@ fn name(whisker: &Whisker) -> String {
 /// From when to when, and how many points.
 fn span(series: &Series) -> String {
     match (series.items.first(), series.items.last()) {
-        (Some(_), Some(_)) => {
-            let [from, to] = [series.from, series.to].map(|at| at.map(|at| at.to_string()).unwrap_or_default());
+        (Some(first), Some(last)) => {
+            let [from, to] = [first, last].map(|one| Time(one.at_us).to_string());
             format!("From {from} to {to}, {} contacts in {} points.", series.total, series.items.len())
         }
         _ => "Nothing recorded yet.".to_owned(),
@@ -57,7 +58,12 @@ pub(crate) fn lengths(whisker: &Whisker, series: &Series) -> String {
         up: "length, mm",
         up_at_least: (whisker.whole_length_mm - 1.0, whisker.whole_length_mm + 0.5),
         marks: vec![
-            Mark::Line { class: "p-a", dash: "", label: "length, 95 % interval".to_owned(), points: with_bounds.collect() },
+            Mark::Line {
+                class: "p-a",
+                dash: "",
+                label: "length, 95 % interval".to_owned(),
+                points: with_bounds.collect(),
+            },
             Mark::Level {
                 class: "p-m",
                 dash: "7 4",
@@ -219,8 +225,13 @@ pub(crate) fn by_ratio(one: &CompensationSummary, predicted: Option<&Numbers>, m
         up: "error (Eq. 35), %",
         up_at_least: (0.0, 25.0),
         marks: vec![
-            Mark::Points { class: "p-a", shape: Shape::Dot, label: "measured, 95 % interval".to_owned(), points: measured },
-            Mark::Line { class: "p-b", dash: "6 3", label: "predicted".to_owned(), points: predicted.clone() },
+            Mark::Points {
+                class: "p-a",
+                shape: Shape::Dot,
+                label: "measured, 95 % interval".to_owned(),
+                points: measured,
+            },
+            Mark::Line { class: "p-b", dash: "6 3", label: String::new(), points: predicted.clone() },
             Mark::Points { class: "p-b", shape: Shape::Diamond, label: "predicted".to_owned(), points: predicted },
             paper(),
         ],
