@@ -98,13 +98,14 @@ impl Service {
         let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
+        let params = Arc::new(options.params);
         let shared = Shared {
             store: store.clone(),
             broker: broker.clone(),
             prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
-            params: Arc::new(options.params),
+            params: params.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -120,6 +121,7 @@ impl Service {
             metrics: metrics.clone(),
             readiness: readiness.clone(),
             access: Access::new(options.http.ip().is_loopback()),
+            params,
         };
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         let ownership = tokio::spawn(ownership.run(stopped));

@@ -5,6 +5,12 @@ use vibrissa::store::Batch;
 use vibrissa::store::batch::{
     CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow, SetpointRow,
 };
+use vibrissa::store::list::{Filter, Value as FilterValue};
+use vibrissa::store::lists::compensations::{
+    CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
+};
+use vibrissa::store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
+use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
 
 use crate::rows::{self, Numbered, contacts};
 use crate::{Fresh, fleet, supervisor};
@@ -150,6 +156,7 @@ async fn written_and_read(database: &Fresh) -> Value {
     assert_eq!(again, numbered.whisker_ids);
 
     let store = &database.store;
+    let of_it = || Filter::Is("compensation_id", FilterValue::Whole(numbered.robot_id << 32));
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
     let stored = writer.robots(&lease).await.unwrap();
     let stored = stored.iter().map(|robot| {
@@ -164,11 +171,13 @@ async fn written_and_read(database: &Fresh) -> Value {
         ])
     });
     json!({
-        "whiskers": store.whiskers().await.unwrap(),
-        "compensations": store.compensations().await.unwrap(),
-        "trims": store.trims().await.unwrap(),
-        "bins": store.error_bins(numbered.robot_id << 32).await.unwrap(),
-        "looks": store.refinements(numbered.robot_id << 32).await.unwrap(),
+        "whiskers": store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap(),
+        "compensations": store.all::<CompensationSummary>(&COMPENSATIONS, Vec::new()).await.unwrap(),
+        "candidates": store.all::<Candidate>(&CANDIDATES, vec![of_it()]).await.unwrap(),
+        "trims": store.all::<Trim>(&TRIMS, Vec::new()).await.unwrap(),
+        "alarms": store.all::<Alarm>(&ALARMS, Vec::new()).await.unwrap(),
+        "bins": store.all::<RatioError>(&RATIO_ERRORS, vec![of_it()]).await.unwrap(),
+        "looks": store.all::<Look>(&LOOKS, vec![of_it()]).await.unwrap(),
         "lengths": lengths.iter().map(|one| json!([one.t_us, one.length_mm, one.pressure_mpa])).collect::<Vec<_>>(),
         "contacts": store.contact_count().await.unwrap(),
         "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
@@ -191,17 +200,18 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["whiskers"][0]["contacts_left"], 1000.0);
     assert_eq!(lite["whiskers"][0]["contacts_left_high"], Value::Null);
     assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the newest");
-    assert_eq!(lite["compensations"][0]["candidates"][1]["refused"], "COSTS_MORE");
+    assert_eq!(lite["candidates"][1]["refused"], "COSTS_MORE");
     let decided = &lite["compensations"][0];
     assert_eq!((&decided["predicted_error_low"], &decided["predicted_error_high"]), (&json!(0.125), &json!(0.375)));
-    assert_eq!(decided["candidates"][0]["predicted_error_high"], 0.375);
-    assert_eq!(decided["candidates"][1]["predicted_error_high"], Value::Null);
+    assert_eq!(lite["candidates"][0]["predicted_error_high"], 0.375);
+    assert_eq!(lite["candidates"][1]["predicted_error_high"], Value::Null);
     assert_eq!(decided["measured_error_with_gain"], 0.02);
     assert_eq!(decided["held_pressure_mpa"], 0.048);
-    assert_eq!((&decided["looks"], &decided["last_look"]), (&json!(2), &json!("HELD_UNPREDICTABLE")));
+    assert_eq!((&decided["look_count"], &decided["last_look"]), (&json!(2), &json!("HELD_UNPREDICTABLE")));
     let looks = lite["looks"].as_array().unwrap();
     assert_eq!((&looks[0]["pressure_best_mpa"], &looks[1]["error_best"]), (&json!(0.041), &Value::Null));
     assert_eq!((&looks[0]["gain_published"], &looks[1]["gain_published"]), (&json!(true), &json!(false)));
+    assert_eq!(lite["candidates"][0]["predicted_error_by_ratio"], json!([0.1, 0.2]));
     assert_eq!(lite["bins"].as_array().unwrap().len(), 2);
     assert_eq!(lite["setpoints"].as_array().unwrap().len(), 3);
     assert_eq!(lite["robots"][0][5], 5, "numbers go on");

@@ -11,6 +11,7 @@ use vibrissa::mqtt::BrokerAddress;
 use vibrissa::readiness::Standing;
 use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa::store::DatabaseAddress;
+use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
@@ -327,7 +328,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     .unwrap();
     let robots = fleets.each_ref().map(|fleet| start_fleet(fleet.as_str(), broker.port()));
     until_true("contacts of both", async || {
-        let whiskers = service.store.whiskers().await.unwrap();
+        let whiskers = service.store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap();
         let touched = |fleet: &Name| whiskers.iter().any(|one| one.fleet == fleet.as_str() && one.contacts > 20);
         fleets.iter().all(touched)
     })

@@ -99,7 +99,7 @@ impl Running {
 
 /// A list that is served under `/v1/`.
 pub(crate) async fn list(http: std::net::SocketAddr, name: &str) -> Vec<Value> {
-    web::json(http, &format!("/v1/{name}")).await[name].as_array().unwrap().clone()
+    web::json(http, &format!("/v1/{name}")).await["items"].as_array().unwrap().clone()
 }
 
 /// Where the database is in a folder.

@@ -8,7 +8,9 @@ use plotters::prelude::*;
 use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::plot::{Axes, COLOURS, Panel, chart, drawing, legend};
 use crate::store::Store;
-use crate::store::readings::{CompensationReading, ErrorBinReading, LengthPoint};
+use crate::store::list::{Filter, Value};
+use crate::store::lists::compensations::{COMPENSATIONS, CompensationSummary, RATIO_ERRORS, RatioError};
+use crate::store::readings::LengthPoint;
 use vibrissa_edge::words::Z95;
 
 /// Every so many contacts one point of a curve.
@@ -26,8 +28,7 @@ struct Curve {
 /// # Errors
 /// The database cannot be read, or the file cannot be written.
 pub(super) async fn draw(store: &Store, path: &Path) -> Result<()> {
-    let decisions: Vec<CompensationReading> =
-        store.compensations().await?.into_iter().map(|one| one.decision).collect();
+    let decisions: Vec<CompensationSummary> = store.all(&COMPENSATIONS, Vec::new()).await?;
     let mut curves = Vec::new();
     for incident in &INCIDENTS {
         let whisker = i64::from(incident.whisker);
@@ -42,7 +43,8 @@ pub(super) async fn draw(store: &Store, path: &Path) -> Result<()> {
     }
     let mut errors = Vec::new();
     for one in &decisions {
-        let bins = store.error_bins(one.compensation_id).await?;
+        let of_it = Filter::Is("compensation_id", Value::Whole(one.compensation_id));
+        let bins: Vec<RatioError> = store.all(&RATIO_ERRORS, vec![of_it]).await?;
         if !bins.is_empty() {
             errors.push((format!("{}/{}/{}", one.robot, one.array, one.target_whisker), bins));
         }
@@ -97,7 +99,7 @@ fn pressures(panel: &Panel<'_>, curves: &[Curve], start_us: i64) -> Result<()> {
     Ok(())
 }
 
-fn error_panel(panel: &Panel<'_>, curves: &[Curve], errors: &[(String, Vec<ErrorBinReading>)]) -> Result<()> {
+fn error_panel(panel: &Panel<'_>, curves: &[Curve], errors: &[(String, Vec<RatioError>)]) -> Result<()> {
     let axes = Axes {
         title: "Measured compensation error (Eq. 35) by contact ratio, with 95 % intervals",
         x: ("contact ratio", 0.42..1.03),
@@ -112,7 +114,7 @@ fn error_panel(panel: &Panel<'_>, curves: &[Curve], errors: &[(String, Vec<Error
         let curve = curves.iter().position(|curve| curve.label == *label).unwrap_or(index);
         let colour = COLOURS[curve % COLOURS.len()];
         // Side by side, so that bars do not hide one another.
-        let x = |bin: &ErrorBinReading| bin.ratio + 0.006 * (index as f64 - 1.0);
+        let x = |bin: &RatioError| bin.ratio + 0.006 * (index as f64 - 1.0);
         let line = LineSeries::new(bins.iter().map(|bin| (x(bin), 100.0 * bin.error)), colour.stroke_width(2));
         chart.draw_series(line).map_err(drawing)?.label(label).legend(move |at| stroke(at, colour));
         let bars = bins.iter().map(|bin| {

@@ -8,7 +8,9 @@ use vibrissa_simulator::Fleet;
 
 use super::scenario::{INCIDENTS, Incident, What};
 use crate::store::Store;
-use crate::store::readings::{CompensationReading, TrimReading, WhiskerReading};
+use crate::store::lists::compensations::{COMPENSATIONS, CompensationSummary};
+use crate::store::lists::happenings::{TRIMS, Trim};
+use crate::store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_edge::words::Word;
 
 /// The paper's measured mean error of case 1 and self-compensation.
@@ -47,7 +49,7 @@ pub(super) async fn story(store: &Store) -> anyhow::Result<Vec<String>> {
 
 /// Whether everything that shall be found is found.
 pub(super) async fn is_all_found(store: &Store) -> anyhow::Result<bool> {
-    let whiskers = store.whiskers().await?;
+    let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
     Ok(INCIDENTS.iter().all(|incident| {
         reading(&whiskers, incident).is_some_and(|whisker| match incident.what {
             What::Trim { .. } | What::TooShort { .. } => whisker.condition == "TRIMMED",
@@ -56,7 +58,7 @@ pub(super) async fn is_all_found(store: &Store) -> anyhow::Result<bool> {
     }))
 }
 
-fn reading<'a>(whiskers: &'a [WhiskerReading], incident: &Incident) -> Option<&'a WhiskerReading> {
+fn reading<'a>(whiskers: &'a [Whisker], incident: &Incident) -> Option<&'a Whisker> {
     whiskers.iter().find(|one| {
         one.robot == incident.robot && one.array == incident.array && one.whisker == i64::from(incident.whisker)
     })
@@ -64,10 +66,10 @@ fn reading<'a>(whiskers: &'a [WhiskerReading], incident: &Incident) -> Option<&'
 
 /// Holds what the database says against what was done to the robots.
 pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyhow::Result<Outcome> {
-    let whiskers = store.whiskers().await?;
-    let trims = store.trims().await?;
-    let compensations: Vec<CompensationReading> =
-        store.compensations().await?.into_iter().map(|one| one.decision).collect();
+    let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
+    let mut trims: Vec<Trim> = store.all(&TRIMS, Vec::new()).await?;
+    trims.reverse();
+    let compensations: Vec<CompensationSummary> = store.all(&COMPENSATIONS, Vec::new()).await?;
     let mut report = Report { text: String::new(), problems: Vec::new() };
     report.header();
     for incident in &INCIDENTS {
@@ -75,7 +77,7 @@ pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyho
             report.problem(incident, "the whisker is not in the database");
             continue;
         };
-        let of_it: Vec<&TrimReading> = trims.iter().filter(|trim| is_of(trim, incident)).collect();
+        let of_it: Vec<&Trim> = trims.iter().filter(|trim| is_of(trim, incident)).collect();
         let compensation = compensations.iter().find(|one| {
             one.robot == incident.robot && one.array == incident.array && one.target_whisker == whisker.whisker
         });
@@ -96,21 +98,16 @@ pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyho
     Ok(report.verdict())
 }
 
-fn is_of(trim: &TrimReading, incident: &Incident) -> bool {
+fn is_of(trim: &Trim, incident: &Incident) -> bool {
     trim.robot == incident.robot
         && trim.array == incident.array
         && trim.whisker == i64::from(incident.whisker)
         && !matches!(incident.what, What::Erosion { .. })
 }
 
-async fn contacts_to_detect(
-    store: &Store,
-    incident: &Incident,
-    trim: &TrimReading,
-    changed_us: u64,
-) -> anyhow::Result<i64> {
+async fn contacts_to_detect(store: &Store, incident: &Incident, trim: &Trim, changed_us: u64) -> anyhow::Result<i64> {
     let whisker = (incident.robot, incident.array, i64::from(incident.whisker));
-    Ok(store.contacts_between(whisker, changed_us as i64, trim.detected_us).await?)
+    Ok(store.contacts_between(whisker, changed_us as i64, trim.detected_at.0).await?)
 }
 
 /// What the simulation knows.
@@ -122,7 +119,7 @@ struct Truth {
 }
 
 impl Truth {
-    fn of(fleet: &Fleet, incident: &Incident, compensation: Option<&CompensationReading>) -> anyhow::Result<Self> {
+    fn of(fleet: &Fleet, incident: &Incident, compensation: Option<&CompensationSummary>) -> anyhow::Result<Self> {
         let (robot, array) = (Name::robot(incident.robot)?, Name::new(incident.array)?);
         let handle = fleet.robot(&robot).ok_or_else(|| anyhow::anyhow!("no robot {robot}"))?;
         handle.with(|robot| {
@@ -173,9 +170,9 @@ impl Report {
     fn row(
         &mut self,
         incident: &Incident,
-        whisker: &WhiskerReading,
+        whisker: &Whisker,
         contacts: Option<i64>,
-        compensation: Option<&CompensationReading>,
+        compensation: Option<&CompensationSummary>,
         truth: &Truth,
     ) {
         let served = compensation.filter(|one| one.compensator_whisker.is_some());
@@ -202,7 +199,7 @@ impl Report {
             format!("{}/{}/{}", incident.robot, incident.array, incident.whisker),
             whisker.condition,
             truth.length_mm,
-            format!("{:.2} +- {:.2}", whisker.length_mm, vibrissa_edge::words::Z95 * whisker.length_sd_mm),
+            format!("{:.2} +- {:.2}", whisker.length_mm, whisker.length_high_mm - whisker.length_mm),
             or_dash(contacts.map(|contacts| contacts.to_string())),
             case,
             or_dash(served.and_then(|one| one.compensator_whisker).map(|by| by.to_string())),
@@ -216,10 +213,10 @@ impl Report {
     fn check(
         &mut self,
         incident: &Incident,
-        whisker: &WhiskerReading,
-        trims: &[&TrimReading],
+        whisker: &Whisker,
+        trims: &[&Trim],
         contacts: Option<i64>,
-        compensation: Option<&CompensationReading>,
+        compensation: Option<&CompensationSummary>,
         truth: &Truth,
     ) {
         let off_mm = (whisker.length_mm - truth.length_mm).abs();
@@ -262,7 +259,7 @@ impl Report {
         self.problems.push(format!("{}/{}/{}: {problem}", incident.robot, incident.array, incident.whisker));
     }
 
-    fn mean_error(&mut self, compensations: &[CompensationReading]) {
+    fn mean_error(&mut self, compensations: &[CompensationSummary]) {
         let own: Vec<f64> = compensations
             .iter()
             .filter(|one| one.compensation_case.as_deref() == Some("SELF_COMPENSATION"))

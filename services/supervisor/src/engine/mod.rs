@@ -9,6 +9,8 @@ mod outage;
 mod publication;
 mod record;
 
+pub(crate) use record::wide_id;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};

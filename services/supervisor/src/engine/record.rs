@@ -14,7 +14,7 @@ use crate::store::batch::{
 use vibrissa_edge::words::{Word, Z95};
 
 /// Numbers of a robot's trims and compensations are unique in the database: robot, then count.
-fn wide_id(robot_id: i64, number: u32) -> i64 {
+pub(crate) fn wide_id(robot_id: i64, number: u32) -> i64 {
     (robot_id << 32) | i64::from(number)
 }
 

@@ -10,6 +10,7 @@ mod console;
 pub mod document;
 pub mod extract;
 mod health;
+pub mod moment;
 pub mod page;
 pub mod passage;
 pub mod problem;
@@ -28,6 +29,7 @@ use tokio::sync::watch;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
+use vibrissa_core::robot::Params;
 
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
@@ -45,6 +47,8 @@ pub struct App {
     pub readiness: Readiness,
     /// Who is let in.
     pub access: Access,
+    /// What decisions rest on.
+    pub params: Arc<Params>,
 }
 
 /// Bytes of a body at the most, unless a route takes more.

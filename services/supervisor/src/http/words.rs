@@ -32,3 +32,95 @@ words! {
         SensitivityLoss = "SENSITIVITY_LOSS",
     }
 }
+
+words! {
+    /// Whether a robot is connected.
+    pub enum ConnectionWord {
+        /// It is.
+        Online = "ONLINE",
+        /// It has signed off, or was never there.
+        Offline = "OFFLINE",
+        /// It has fallen silent.
+        ConnectionBroken = "CONNECTION_BROKEN",
+    }
+}
+
+words! {
+    /// Case of the paper.
+    pub enum CaseWord {
+        /// The broken whisker itself, at another pressure.
+        SelfCompensation = "SELF_COMPENSATION",
+        /// A shorter neighbour.
+        ShorterForLonger = "SHORTER_FOR_LONGER",
+        /// A longer neighbour.
+        LongerForShorter = "LONGER_FOR_SHORTER",
+    }
+}
+
+words! {
+    /// How far a setpoint is.
+    pub enum SetpointStateWord {
+        /// Decided, not answered yet.
+        Pending = "PENDING",
+        /// The robot has it.
+        Received = "RECEIVED",
+        /// The robot is moving there.
+        Applying = "APPLYING",
+        /// The robot is there.
+        Applied = "APPLIED",
+        /// The robot will not take it.
+        Rejected = "REJECTED",
+        /// The robot could not reach it.
+        Failed = "FAILED",
+        /// A newer one took its place.
+        Superseded = "SUPERSEDED",
+        /// No answer in time.
+        Expired = "EXPIRED",
+        /// The robot started anew before it answered.
+        Abandoned = "ABANDONED",
+    }
+}
+
+words! {
+    /// What a change of health is of.
+    pub enum HealthKindWord {
+        /// Of the mechanical condition.
+        Condition = "CONDITION",
+        /// Of the fault.
+        Fault = "FAULT",
+    }
+}
+
+words! {
+    /// What people are told of.
+    pub enum AlarmKindWord {
+        /// A trimmed whisker that no one can serve.
+        Uncompensated = "UNCOMPENSATED",
+        /// A setpoint that was given up.
+        SetpointFailed = "SETPOINT_FAILED",
+        /// A whisker that feels less, which no trim explains.
+        SensitivityLoss = "SENSITIVITY_LOSS",
+        /// A whisker that becomes shorter.
+        Eroding = "ERODING",
+        /// A change that a whole array feels.
+        ArrayShift = "ARRAY_SHIFT",
+        /// A gauge whose baseline is off.
+        BaselineDrift = "BASELINE_DRIFT",
+        /// A whisker that is silent.
+        Stale = "STALE",
+        /// A gauge that is open.
+        GaugeOpen = "GAUGE_OPEN",
+        /// A gauge with a short circuit.
+        GaugeShort = "GAUGE_SHORT",
+        /// A gauge at its limit.
+        GaugeSaturated = "GAUGE_SATURATED",
+        /// A gauge that is not to be trusted.
+        Gauge = "GAUGE",
+        /// A pressure that is not held.
+        Leak = "LEAK",
+        /// A regulator that is out of order.
+        Regulator = "REGULATOR",
+        /// Too little air.
+        SupplyLow = "SUPPLY_LOW",
+    }
+}

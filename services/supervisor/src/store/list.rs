@@ -140,6 +140,11 @@ impl Selection {
         self.filters.extend(text.map(|text| Filter::Is(column, Value::Text(text.to_string()))));
     }
 
+    /// Keeps to rows whose column has that number, if there is one.
+    pub fn is_number(&mut self, column: &'static str, number: Option<impl Into<i64>>) {
+        self.filters.extend(number.map(|number| Filter::Is(column, Value::Whole(number.into()))));
+    }
+
     /// With one more filter.
     #[must_use]
     pub fn with(mut self, filter: Filter) -> Self {
@@ -157,30 +162,36 @@ pub struct Rows<T> {
     pub next: Option<Place>,
 }
 
-/// The statement for a selection.
-fn statement<DB: Database>(list: &List, selection: &Selection) -> QueryBuilder<DB>
+/// Adds a value, as a parameter.
+fn push_value<DB: Database>(sql: &mut QueryBuilder<DB>, value: &Value)
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
     f64: for<'q> Encode<'q, DB> + Type<DB>,
     bool: for<'q> Encode<'q, DB> + Type<DB>,
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
-    let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
-    sql.push(list.select).push(") q WHERE true");
-    let bind = |sql: &mut QueryBuilder<DB>, value: &Value| {
-        match value {
-            Value::Whole(value) => sql.push_bind(*value),
-            Value::Real(value) => sql.push_bind(*value),
-            Value::Flag(value) => sql.push_bind(*value),
-            Value::Text(value) => sql.push_bind(value.clone()),
-        };
+    match value {
+        Value::Whole(value) => sql.push_bind(*value),
+        Value::Real(value) => sql.push_bind(*value),
+        Value::Flag(value) => sql.push_bind(*value),
+        Value::Text(value) => sql.push_bind(value.clone()),
     };
-    for filter in &selection.filters {
+}
+
+/// Adds conditions to those of a statement.
+pub(super) fn push_filters<DB: Database>(sql: &mut QueryBuilder<DB>, filters: &[Filter])
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    for filter in filters {
         sql.push(" AND ");
         match filter {
             Filter::Is(column, value) => {
                 sql.push(*column).push(" = ");
-                bind(&mut sql, value);
+                push_value(sql, value);
             }
             Filter::IsOneOf(column, values) => {
                 sql.push(*column).push(" IN (NULL");
@@ -191,22 +202,35 @@ where
             }
             Filter::AtLeast(column, value) => {
                 sql.push(*column).push(" >= ");
-                bind(&mut sql, value);
+                push_value(sql, value);
             }
             Filter::Below(column, value) => {
                 sql.push(*column).push(" < ");
-                bind(&mut sql, value);
+                push_value(sql, value);
             }
             Filter::IsNull(column, is_null) => {
                 sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
             }
         }
     }
+}
+
+/// The statement for a selection.
+fn statement<DB: Database>(list: &List, selection: &Selection) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
+    sql.push(list.select).push(") q WHERE true");
+    push_filters(&mut sql, &selection.filters);
     let (sort, id) = (selection.sort.column, list.id);
     let (after, order) = if selection.descending { (" < (", " DESC") } else { (" > (", " ASC") };
     if let Some(place) = &selection.after {
         sql.push(" AND (").push(sort).push(", ").push(id).push(")").push(after);
-        bind(&mut sql, &place.value);
+        push_value(&mut sql, &place.value);
         sql.push(", ").push_bind(place.id).push(")");
     }
     sql.push(" ORDER BY ").push(sort).push(order).push(", ").push(id).push(order);

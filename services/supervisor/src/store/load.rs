@@ -5,10 +5,12 @@ use std::time::Duration;
 
 use sqlx::Row;
 use vibrissa_core::robot::event::{ArrayKind, WhiskerSheet};
-use vibrissa_core::robot::{Numbers, Robot};
+use vibrissa_core::robot::{Numbers, RestoreError, Robot};
+use vibrissa_core::units::Micros;
 
 use super::database::{Link, Tx, on};
-use super::{Lease, StoreError, Writer, failed};
+use super::readings::readings;
+use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
 
 /// A robot as it was committed last.
@@ -30,10 +32,59 @@ pub struct StoredRobot {
     pub numbers: Numbers,
 }
 
+/// A robot as it was committed last, for questions about it.
+#[derive(Debug)]
+pub struct RobotState {
+    /// Number.
+    pub robot_id: i64,
+    head: Vec<u8>,
+    whiskers: Vec<Vec<u8>>,
+}
+
+impl RobotState {
+    /// The robot. It is not listened to.
+    ///
+    /// # Errors
+    /// Another version of the program has stored it.
+    pub fn robot(&self) -> Result<Robot, RestoreError> {
+        Robot::from_bytes(&self.head, &self.whiskers, 0, Micros::default())
+    }
+}
+
 /// How long reading a whole fleet may take.
 const LOAD_PATIENCE: Duration = Duration::from_secs(120);
 /// How long numbering may take.
 const NUMBER_PATIENCE: Duration = Duration::from_secs(5);
+
+impl Store {
+    /// A robot as it was committed last; none if it was never heard of, or nothing was committed.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn robot_state(&self, fleet: &str, robot: &str) -> Result<Option<RobotState>, StoreError> {
+        // One statement, so that head and whiskers are of the same commit.
+        const SQL: &str = "SELECT robot_id, CAST(-1 AS BIGINT) AS position, state FROM robots \
+             WHERE fleet = $1 AND robot = $2 AND state IS NOT NULL \
+             UNION ALL SELECT w.robot_id, w.position, w.state FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id \
+             WHERE fleet = $1 AND robot = $2 AND w.position IS NOT NULL AND w.state IS NOT NULL ORDER BY position";
+        let rows: Vec<StateRow> =
+            on!(&self.pool, |pool| sqlx::query_as(SQL).bind(fleet).bind(robot).fetch_all(pool).await)
+                .map_err(failed("read a robot's state"))?;
+        let mut rows = rows.into_iter();
+        let head = rows.next().filter(|row| row.position < 0);
+        let whiskers = rows.map(|row| row.state).collect();
+        Ok(head.map(|head| RobotState { robot_id: head.robot_id, head: head.state, whiskers }))
+    }
+}
+
+readings! {
+    /// A robot's head, with the position -1, or one of its whiskers.
+    struct StateRow {
+        robot_id: i64,
+        position: i64,
+        state: Vec<u8>,
+    }
+}
 
 impl Writer {
     /// Every robot of the lease's fleet. Nobody else has written, or writes, once the lease is ours.

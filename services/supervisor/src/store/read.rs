@@ -1,140 +1,28 @@
 //! What people ask for.
 
+use sqlx::FromRow;
+use sqlx::postgres::PgRow;
+use sqlx::sqlite::SqliteRow;
+
 use super::database::on;
-use super::readings::{
-    CandidateReading, Compensation, CompensationReading, ErrorBinReading, HealthChangeReading, LengthPoint,
-    RefinementReading, SetpointStateReading, TrimReading, WhiskerReading,
-};
+use super::list::{Filter, List, Selection};
+use super::readings::{HealthChangeReading, LengthPoint, SetpointStateReading};
 use super::{Store, StoreError, failed};
 
 /// Rows that one request gets at most.
 pub const ROWS_MAX: i64 = 10_000;
 
 impl Store {
-    /// Every whisker that is on a robot, at most [`ROWS_MAX`].
+    /// Everything that a list has with these filters, in its own order, at most [`ROWS_MAX`].
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn whiskers(&self) -> Result<Vec<WhiskerReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT fleet, robot, \"array\", array_type, w.whisker, whole_length_mm, length_mm, length_sd_mm, condition, \
-             fault, pressure_mpa, setpoint_mpa, nominal_pressure_mpa, contacts, heard_us, leak_per_s, leak_low_per_s, \
-             leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, erosion_high_mm_per_contact, \
-             contacts_left, contacts_left_low, contacts_left_high, \
-             (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL) AS compensated_by, \
-             (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL) AS serves_in \
-             FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE position IS NOT NULL ORDER BY fleet, robot, \"array\", w.whisker LIMIT $1",
-        )
-        .bind(ROWS_MAX)
-        .fetch_all(pool)
-        .await)
-        .map_err(failed("list the whiskers"))
-    }
-
-    /// The newest decisions with their candidates, at most [`ROWS_MAX`].
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn compensations(&self) -> Result<Vec<Compensation>, StoreError> {
-        const WHAT: &str = "list the compensations";
-        let decisions: Vec<CompensationReading> = on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT c.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, target_length_mm, \
-             target_pressure_mpa, k.whisker AS compensator_whisker, compensation_case, pressure_before_mpa, \
-             c.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, \
-             (SELECT s.pressure_mpa FROM setpoints s WHERE s.compensation_id = c.compensation_id \
-              ORDER BY epoch DESC, version DESC LIMIT 1) AS held_pressure_mpa, \
-             (SELECT count(*) FROM compensation_refinements l WHERE l.compensation_id = c.compensation_id) AS looks, \
-             (SELECT outcome FROM compensation_refinements l WHERE l.compensation_id = c.compensation_id \
-              ORDER BY compensation_refinement_id DESC LIMIT 1) AS last_look, \
-             e.error AS measured_error, e.error_low AS measured_error_low, \
-             e.error_high AS measured_error_high, e.pressure_mpa AS measured_pressure_mpa, \
-             e.error_with_gain AS measured_error_with_gain, e.error_with_gain_low AS measured_error_with_gain_low, \
-             e.error_with_gain_high AS measured_error_with_gain_high, e.bins AS measured_bins, \
-             (SELECT state FROM setpoints s WHERE s.compensation_id = c.compensation_id \
-              ORDER BY epoch DESC, version DESC LIMIT 1) AS setpoint_state, decided_us, ended_us, end_reason \
-             FROM compensations c JOIN robots USING (robot_id) JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
-             JOIN arrays ON arrays.array_id = t.array_id \
-             LEFT JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id \
-             LEFT JOIN compensation_errors e ON e.compensation_error_id = (SELECT max(compensation_error_id) \
-              FROM compensation_errors n WHERE n.compensation_id = c.compensation_id) \
-             ORDER BY decided_us DESC, c.compensation_id DESC LIMIT $1",
-        )
-        .bind(ROWS_MAX)
-        .fetch_all(pool)
-        .await)
-        .map_err(failed(WHAT))?;
-        let candidates: Vec<CandidateReading> = on!(&self.pool, |pool| {
-            sqlx::query_as(
-            "SELECT compensation_id, w.whisker, compensation_case, k.length_mm, k.length_sd_mm, pressure_before_mpa, \
-             k.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, gives_up_own_role, chosen, refused \
-             FROM compensation_candidates k JOIN whiskers w USING (whisker_id) WHERE compensation_id IN \
-             (SELECT compensation_id FROM compensations ORDER BY decided_us DESC, compensation_id DESC LIMIT $1) \
-             ORDER BY compensation_id, ordinal",
-        )
-        .bind(ROWS_MAX)
-        .fetch_all(pool)
-        .await
-        })
-        .map_err(failed(WHAT))?;
-        let with_candidates = decisions.into_iter().map(|decision| {
-            let id = decision.compensation_id;
-            let from = candidates.partition_point(|candidate| candidate.compensation_id < id);
-            let to = candidates.partition_point(|candidate| candidate.compensation_id <= id);
-            Compensation { decision, candidates: candidates[from..to].to_vec() }
-        });
-        Ok(with_candidates.collect())
-    }
-
-    /// Trims in the order in which they were found, at most [`ROWS_MAX`].
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn trims(&self) -> Result<Vec<TrimReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT robot, \"array\", w.whisker, detected_us, length_before_mm, length_after_mm, length_after_sd_mm, \
-             contacts_to_detect FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = t.robot_id ORDER BY detected_us, trim_id LIMIT $1",
-        )
-        .bind(ROWS_MAX)
-        .fetch_all(pool)
-        .await)
-        .map_err(failed("list the trims"))
-    }
-
-    /// The newest measured error of a compensation by contact ratio.
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn error_bins(&self, compensation_id: i64) -> Result<Vec<ErrorBinReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT ratio, contacts, error, error_low, error_high FROM compensation_error_bins \
-             WHERE compensation_error_id = (SELECT max(compensation_error_id) FROM compensation_errors \
-             WHERE compensation_id = $1) ORDER BY ratio",
-        )
-        .bind(compensation_id)
-        .fetch_all(pool)
-        .await)
-        .map_err(failed("read a compensation error"))
-    }
-
-    /// Every look at a compensation's setpoint, in order, at most [`ROWS_MAX`].
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn refinements(&self, compensation_id: i64) -> Result<Vec<RefinementReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT contacts, outcome, pressure_from_mpa, pressure_best_mpa, error, error_low, error_high, \
-             error_best, error_with_gain, gain_published FROM compensation_refinements \
-             WHERE compensation_id = $1 ORDER BY compensation_refinement_id LIMIT $2",
-        )
-        .bind(compensation_id)
-        .bind(ROWS_MAX)
-        .fetch_all(pool)
-        .await)
-        .map_err(failed("list the looks at a setpoint"))
+    pub async fn all<T>(&self, list: &List, filters: Vec<Filter>) -> Result<Vec<T>, StoreError>
+    where
+        T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin,
+    {
+        let selection = Selection { filters, ..Selection::all(list, ROWS_MAX as u32) };
+        Ok(self.list(list, &selection).await?.rows)
     }
 
     /// Estimated length and pressure of a whisker over time, every `every`-th contact, at most [`ROWS_MAX`].

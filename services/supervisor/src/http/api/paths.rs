@@ -4,6 +4,8 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 use vibrissa_protocol::Name;
 
+use crate::http::problem::Problem;
+use crate::store::Store;
 use crate::store::list::{Filter, Value};
 
 /// Spells out a path's parts, their filters on a list that has columns of their names, and how they are told.
@@ -73,6 +75,7 @@ pub struct WhiskerPath {
     #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub array: Name,
     /// Number in the array.
+    #[param(maximum = 65535)]
     pub whisker: u16,
 }
 
@@ -88,8 +91,28 @@ impl WhiskerPath {
     }
 }
 
+impl WhiskerPath {
+    /// Its number in the database, on a robot now or once.
+    ///
+    /// # Errors
+    /// It was never heard of, or the database cannot be read.
+    pub async fn whisker_id(&self, store: &Store) -> Result<i64, Problem> {
+        let whisker = (self.fleet.as_str(), self.robot.as_str(), self.array.as_str(), self.whisker);
+        store.whisker_id(whisker).await?.ok_or_else(|| Problem::not_found(self))
+    }
+}
+
 impl std::fmt::Display for WhiskerPath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "whisker {} {} {} {}", self.fleet, self.robot, self.array, self.whisker)
     }
+}
+
+/// A compensation.
+#[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct CompensationPath {
+    /// Its number.
+    #[param(minimum = 0, maximum = 9007199254740991_i64)]
+    pub compensation_id: i64,
 }

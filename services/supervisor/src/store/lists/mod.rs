@@ -1,5 +1,12 @@
 //! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
 
+pub mod compensations;
+mod counts;
+pub mod errors;
+pub mod fleets;
+pub mod happenings;
+pub mod robots;
+pub mod setpoints;
 pub mod whiskers;
 
 /// The columns that may sort a list, as a closed enum; the first one does by default.

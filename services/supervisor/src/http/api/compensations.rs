@@ -1,0 +1,124 @@
+//! Decisions about broken whiskers, and what came of them.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use super::paths::CompensationPath;
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::moment::{Moment, between};
+use crate::http::page::{LIMIT_MAX, Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::CaseWord;
+use crate::store::list::{Filter, Selection, Value};
+use crate::store::lists::compensations::{
+    CANDIDATES, COMPENSATIONS, Candidate, CompensationSort, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
+};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_compensations)).routes(routes!(get_compensation))
+}
+
+list_query! {
+    /// Which compensations.
+    pub struct CompensationsQuery by CompensationSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Of this array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// For this broken whisker.
+        #[param(maximum = 65535)]
+        pub target_whisker: Option<u16>,
+        /// By this whisker.
+        #[param(maximum = 65535)]
+        pub compensator_whisker: Option<u16>,
+        /// Of this case of the paper.
+        pub case: Option<CaseWord>,
+        /// Only those that have not ended, or that have.
+        pub active: Option<bool>,
+        /// Decided from then on.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Decided before then.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// Every decision about a broken whisker, and what came of it.
+#[utoipa::path(
+    get, path = "/v1/compensations", tag = "compensations", params(CompensationsQuery),
+    responses((status = 200, description = "A page of compensations", body = Page<CompensationSummary>))
+)]
+async fn list_compensations(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<CompensationsQuery>,
+) -> Result<Json<Page<CompensationSummary>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("target_whisker", query.target_whisker);
+    selection.is_number("compensator_whisker", query.compensator_whisker);
+    selection.is("compensation_case", query.case);
+    selection.filters.extend(query.active.map(|active| Filter::IsNull("ended_at", active)));
+    selection.filters.extend(between("decided_at", query.from, query.to));
+    Ok(Json(Page::of(app.store.list(&COMPENSATIONS, &selection).await?, &selection)))
+}
+
+/// A decision with all that is known of it.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Compensation {
+    /// The decision and what came of it.
+    #[serde(flatten)]
+    pub summary: CompensationSummary,
+    /// Everyone who was asked, in the order in which they were; at most 1000.
+    pub candidates: Vec<Candidate>,
+    /// The newest measured error by contact ratio.
+    pub errors_by_ratio: Vec<RatioError>,
+    /// Every look at its setpoint, in order; at most 1000.
+    pub looks: Vec<Look>,
+}
+
+/// One decision with everyone who was asked, its error by contact ratio, and the looks at its setpoint.
+#[utoipa::path(
+    get, path = "/v1/compensations/{compensation_id}", tag = "compensations", params(CompensationPath),
+    responses((status = 200, description = "The compensation", body = Compensation))
+)]
+async fn get_compensation(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<CompensationPath>,
+) -> Result<Json<Compensation>, Problem> {
+    compensation(&app, &caller, at).await.map(Json)
+}
+
+/// One decision, if the caller may see it.
+pub(super) async fn compensation(app: &App, caller: &Caller, at: CompensationPath) -> Result<Compensation, Problem> {
+    let id = at.compensation_id;
+    let filter = || Filter::Is("compensation_id", Value::Whole(id));
+    let mut filters = vec![filter()];
+    filters.extend(caller.scope.filter("fleet"));
+    let summary = app.store.first(&COMPENSATIONS, filters).await?;
+    let summary = summary.ok_or_else(|| Problem::not_found(format!("compensation {id}")))?;
+    let of = |list| Selection::all(list, LIMIT_MAX).with(filter());
+    Ok(Compensation {
+        summary,
+        candidates: app.store.list(&CANDIDATES, &of(&CANDIDATES)).await?.rows,
+        errors_by_ratio: app.store.list(&RATIO_ERRORS, &of(&RATIO_ERRORS)).await?.rows,
+        looks: app.store.list(&LOOKS, &of(&LOOKS)).await?.rows,
+    })
+}

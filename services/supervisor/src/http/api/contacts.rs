@@ -1,0 +1,213 @@
+//! Contacts of a whisker over time, and the length that was estimated from them.
+
+use axum::extract::State;
+use axum::response::Json;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::paths::WhiskerPath;
+use crate::http::App;
+use crate::http::extract::{Path, Query};
+use crate::http::moment::Moment;
+use crate::http::problem::Problem;
+use crate::store::series::{ContactMean, Series, Span};
+use crate::store::time::Time;
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_contacts)).routes(routes!(get_lengths))
+}
+
+/// Points unless it is asked for otherwise.
+pub(super) const POINTS: u32 = 500;
+/// Points at the most.
+const POINTS_MAX: u32 = 2000;
+/// Half a 95 % interval in standard deviations.
+pub(super) const Z95: f64 = 1.959_963_984_540_054;
+
+/// Which contacts: without `from` and `to` the newest ones.
+#[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct SpanQuery {
+    /// From then on, by the robot's clock; a day before `to` unless it is given, and never more than 31 days before it.
+    #[param(value_type = Option<String>, format = DateTime)]
+    pub from: Option<Moment>,
+    /// Before then; after the newest contact unless it is given.
+    #[param(value_type = Option<String>, format = DateTime)]
+    pub to: Option<Moment>,
+    /// Points at the most: more contacts are told as means over equal spans of time.
+    #[param(minimum = 1, maximum = 2000, default = 500)]
+    pub points: Option<u32>,
+}
+
+impl SpanQuery {
+    fn span(self) -> Result<Span, Problem> {
+        let points = self.points.unwrap_or(POINTS);
+        if !(1..=POINTS_MAX).contains(&points) {
+            return Err(Problem::invalid("points", format!("must be 1 to {POINTS_MAX}, not {points}")));
+        }
+        Ok(Span { from: self.from.map(|from| from.0), to: self.to.map(|to| to.0), points })
+    }
+}
+
+/// A whisker's contacts.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Contacts {
+    /// What was looked at: from then on; null if nothing is recorded.
+    pub from: Option<Time>,
+    /// Before then.
+    pub to: Option<Time>,
+    /// Points at the most, as asked for.
+    pub points: u32,
+    /// Contacts in that time.
+    #[schema(minimum = 0)]
+    pub total: i64,
+    /// Length of the spans whose means these are, in seconds; null if they are the contacts themselves.
+    pub bucket_s: Option<f64>,
+    /// Contacts or means in order of time; spans without contacts are left out.
+    pub items: Vec<ContactPoint>,
+}
+
+/// A contact, or the mean of those in a span of time.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ContactPoint {
+    /// When, by the robot's clock: the contact, or the begin of its span.
+    pub at: Time,
+    /// How many.
+    #[schema(minimum = 1)]
+    pub contacts: i64,
+    /// Contact ratio: place of the contact along the whisker, 0 at the base, 1 at the tip.
+    pub ratio: f64,
+    /// Deflection at the contact.
+    pub deflection_mm: f64,
+    /// Strain, m/m.
+    pub strain: f64,
+    /// Pressure.
+    pub pressure_mpa: f64,
+    /// Strain by deflection; null without deflection.
+    pub sensitivity_per_mm: Option<f64>,
+    /// ln(measured / predicted sensitivity), the mean of the contacts that were used; null if none was.
+    pub residual: Option<f64>,
+    /// Estimated length after it.
+    pub length_mm: f64,
+    /// Its standard deviation.
+    pub length_sd_mm: f64,
+}
+
+impl From<&ContactMean> for ContactPoint {
+    fn from(mean: &ContactMean) -> Self {
+        Self {
+            at: Time(mean.at_us),
+            contacts: mean.contacts,
+            ratio: mean.ratio,
+            deflection_mm: mean.deflection_mm,
+            strain: mean.strain,
+            pressure_mpa: mean.pressure_mpa,
+            sensitivity_per_mm: mean.sensitivity_per_mm,
+            residual: mean.residual,
+            length_mm: mean.length_mm,
+            length_sd_mm: mean.length_sd_mm,
+        }
+    }
+}
+
+/// A whisker's estimated length over time.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Lengths {
+    /// What was looked at: from then on; null if nothing is recorded.
+    pub from: Option<Time>,
+    /// Before then.
+    pub to: Option<Time>,
+    /// Points at the most, as asked for.
+    pub points: u32,
+    /// Contacts in that time.
+    #[schema(minimum = 0)]
+    pub total: i64,
+    /// Length of the spans whose means these are, in seconds; null if they are told contact by contact.
+    pub bucket_s: Option<f64>,
+    /// Lengths in order of time; spans without contacts are left out.
+    pub items: Vec<LengthPoint>,
+}
+
+/// The estimated length after a contact, or the mean of a span of time.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct LengthPoint {
+    /// When, by the robot's clock: the contact, or the begin of its span.
+    pub at: Time,
+    /// Estimated length.
+    pub length_mm: f64,
+    /// Lower bound of its 95 % interval.
+    pub length_low_mm: f64,
+    /// Upper bound.
+    pub length_high_mm: f64,
+    /// Measured pressure.
+    pub pressure_mpa: f64,
+}
+
+impl From<&ContactMean> for LengthPoint {
+    fn from(mean: &ContactMean) -> Self {
+        Self {
+            at: Time(mean.at_us),
+            length_mm: mean.length_mm,
+            length_low_mm: mean.length_mm - Z95 * mean.length_sd_mm,
+            length_high_mm: mean.length_mm + Z95 * mean.length_sd_mm,
+            pressure_mpa: mean.pressure_mpa,
+        }
+    }
+}
+
+fn bucket_s(series: &Series) -> Option<f64> {
+    series.bucket_us.map(|bucket_us| bucket_us as f64 / 1e6)
+}
+
+/// A whisker's contacts, all or as means over equal spans of time.
+pub(super) async fn series(app: &App, at: &WhiskerPath, query: SpanQuery) -> Result<(Span, Series), Problem> {
+    let span = query.span()?;
+    Ok((span, app.store.contacts(at.whisker_id(&app.store).await?, span).await?))
+}
+
+/// A whisker's contacts: the newest ones, or those of a time.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contacts", tag = "whiskers",
+    params(WhiskerPath, SpanQuery),
+    responses((status = 200, description = "The contacts", body = Contacts))
+)]
+async fn get_contacts(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<SpanQuery>,
+) -> Result<Json<Contacts>, Problem> {
+    let (span, series) = series(&app, &at, query).await?;
+    Ok(Json(Contacts {
+        from: series.from,
+        to: series.to,
+        points: span.points,
+        total: series.total,
+        bucket_s: bucket_s(&series),
+        items: series.items.iter().map(ContactPoint::from).collect(),
+    }))
+}
+
+/// A whisker's estimated length and its pressure over time.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/lengths", tag = "whiskers",
+    params(WhiskerPath, SpanQuery),
+    responses((status = 200, description = "The lengths", body = Lengths))
+)]
+async fn get_lengths(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<SpanQuery>,
+) -> Result<Json<Lengths>, Problem> {
+    let (span, series) = series(&app, &at, query).await?;
+    Ok(Json(Lengths {
+        from: series.from,
+        to: series.to,
+        points: span.points,
+        total: series.total,
+        bucket_s: bucket_s(&series),
+        items: series.items.iter().map(LengthPoint::from).collect(),
+    }))
+}

@@ -1,0 +1,48 @@
+//! Fleets: who supervises them, and what there is to look at.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::paths::FleetPath;
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::store::lists::fleets::{FleetSort, FleetSummary, fleets};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_fleets)).routes(routes!(get_fleet))
+}
+
+list_query! {
+    /// Which fleets.
+    pub struct FleetsQuery by FleetSort {}
+}
+
+/// Every fleet that was ever heard of: who supervises it, and how much there is to look at.
+#[utoipa::path(
+    get, path = "/v1/fleets", tag = "fleets", params(FleetsQuery),
+    responses((status = 200, description = "A page of fleets", body = Page<FleetSummary>))
+)]
+async fn list_fleets(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<FleetsQuery>,
+) -> Result<Json<Page<FleetSummary>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    Ok(Json(Page::of(app.store.list(fleets(&app.store), &selection).await?, &selection)))
+}
+
+/// One fleet.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}", tag = "fleets", params(FleetPath),
+    responses((status = 200, description = "The fleet", body = FleetSummary))
+)]
+async fn get_fleet(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Json<FleetSummary>, Problem> {
+    let found = app.store.first(fleets(&app.store), at.filters()).await?;
+    found.map(Json).ok_or_else(|| Problem::not_found(&at))
+}

@@ -1,0 +1,157 @@
+//! What happened to whiskers: trims, changes of health, alarms.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::Query;
+use crate::http::moment::{Moment, between};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::{AlarmKindWord, HealthKindWord};
+use crate::store::list::{Filter, Value};
+use crate::store::lists::happenings::{
+    ALARMS, Alarm, AlarmSort, HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort,
+};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_trims)).routes(routes!(list_health_changes)).routes(routes!(list_alarms))
+}
+
+list_query! {
+    /// Which trims.
+    pub struct TrimsQuery by TrimSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Of this array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// Of this whisker.
+        #[param(maximum = 65535)]
+        pub whisker: Option<u16>,
+        /// From then on.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Before then.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// Every trim that was found.
+#[utoipa::path(
+    get, path = "/v1/trims", tag = "happenings", params(TrimsQuery),
+    responses((status = 200, description = "A page of trims", body = Page<Trim>))
+)]
+async fn list_trims(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<TrimsQuery>,
+) -> Result<Json<Page<Trim>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("whisker", query.whisker);
+    selection.filters.extend(between("detected_at", query.from, query.to));
+    Ok(Json(Page::of(app.store.list(&TRIMS, &selection).await?, &selection)))
+}
+
+list_query! {
+    /// Which changes of health.
+    pub struct HealthChangesQuery by HealthChangeSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Of this array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// Of this whisker.
+        #[param(maximum = 65535)]
+        pub whisker: Option<u16>,
+        /// Of this.
+        pub kind: Option<HealthKindWord>,
+        /// From then on.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Before then.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// Every change of a whisker's condition or fault.
+#[utoipa::path(
+    get, path = "/v1/health-changes", tag = "happenings", params(HealthChangesQuery),
+    responses((status = 200, description = "A page of changes of health", body = Page<HealthChange>))
+)]
+async fn list_health_changes(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<HealthChangesQuery>,
+) -> Result<Json<Page<HealthChange>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("whisker", query.whisker);
+    selection.is("kind", query.kind);
+    selection.filters.extend(between("recorded_at", query.from, query.to));
+    Ok(Json(Page::of(app.store.list(&HEALTH_CHANGES, &selection).await?, &selection)))
+}
+
+list_query! {
+    /// Which alarms.
+    pub struct AlarmsQuery by AlarmSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Of this array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// Of this whisker.
+        #[param(maximum = 65535)]
+        pub whisker: Option<u16>,
+        /// Of this.
+        pub kind: Option<AlarmKindWord>,
+        /// Only those that stand, or do not.
+        pub standing: Option<bool>,
+    }
+}
+
+/// What people were told.
+#[utoipa::path(
+    get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
+    responses((status = 200, description = "A page of alarms", body = Page<Alarm>))
+)]
+async fn list_alarms(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<AlarmsQuery>,
+) -> Result<Json<Page<Alarm>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("whisker", query.whisker);
+    selection.is("kind", query.kind);
+    selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
+    Ok(Json(Page::of(app.store.list(&ALARMS, &selection).await?, &selection)))
+}

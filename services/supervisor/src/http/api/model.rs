@@ -1,0 +1,138 @@
+//! What the mechanics say of a whisker as it is now, beside what it has felt.
+
+use axum::extract::State;
+use axum::response::Json;
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_core::mechanics::{CONTACT_RATIOS, Model, Offset};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+
+use super::paths::WhiskerPath;
+use crate::http::App;
+use crate::http::extract::Path;
+use crate::http::problem::Problem;
+use crate::store::lists::whiskers::{WHISKERS, Whisker};
+use crate::store::series::{ContactMean, Span};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_model))
+}
+
+/// Contacts that are looked at for what was felt.
+const CONTACTS: u32 = 2000;
+/// A contact within this of the present pressure was felt at it: a regulator's dither.
+const PRESSURE_WITHIN_MPA: f64 = 0.005;
+/// A contact whose length was estimated within this of the present one was felt at it.
+const LENGTH_WITHIN_MM: f64 = 1.0;
+/// Half the width of a contact-ratio bin.
+const RATIO_WITHIN: f64 = 0.025;
+
+/// What a whisker should feel.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ModelOfWhisker {
+    /// Name of its model, a calibration.
+    pub model: String,
+    /// Whether the supervisor that answers has that model; if not, nothing is known but what was felt.
+    pub is_known: bool,
+    /// Pressure that it is asked for: measured last, or the setpoint before the first contact.
+    pub pressure_mpa: f64,
+    /// Length that it is asked for: as estimated.
+    pub length_mm: f64,
+    /// Pressure of the factsheet.
+    pub nominal_pressure_mpa: f64,
+    /// Length of the factsheet.
+    pub whole_length_mm: f64,
+    /// By how much this whisker feels more than its model, ln(own / model) at the contact ratio 0.725; null if its state
+    /// is not stored.
+    pub offset_log: Option<f64>,
+    /// How that changes with the contact ratio.
+    pub offset_slope: Option<f64>,
+    /// Sensitivities at the contact ratios 0.45, 0.50 .. 1.00.
+    pub by_ratio: Vec<Sensitivity>,
+}
+
+/// Sensitivities at a contact ratio, in strain per mm of deflection.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Sensitivity {
+    /// Contact ratio.
+    pub ratio: f64,
+    /// Of the model at the present length and pressure; null where the contact would lie on the chamber.
+    pub model_per_mm: Option<f64>,
+    /// The same with the whisker's own offset.
+    pub own_per_mm: Option<f64>,
+    /// Of the model at the whole length and nominal pressure.
+    pub whole_per_mm: Option<f64>,
+    /// As felt at the present length and pressure; null without contacts in this bin.
+    pub measured_per_mm: Option<f64>,
+    /// Contacts in it, of the newest 2000.
+    #[schema(minimum = 0)]
+    pub measured_contacts: i64,
+}
+
+/// The model's sensitivity at a contact ratio.
+fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64) -> Option<f64> {
+    let (length, pressure) = (Millimetre::new(length_mm).ok()?, Megapascal::new(pressure_mpa).ok()?);
+    model.check_length(length).ok()?;
+    model.sensitivity_per_mm(ratio, length, &model.morphology(pressure)).ok()
+}
+
+/// The mean of what was felt about a contact ratio, and how often.
+fn felt(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64, ratio: f64) -> (Option<f64>, i64) {
+    let here = contacts.iter().filter(|one| {
+        (one.ratio - ratio).abs() < RATIO_WITHIN
+            && (one.pressure_mpa - pressure_mpa).abs() <= PRESSURE_WITHIN_MPA
+            && (one.length_mm - whisker.length_mm).abs() <= LENGTH_WITHIN_MM
+            && one.residual.is_some()
+    });
+    let (sum, count) =
+        here.filter_map(|one| one.sensitivity_per_mm).fold((0.0, 0), |(sum, count), one| (sum + one, count + 1));
+    ((count > 0).then(|| sum / f64::from(count)), count.into())
+}
+
+/// Sensitivity of a whisker by contact ratio: its model now and while it was whole, and what was felt.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/model", tag = "whiskers",
+    params(WhiskerPath),
+    responses((status = 200, description = "The model", body = ModelOfWhisker))
+)]
+async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Json<ModelOfWhisker>, Problem> {
+    let whisker: Option<Whisker> = app.store.first(&WHISKERS, at.filters()).await?;
+    let whisker = whisker.ok_or_else(|| Problem::not_found(&at))?;
+    let span = Span { from: None, to: None, points: CONTACTS };
+    let contacts = app.store.contacts(at.whisker_id(&app.store).await?, span).await?.items;
+    let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;
+    let robot = stored.and_then(|stored| stored.robot().ok());
+    let offset: Option<Offset> = robot.and_then(|robot| {
+        let index = robot.find(at.array.as_str(), at.whisker)?;
+        robot.whisker(index).map(|view| view.offset)
+    });
+    let model = app.params.model(&whisker.model);
+    let pressure_mpa = whisker.pressure_mpa.unwrap_or(whisker.setpoint_mpa);
+    let by_ratio = CONTACT_RATIOS.into_iter().filter_map(|a| {
+        let ratio = ContactRatio::new(a).ok()?;
+        let model_per_mm = model.and_then(|model| per_mm(model, ratio, whisker.length_mm, pressure_mpa));
+        let (measured_per_mm, measured_contacts) = felt(&contacts, &whisker, pressure_mpa, a);
+        Some(Sensitivity {
+            ratio: a,
+            model_per_mm,
+            own_per_mm: model_per_mm.zip(offset).map(|(model, offset)| model * offset.at(ratio).exp()),
+            whole_per_mm: model
+                .and_then(|model| per_mm(model, ratio, whisker.whole_length_mm, whisker.nominal_pressure_mpa)),
+            measured_per_mm,
+            measured_contacts,
+        })
+    });
+    Ok(Json(ModelOfWhisker {
+        is_known: model.is_some(),
+        pressure_mpa,
+        length_mm: whisker.length_mm,
+        nominal_pressure_mpa: whisker.nominal_pressure_mpa,
+        whole_length_mm: whisker.whole_length_mm,
+        offset_log: offset.map(|offset| offset.level),
+        offset_slope: offset.map(|offset| offset.slope),
+        by_ratio: by_ratio.collect(),
+        model: whisker.model,
+    }))
+}

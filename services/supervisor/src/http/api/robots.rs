@@ -1,0 +1,144 @@
+//! Robots and their arrays.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use super::paths::{ArrayPath, RobotPath};
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::page::{LIMIT_MAX, Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::ConnectionWord;
+use crate::store::list::Selection;
+use crate::store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
+use crate::store::lists::whiskers::{WHISKERS, Whisker};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(list_robots))
+        .routes(routes!(get_robot))
+        .routes(routes!(list_arrays))
+        .routes(routes!(get_array))
+}
+
+list_query! {
+    /// Which robots.
+    pub struct RobotsQuery by RobotSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// With this connection.
+        pub connection: Option<ConnectionWord>,
+    }
+}
+
+/// Every robot that was ever heard of, with how much there is to look at.
+#[utoipa::path(
+    get, path = "/v1/robots", tag = "robots", params(RobotsQuery),
+    responses((status = 200, description = "A page of robots", body = Page<RobotSummary>))
+)]
+async fn list_robots(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<RobotsQuery>,
+) -> Result<Json<Page<RobotSummary>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("connection", query.connection);
+    Ok(Json(Page::of(app.store.list(&ROBOTS, &selection).await?, &selection)))
+}
+
+/// One robot.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}", tag = "robots", params(RobotPath),
+    responses((status = 200, description = "The robot", body = RobotSummary))
+)]
+async fn get_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<Json<RobotSummary>, Problem> {
+    let found = app.store.first(&ROBOTS, at.filters()).await?;
+    found.map(Json).ok_or_else(|| Problem::not_found(&at))
+}
+
+list_query! {
+    /// Which arrays.
+    pub struct ArraysQuery by ArraySort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+    }
+}
+
+/// Every array that is on a robot, with how much there is to look at.
+#[utoipa::path(
+    get, path = "/v1/arrays", tag = "robots", params(ArraysQuery),
+    responses((status = 200, description = "A page of arrays", body = Page<ArraySummary>))
+)]
+async fn list_arrays(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<ArraysQuery>,
+) -> Result<Json<Page<ArraySummary>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    Ok(Json(Page::of(app.store.list(&ARRAYS, &selection).await?, &selection)))
+}
+
+/// An array with its whiskers.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Array {
+    /// Fleet.
+    pub fleet: String,
+    /// Robot.
+    pub robot: String,
+    /// Array.
+    pub array: String,
+    /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single ones, for themselves).
+    pub array_type: String,
+    /// Whether its robot is connected: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    pub connection: String,
+    /// Alarms that stand.
+    #[schema(minimum = 0)]
+    pub alarms: i64,
+    /// How much there is to look at: alarms, faulty and uncompensated whiskers, added up.
+    #[schema(minimum = 0)]
+    pub attention: i64,
+    /// Its whiskers, at most 1000.
+    pub whiskers: Vec<Whisker>,
+}
+
+/// One array with its whiskers.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}", tag = "robots", params(ArrayPath),
+    responses((status = 200, description = "The array", body = Array))
+)]
+async fn get_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<Json<Array>, Problem> {
+    let known: Option<ArraySummary> = app.store.first(&ARRAYS, at.filters()).await?;
+    let known = known.ok_or_else(|| Problem::not_found(&at))?;
+    Ok(Json(Array {
+        fleet: known.fleet,
+        robot: known.robot,
+        array: known.array,
+        array_type: known.array_type,
+        connection: known.connection,
+        alarms: known.alarms,
+        attention: known.attention,
+        whiskers: whiskers_of(&app, &at).await?,
+    }))
+}
+
+/// The whiskers of an array, in the order in which they became known.
+pub(super) async fn whiskers_of(app: &App, at: &ArrayPath) -> Result<Vec<Whisker>, Problem> {
+    let selection = Selection { filters: at.filters(), ..Selection::all(&WHISKERS, LIMIT_MAX) };
+    Ok(app.store.list(&WHISKERS, &selection).await?.rows)
+}

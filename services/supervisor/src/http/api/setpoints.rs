@@ -1,0 +1,113 @@
+//! Setpoints and what became of them.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::moment::{Moment, between};
+use crate::http::page::{LIMIT_MAX, Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::SetpointStateWord;
+use crate::store::list::{Filter, Selection, Value};
+use crate::store::lists::setpoints::{SETPOINT_STATES, SETPOINTS, Setpoint, SetpointSort, SetpointState};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_setpoints)).routes(routes!(get_setpoint))
+}
+
+list_query! {
+    /// Which setpoints.
+    pub struct SetpointsQuery by SetpointSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Of this array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// Of this whisker.
+        #[param(maximum = 65535)]
+        pub whisker: Option<u16>,
+        /// In this state.
+        pub state: Option<SetpointStateWord>,
+        /// Of this compensation.
+        #[param(minimum = 0, maximum = 9007199254740991_i64)]
+        pub compensation_id: Option<i64>,
+        /// Decided from then on.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Decided before then.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// Every setpoint that was sent to a robot.
+#[utoipa::path(
+    get, path = "/v1/setpoints", tag = "setpoints", params(SetpointsQuery),
+    responses((status = 200, description = "A page of setpoints", body = Page<Setpoint>))
+)]
+async fn list_setpoints(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<SetpointsQuery>,
+) -> Result<Json<Page<Setpoint>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("whisker", query.whisker);
+    selection.is("state", query.state);
+    selection.is_number("compensation_id", query.compensation_id);
+    selection.filters.extend(between("issued_at", query.from, query.to));
+    Ok(Json(Page::of(app.store.list(&SETPOINTS, &selection).await?, &selection)))
+}
+
+/// A setpoint.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct SetpointPath {
+    /// Its name, a UUID.
+    #[param(pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub command_id: String,
+}
+
+/// A setpoint with what became of it.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct SetpointWithHistory {
+    /// The setpoint.
+    #[serde(flatten)]
+    pub setpoint: Setpoint,
+    /// What became of it, in order; at most 1000.
+    pub history: Vec<SetpointState>,
+}
+
+/// One setpoint with what became of it.
+#[utoipa::path(
+    get, path = "/v1/setpoints/{command_id}", tag = "setpoints", params(SetpointPath),
+    responses((status = 200, description = "The setpoint", body = SetpointWithHistory))
+)]
+async fn get_setpoint(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<SetpointPath>,
+) -> Result<Json<SetpointWithHistory>, Problem> {
+    let filter = || Filter::Is("command_id", Value::Text(at.command_id.clone()));
+    let mut filters = vec![filter()];
+    filters.extend(caller.scope.filter("fleet"));
+    let setpoint = app.store.first(&SETPOINTS, filters).await?;
+    let setpoint = setpoint.ok_or_else(|| Problem::not_found(format!("setpoint {}", at.command_id)))?;
+    let selection = Selection::all(&SETPOINT_STATES, LIMIT_MAX).with(filter());
+    let history = app.store.list(&SETPOINT_STATES, &selection).await?.rows;
+    Ok(Json(SetpointWithHistory { setpoint, history }))
+}

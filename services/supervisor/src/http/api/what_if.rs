@@ -1,0 +1,185 @@
+//! What would be done if a whisker were cut.
+
+use axum::extract::State;
+use axum::response::Json;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_core::robot::effect::{CandidateRecord, Decision};
+use vibrissa_core::robot::{Planned, Robot, WhatIf};
+use vibrissa_core::units::Millimetre;
+use vibrissa_edge::words::Word;
+
+use super::paths::WhiskerPath;
+use crate::engine::wide_id;
+use crate::http::App;
+use crate::http::extract::{Path, Query};
+use crate::http::problem::{Kind, Problem};
+use crate::store::lists::compensations::{Candidate, Numbers};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_what_if))
+}
+
+/// To what.
+#[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct WhatIfQuery {
+    /// Length that would be left.
+    #[param(minimum = 1, maximum = 1000)]
+    pub length_mm: f64,
+}
+
+/// What would be done.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfAnswer {
+    /// The decisions that would be taken: about the whisker itself, and about those that its cut leaves unserved or whose
+    /// compensator it takes.
+    pub decisions: Vec<WhatIfDecision>,
+    /// Compensations in force that would end.
+    pub ended: Vec<WhatIfEnd>,
+    /// Setpoints that would be sent.
+    pub setpoints: Vec<WhatIfSetpoint>,
+}
+
+/// A decision that would be taken.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfDecision {
+    /// Array of the broken whisker.
+    pub array: String,
+    /// The broken whisker.
+    pub target_whisker: u16,
+    /// Its whole length.
+    pub target_length_mm: f64,
+    /// Its nominal pressure.
+    pub target_pressure_mpa: f64,
+    /// Who would serve; null if no one could.
+    pub compensator_whisker: Option<u16>,
+    /// Everyone who would be asked, in the order in which they would be.
+    pub candidates: Vec<Candidate>,
+}
+
+/// A compensation that would end.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfEnd {
+    /// Which.
+    #[schema(minimum = 0)]
+    pub compensation_id: i64,
+    /// Why.
+    pub reason: String,
+}
+
+/// A setpoint that would be sent.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfSetpoint {
+    /// Array.
+    pub array: String,
+    /// For whom.
+    pub whisker: u16,
+    /// Pressure to hold.
+    pub pressure_mpa: f64,
+    /// Why.
+    pub reason: String,
+    /// Residual gain at the contact ratios 0.45, 0.50 .. 1.00; null for none.
+    pub gain: Option<Vec<f64>>,
+}
+
+/// Names what the core knows by index.
+struct Names<'a> {
+    robot: &'a Robot,
+    robot_id: i64,
+}
+
+impl Names<'_> {
+    fn name(&self, index: usize) -> (String, u16) {
+        self.robot.whisker(index).map_or_else(Default::default, |view| (view.array.to_owned(), view.sheet.number))
+    }
+
+    fn answer(&self, answer: &WhatIf) -> WhatIfAnswer {
+        let ended = answer.ended.iter().map(|&(number, reason)| WhatIfEnd {
+            compensation_id: wide_id(self.robot_id, number),
+            reason: reason.word().to_owned(),
+        });
+        WhatIfAnswer {
+            decisions: answer.decisions.iter().map(|one| self.decision(one)).collect(),
+            ended: ended.collect(),
+            setpoints: answer.setpoints.iter().map(|one| self.setpoint(one)).collect(),
+        }
+    }
+
+    fn decision(&self, decision: &Decision) -> WhatIfDecision {
+        let (array, target_whisker) = self.name(decision.target);
+        let chosen = decision.chosen.and_then(|at| decision.candidates.get(at));
+        let candidates = decision.candidates.iter().enumerate();
+        WhatIfDecision {
+            array,
+            target_whisker,
+            target_length_mm: decision.target_length.mm(),
+            target_pressure_mpa: decision.target_pressure.mpa(),
+            compensator_whisker: chosen.map(|one| self.name(one.whisker).1),
+            candidates: candidates.map(|(at, one)| self.candidate(one, decision.chosen == Some(at))).collect(),
+        }
+    }
+
+    fn candidate(&self, one: &CandidateRecord, chosen: bool) -> Candidate {
+        Candidate {
+            whisker: self.name(one.whisker).1.into(),
+            compensation_case: one.case.word().to_owned(),
+            length_mm: one.length.length.mm(),
+            length_sd_mm: one.length.sd_mm,
+            pressure_before_mpa: one.pressure_before.mpa(),
+            pressure_mpa: one.pressure.map(|pressure| pressure.mpa()),
+            predicted_error: one.predicted_error,
+            predicted_error_low: one.predicted_error_interval.map(|interval| interval.0),
+            predicted_error_high: one.predicted_error_interval.map(|interval| interval.1),
+            predicted_error_by_ratio: one.predicted_error_by_ratio.map(|by_ratio| Numbers(by_ratio.to_vec())),
+            gives_up_own_role: one.gives_up_own_role,
+            chosen,
+            refused: one.refused.map(|refused| refused.word().to_owned()),
+        }
+    }
+
+    fn setpoint(&self, planned: &Planned) -> WhatIfSetpoint {
+        let (array, whisker) = self.name(planned.whisker);
+        WhatIfSetpoint {
+            array,
+            whisker,
+            pressure_mpa: planned.pressure.mpa(),
+            reason: planned.reason.word().to_owned(),
+            gain: planned.gain.map(|gain| gain.to_vec()),
+        }
+    }
+}
+
+/// What would be done if a whisker were cut to a length and the cut had just been found. Nothing is done.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/what-if", tag = "whiskers",
+    params(WhiskerPath, WhatIfQuery),
+    responses(
+        (status = 200, description = "What would be done", body = WhatIfAnswer),
+        (status = 409, description = "The whisker is not longer than that", body = crate::http::problem::ProblemBody,
+         content_type = "application/problem+json"),
+    )
+)]
+async fn get_what_if(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<WhatIfQuery>,
+) -> Result<Json<WhatIfAnswer>, Problem> {
+    let length = Millimetre::new(query.length_mm).ok().filter(|length| length.mm() >= 1.0);
+    let length = length.ok_or_else(|| Problem::invalid("length_mm", "must be 1 to 1000"))?;
+    let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;
+    let stored = stored.ok_or_else(|| Problem::not_found(&at))?;
+    let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
+    let index = robot.find(at.array.as_str(), at.whisker).ok_or_else(|| Problem::not_found(&at))?;
+    // A large array takes the assignment a while.
+    let (params, robot_id) = (app.params.clone(), stored.robot_id);
+    let answered = tokio::task::spawn_blocking(move || {
+        let answer = robot.what_if(&params, index, length)?;
+        Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer))
+    });
+    let answered = answered.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
+    answered.map(Json).map_err(|problem| Problem::new(Kind::Refused, problem.to_string()))
+}
