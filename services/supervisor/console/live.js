@@ -26,6 +26,7 @@ export class Live {
   #lookedAt = 0;
   #abort = null;
   #wake = null;
+  #isListening = false;
 
   /** `onChange(change)` for each change, null when everything may have changed; `onState(state)`. */
   constructor(onChange, onState) {
@@ -37,8 +38,16 @@ export class Live {
   start() {
     this.stop();
     this.#abort = new AbortController();
-    if (has("GET", "/v1/events")) this.#listen(this.#abort.signal);
+    this.#isListening = false;
+    this.#begin();
     this.#look();
+  }
+
+  /** As soon as it is known that there is a stream: not yet, if nobody answered so far. */
+  #begin() {
+    if (this.#isListening || !this.#abort || this.#abort.signal.aborted || !has("GET", "/v1/events")) return;
+    this.#isListening = true;
+    this.#listen(this.#abort.signal);
   }
 
   stop() {
@@ -59,6 +68,7 @@ export class Live {
     if (!isAnswered) this.#tell("offline");
     else if (!has("GET", "/v1/events")) this.#tell("polling");
     else if (this.#state === "offline") this.#tell("reconnecting");
+    if (isAnswered) this.#begin();
   }
 
   #tell(state) {

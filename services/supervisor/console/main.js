@@ -63,6 +63,7 @@ function failed(problem, isNavigation) {
 function put(content, isNavigation) {
   const next = h("main", {}, content);
   const isSameAddress = main.dataset.address === location.hash;
+  const hadFocus = main.contains(document.activeElement);
   if (isSameAddress) morphChildren(main, next);
   else main.replaceChildren(...next.childNodes);
   main.removeAttribute("aria-busy");
@@ -73,6 +74,9 @@ function put(content, isNavigation) {
   if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
     heading?.focus({ preventScroll: true });
     scrollTo(0, 0);
+  } else if (hadFocus && !main.contains(document.activeElement)) {
+    // What had the focus is gone.
+    heading?.focus({ preventScroll: true });
   }
   main.dataset.address = location.hash;
   main.dataset.shows = String(Number(main.dataset.shows ?? 0) + 1);
@@ -107,7 +111,11 @@ document.getElementById("skip").addEventListener("click", (event) => {
   event.preventDefault();
   main.focus();
 });
-addEventListener("hashchange", () => show(true));
+addEventListener("hashchange", () => {
+  // A dialog is about the page that it was opened on.
+  document.querySelector("dialog")?.close();
+  show(true);
+});
 addEventListener("online", () => live.hurry());
 document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
 start();

@@ -32,7 +32,7 @@ const HEADERS: [(HeaderName, &str); 6] = [
 ];
 
 #[derive(RustEmbed)]
-#[folder = "$CARGO_MANIFEST_DIR/console"]
+#[folder = "console/"]
 struct Files;
 
 /// The page and its files.

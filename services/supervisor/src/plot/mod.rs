@@ -1,10 +1,15 @@
 //! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart.
 
+pub(crate) mod array;
 pub mod calibration;
+pub(crate) mod console;
 pub mod detection;
 pub mod evaluation;
 pub mod health;
+pub(crate) mod lines;
 pub mod paper;
+pub(crate) mod svg;
+pub(crate) mod ticks;
 
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;

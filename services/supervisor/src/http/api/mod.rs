@@ -7,6 +7,7 @@ pub mod fleets;
 pub mod happenings;
 pub mod model;
 pub mod paths;
+pub mod plots;
 pub mod robots;
 pub mod setpoints;
 pub mod what_if;
@@ -29,4 +30,5 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(compensations::routes())
         .merge(setpoints::routes())
         .merge(errors::routes())
+        .merge(plots::routes())
 }

@@ -1,0 +1,142 @@
+//! Pictures of what can be read, as SVG.
+
+use axum::extract::{Extension, State};
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::compensations::compensation;
+use super::contacts::{SpanQuery, series};
+use super::paths::{ArrayPath, CompensationPath, WhiskerPath};
+use super::robots::whiskers_of;
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::problem::Problem;
+use crate::plot::{array, console};
+use crate::store::list::{Filter, List, Selection};
+use crate::store::lists::errors::{ERRORS, ErrorStatement};
+use crate::store::lists::robots::{ARRAYS, ArraySummary};
+use crate::store::lists::setpoints::{SETPOINTS, Setpoint};
+use crate::store::lists::whiskers::{WHISKERS, Whisker};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(plot_lengths))
+        .routes(routes!(plot_contacts))
+        .routes(routes!(plot_pressures))
+        .routes(routes!(plot_errors))
+        .routes(routes!(plot_compensation))
+        .routes(routes!(plot_array))
+}
+
+/// Rows of a picture at the most.
+const ROWS: u32 = 1000;
+
+fn picture(svg: String) -> Response {
+    ([(header::CONTENT_TYPE, "image/svg+xml"), (header::CACHE_CONTROL, "no-cache")], svg).into_response()
+}
+
+async fn whisker(app: &App, at: &WhiskerPath) -> Result<Whisker, Problem> {
+    app.store.first(&WHISKERS, at.filters()).await?.ok_or_else(|| Problem::not_found(at))
+}
+
+/// The newest rows of a whisker, newest first.
+fn newest(list: &List, at: &WhiskerPath, column: &'static str) -> Selection {
+    let filters = at.filters().into_iter().map(|filter| match filter {
+        Filter::Is("whisker", value) => Filter::Is(column, value),
+        filter => filter,
+    });
+    Selection { filters: filters.collect(), ..Selection::all(list, ROWS) }
+}
+
+/// A whisker's estimated length over time, with its 95 % interval.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/lengths/plot.svg", tag = "plots",
+    params(WhiskerPath, SpanQuery),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_lengths(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<SpanQuery>,
+) -> Result<Response, Problem> {
+    let whisker = whisker(&app, &at).await?;
+    Ok(picture(console::lengths(&whisker, &series(&app, &at, query).await?.1)))
+}
+
+/// A whisker's measured sensitivity against the predicted one over time.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contacts/plot.svg", tag = "plots",
+    params(WhiskerPath, SpanQuery),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_contacts(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<SpanQuery>,
+) -> Result<Response, Problem> {
+    let whisker = whisker(&app, &at).await?;
+    Ok(picture(console::contacts(&whisker, &series(&app, &at, query).await?.1)))
+}
+
+/// A whisker's pressures over time, set and measured.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/pressures/plot.svg", tag = "plots",
+    params(WhiskerPath, SpanQuery),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_pressures(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<SpanQuery>,
+) -> Result<Response, Problem> {
+    let whisker = whisker(&app, &at).await?;
+    let (_, series) = series(&app, &at, query).await?;
+    let mut setpoints: Vec<Setpoint> = app.store.list(&SETPOINTS, &newest(&SETPOINTS, &at, "whisker")).await?.rows;
+    setpoints.reverse();
+    Ok(picture(console::pressures(&whisker, &series, &setpoints)))
+}
+
+/// The error of the compensations for a whisker over time, with its 95 % interval: the newest 1000 statements.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/errors/plot.svg", tag = "plots",
+    params(WhiskerPath),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_errors(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Response, Problem> {
+    let whisker = whisker(&app, &at).await?;
+    let selection = newest(&ERRORS, &at, "target_whisker");
+    let mut statements: Vec<ErrorStatement> = app.store.list(&ERRORS, &selection).await?.rows;
+    statements.reverse();
+    Ok(picture(console::errors(&whisker, &statements)))
+}
+
+/// The error of a compensation by contact ratio: predicted, and measured with its 95 % interval.
+#[utoipa::path(
+    get, path = "/v1/compensations/{compensation_id}/plot.svg", tag = "plots", params(CompensationPath),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_compensation(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<CompensationPath>,
+) -> Result<Response, Problem> {
+    let one = compensation(&app, &caller, at).await?;
+    let chosen = one.candidates.iter().find(|candidate| candidate.chosen);
+    let predicted = chosen.and_then(|candidate| candidate.predicted_error_by_ratio.as_ref());
+    Ok(picture(console::by_ratio(&one.summary, predicted, &one.errors_by_ratio)))
+}
+
+/// An array drawn to scale: each whisker's length now and whole, its health and pressure, and who serves whom.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/plot.svg", tag = "plots", params(ArrayPath),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn plot_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<Response, Problem> {
+    let known: Option<ArraySummary> = app.store.first(&ARRAYS, at.filters()).await?;
+    let known = known.ok_or_else(|| Problem::not_found(&at))?;
+    let name = format!("{}/{}", known.robot, known.array);
+    Ok(picture(array::draw(&name, &whiskers_of(&app, &at).await?)))
+}

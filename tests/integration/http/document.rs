@@ -1,0 +1,117 @@
+//! The OpenAPI document, held against what is answered.
+
+use serde_json::{Value, json};
+
+use crate::served::Served;
+
+/// The document that is served.
+pub(crate) struct Document(pub(crate) Value);
+
+/// What is said of each GET.
+pub(crate) fn get_operations(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    let paths = document["paths"].as_object().unwrap().iter();
+    paths.filter_map(|(path, item)| Some((path.as_str(), item.get("get")?)))
+}
+
+impl Document {
+    pub(crate) async fn of(served: &Served) -> Self {
+        Self(served.json("/openapi.json").await)
+    }
+
+    /// A schema without a reference.
+    fn resolved<'a>(&'a self, schema: &'a Value) -> &'a Value {
+        match schema["$ref"].as_str() {
+            Some(name) => self.0.pointer(name.trim_start_matches('#')).unwrap(),
+            None => schema,
+        }
+    }
+
+    /// The words that a query parameter may have, if the operation has it.
+    pub(crate) fn words(&self, operation: &Value, name: &str) -> Option<Vec<String>> {
+        let parameter = operation["parameters"].as_array()?.iter().find(|one| one["name"] == name)?;
+        let schema = &parameter["schema"];
+        let schemas = schema["oneOf"].as_array().cloned().unwrap_or_else(|| vec![schema.clone()]);
+        let words = schemas.iter().find_map(|schema| self.resolved(schema)["enum"].as_array().cloned())?;
+        Some(words.iter().map(|word| word.as_str().unwrap().to_owned()).collect())
+    }
+
+    /// Holds an answer against the schema of its status.
+    fn check(&self, path: &str, operation: &Value, status: u16, body: &Value) {
+        let content = &operation["responses"][status.to_string()]["content"];
+        let (_, content) = content.as_object().unwrap_or_else(|| panic!("{path} says nothing of {status}")).iter().next().unwrap();
+        let mut schema = content["schema"].clone();
+        schema["components"] = self.0["components"].clone();
+        let validator = jsonschema::options().should_validate_formats(true).build(&schema).unwrap();
+        let problems: Vec<String> =
+            validator.iter_errors(body).map(|problem| format!("{}: {problem}", problem.instance_path())).collect();
+        assert!(problems.is_empty(), "{path}: {problems:?} in {body}");
+    }
+}
+
+/// Names that are there, and one that is not.
+fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
+    let named = |fleet: &str, whisker: &str, id: &str, command: &str| {
+        let values = [
+            ("{fleet}", fleet), ("{robot}", "r1"), ("{array}", "left"), ("{whisker}", whisker),
+            ("{compensation_id}", id), ("{command_id}", command),
+        ];
+        let path = values.into_iter().fold(path.to_owned(), |path, (name, value)| path.replace(name, value));
+        if path.ends_with("/what-if") { format!("{path}?length_mm=62") } else { path }
+    };
+    [named("f", "0", &compensation_id.to_string(), command_id), named("nobody", "9", "77", "nothing")]
+}
+
+/// Every GET answers as the document says, for what is there and what is not.
+async fn answers_are_as_the_document_says(served: &Served) {
+    let document = Document::of(served).await;
+    let compensation_id = served.items("/v1/compensations?active=true&fleet=f&robot=r1").await[0]["compensation_id"].clone();
+    let command = served.items("/v1/setpoints?fleet=f").await[0]["command_id"].clone();
+    let mut routes = 0;
+    for (template, operation) in get_operations(&document.0) {
+        routes += 1;
+        let [there, nowhere] = paths(template, &compensation_id, command.as_str().unwrap());
+        let answer = served.get(&there).await;
+        assert_eq!(answer.status, 200, "{there}: {}", answer.body);
+        if answer.headers["content-type"] == "application/json" {
+            document.check(&there, operation, 200, &answer.json());
+        } else {
+            document.check(&there, operation, 200, &json!(answer.body));
+        }
+        if nowhere != there {
+            let answer = served.get(&nowhere).await;
+            assert_eq!(answer.status, 404, "{nowhere}: {}", answer.body);
+            document.check(&nowhere, operation, 404, &answer.json());
+        }
+        if operation["parameters"].as_array().is_some_and(|all| all.iter().any(|one| one["in"] == "query")) {
+            let and = if there.contains('?') { '&' } else { '?' };
+            let answer = served.get(&format!("{there}{and}nonsense=1")).await;
+            assert_eq!(answer.status, 422, "{there}");
+            assert_eq!(answer.json()["errors"][0]["field"], "nonsense", "{there}");
+            document.check(&there, operation, 422, &answer.json());
+        }
+    }
+    assert!(routes >= 28, "{routes}");
+}
+
+#[tokio::test]
+async fn answers_are_as_the_document_says_on_sqlite() {
+    answers_are_as_the_document_says(&Served::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn answers_are_as_the_document_says_on_postgres() {
+    answers_are_as_the_document_says(&Served::postgres().await).await;
+}
+
+#[tokio::test]
+async fn what_would_be_done_is_told_and_not_done() {
+    let served = Served::sqlite().await;
+    let whisker = "/v1/fleets/f/robots/r1/arrays/left/whiskers/1";
+    let before = served.json(whisker).await;
+    let answer = served.json(&format!("{whisker}/what-if?length_mm=64")).await;
+    assert_eq!(answer["decisions"][0]["target_whisker"], 1);
+    assert!(!answer["decisions"][0]["candidates"].as_array().unwrap().is_empty(), "{answer}");
+    assert_eq!(served.json(whisker).await, before);
+    let longer = served.get(&format!("{whisker}/what-if?length_mm=71")).await;
+    assert_eq!((longer.status, &longer.json()["type"]), (409, &json!("/problems/refused")));
+}

@@ -1,0 +1,61 @@
+//! Who has one fleet sees nothing of another.
+
+use std::collections::BTreeSet;
+
+use vibrissa::http::access::token::{NewToken, create};
+use vibrissa::http::access::{Role, Scope};
+use vibrissa_protocol::Name;
+use vibrissa_tests::web::ask;
+
+use crate::document::{Document, get_operations};
+use crate::served::Served;
+
+#[tokio::test]
+async fn a_caller_with_one_fleet_sees_nothing_of_another() {
+    let served = Served::sqlite().await;
+    let new = NewToken {
+        name: "one".to_owned(),
+        role: Role::Viewer,
+        scope: Scope::Only(BTreeSet::from([Name::new("g").unwrap()])),
+        expires_us: i64::MAX,
+        created_by: "test".to_owned(),
+    };
+    let (token, _) = create(&served.store, &new, 0).await.unwrap();
+    let bearer = format!("Bearer {token}");
+    let get = async |path: &str| ask(served.http, "GET", path, &[("Authorization", &bearer)]).await.unwrap();
+
+    let document = Document::of(&served).await;
+    let mut lists = 0;
+    for (path, operation) in get_operations(&document.0) {
+        if document.words(operation, "sort").is_some() {
+            lists += 1;
+            let items = get(&format!("{path}?limit=1000")).await.json()["items"].as_array().unwrap().clone();
+            assert!(!items.is_empty() && items.iter().all(|item| item["fleet"] == "g"), "{path}");
+        }
+    }
+    assert_eq!(lists, 10);
+    let whiskers = get("/v1/errors/by-whisker").await.json()["items"].as_array().unwrap().clone();
+    assert!(!whiskers.is_empty() && whiskers.iter().all(|item| item["fleet"] == "g"));
+    for group in ["by-case", "by-ratio", "by-time"] {
+        let mine = get(&format!("/v1/errors/{group}")).await.json();
+        assert_eq!(mine, served.json(&format!("/v1/errors/{group}?fleet=g")).await, "{group}");
+        assert_ne!(mine, served.json(&format!("/v1/errors/{group}")).await, "{group}");
+    }
+
+    let id_of = async |list: &str, field: &str, fleet: &str| {
+        let item = served.items(&format!("/v1/{list}?fleet={fleet}")).await[0][field].clone();
+        item.as_str().map_or_else(|| item.to_string(), ToOwned::to_owned)
+    };
+    for (list, field, rest) in
+        [("compensations", "compensation_id", ""), ("compensations", "compensation_id", "/plot.svg"), ("setpoints", "command_id", "")]
+    {
+        let path = |id: String| format!("/v1/{list}/{id}{rest}");
+        assert_eq!(get(&path(id_of(list, field, "g").await)).await.status, 200, "{list}{rest}");
+        assert_eq!(get(&path(id_of(list, field, "f").await)).await.status, 404, "{list}{rest}");
+    }
+    for (path, _) in get_operations(&document.0).filter(|(path, _)| path.starts_with("/v1/fleets/{fleet}")) {
+        let path = path.replace("{fleet}", "f").replace("{robot}", "r1").replace("{array}", "left").replace("{whisker}", "0");
+        let answer = get(&format!("{path}{}", if path.ends_with("what-if") { "?length_mm=60" } else { "" })).await;
+        assert_eq!(answer.status, 404, "{path}");
+    }
+}

@@ -1,0 +1,89 @@
+//! HTTP over a database of the test's own, without a broker.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use serde_json::Value;
+use tempfile::TempDir;
+use tokio::sync::watch;
+use vibrissa::http::{App, access::Access, serve};
+use vibrissa::metrics::Metrics;
+use vibrissa::readiness::Readiness;
+use vibrissa::store::{DatabaseAddress, Store};
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::web::{Answer, ask};
+
+use crate::rows::{self, Written};
+
+/// HTTP that is served; it ends when this is dropped.
+pub(crate) struct Served {
+    pub(crate) store: Store,
+    pub(crate) http: SocketAddr,
+    /// What the database has.
+    pub(crate) written: Written,
+    _stop: watch::Sender<bool>,
+    _server: Option<Postgres>,
+    _folder: Option<TempDir>,
+}
+
+impl Served {
+    /// Rows of two fleets in SQLite.
+    pub(crate) async fn sqlite() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder)).await
+    }
+
+    /// The same rows in PostgreSQL.
+    pub(crate) async fn postgres() -> Self {
+        let server = Postgres::start().await;
+        Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None).await
+    }
+
+    async fn over(address: DatabaseAddress, server: Option<Postgres>, folder: Option<TempDir>) -> Self {
+        let store = Store::open(&address, "test").await.unwrap();
+        store.prepare().await.unwrap();
+        let written = rows::write(&store).await;
+        let app = App {
+            store: store.clone(),
+            metrics: Metrics::new().unwrap(),
+            readiness: Readiness::default(),
+            access: Access::new(true),
+            params: Arc::new(Params::nguyen_2021(Formulation::Published)),
+        };
+        let (stop, stopped) = watch::channel(false);
+        let (http, _) = serve(([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap();
+        Self { store, http, written, _stop: stop, _server: server, _folder: folder }
+    }
+
+    pub(crate) async fn get(&self, path: &str) -> Answer {
+        ask(self.http, "GET", path, &[]).await.unwrap()
+    }
+
+    /// The JSON of a good answer.
+    pub(crate) async fn json(&self, path: &str) -> Value {
+        let answer = self.get(path).await;
+        assert_eq!(answer.status, 200, "{path}: {}", answer.body);
+        answer.json()
+    }
+
+    /// The items of a good answer.
+    pub(crate) async fn items(&self, path: &str) -> Vec<Value> {
+        self.json(path).await["items"].as_array().unwrap().clone()
+    }
+
+    /// The items of all pages.
+    pub(crate) async fn all(&self, path: &str) -> Vec<Value> {
+        let mut items = Vec::new();
+        let mut cursor = String::new();
+        loop {
+            let page = self.json(&format!("{path}{cursor}")).await;
+            items.extend(page["items"].as_array().unwrap().iter().cloned());
+            match page["next_cursor"].as_str() {
+                Some(next) => cursor = format!("&cursor={next}"),
+                None => return items,
+            }
+        }
+    }
+}
