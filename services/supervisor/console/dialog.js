@@ -71,7 +71,13 @@ export function field({ name, label, hint, options, value, rows, ...attributes }
     : rows
       ? h("textarea", { rows, ...common }, value ?? "")
       : h("input", { value, ...common });
-  return h("div", { class: "field" }, h("label", { for: id }, label), control, hint ? h("p", { class: "hint", id: described }, hint) : null);
+  return h(
+    "div",
+    { class: "field" },
+    h("label", { for: id }, label),
+    control,
+    hint ? h("p", { class: "hint", id: described }, hint) : null,
+  );
 }
 
 /** The same request sent twice shall be done once; another one has another key. */
@@ -79,7 +85,11 @@ function keys() {
   let [said, key] = [null, null];
   return (body) => {
     const text = JSON.stringify(body);
-    if (text !== said) [said, key] = [text, Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("")];
+    if (text !== said)
+      [said, key] = [
+        text,
+        Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join(""),
+      ];
     return key;
   };
 }
@@ -99,7 +109,8 @@ async function settled(told, action) {
     await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
     const now = await get(`/v1/actions/${encodeURIComponent(told.action_id)}`);
     if (now.state === "DONE") return `Done: ${action.title}.`;
-    if (now.state !== "PENDING") throw new Problem({ detail: now.problem ?? `It was not done: ${now.state.toLowerCase()}.` });
+    if (now.state !== "PENDING")
+      throw new Problem({ detail: now.problem ?? `It was not done: ${now.state.toLowerCase()}.` });
   }
   return `Asked for: ${action.title}. The fleet's supervisor has not answered yet; the audit list will tell.`;
 }

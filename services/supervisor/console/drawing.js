@@ -31,7 +31,14 @@ function picture(row, where, serving) {
   const arrows = serving.map((decision) => arrow(decision, row)).filter(Boolean);
   return s(
     "svg",
-    { viewBox: box.join(" "), class: "drawing", role: "group", "aria-label": name, width: box[2] * PIXELS_PER_MM, height: box[3] * PIXELS_PER_MM },
+    {
+      viewBox: box.join(" "),
+      class: "drawing",
+      role: "group",
+      "aria-label": name,
+      width: box[2] * PIXELS_PER_MM,
+      height: box[3] * PIXELS_PER_MM,
+    },
     s("title", {}, name),
     s("line", { x1: left, x2: right, y1: 0, y2: 0, class: "ground" }),
     row.map((whisker) => one(whisker)),
@@ -46,7 +53,9 @@ function cone(x, length, bottom = BASE_MM, tip = TIP_MM) {
 
 /** How wide a whole whisker is at a length: a cut one ends there. */
 function widthAt(whisker) {
-  return BASE_MM - ((BASE_MM - TIP_MM) * Math.min(whisker.length_mm, whisker.whole_length_mm)) / whisker.whole_length_mm;
+  return (
+    BASE_MM - ((BASE_MM - TIP_MM) * Math.min(whisker.length_mm, whisker.whole_length_mm)) / whisker.whole_length_mm
+  );
 }
 
 function one(whisker) {
@@ -55,9 +64,21 @@ function one(whisker) {
   const words = `Whisker ${whisker.whisker}: ${word}, ${mm(length, 1)} of ${mm(whole, 1)}, ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa, 3)}`;
   return s(
     "a",
-    { href: link.whisker(whisker), "data-key": `whisker-${whisker.whisker}`, class: `whisker ${tone}`, "aria-label": words },
+    {
+      href: link.whisker(whisker),
+      "data-key": `whisker-${whisker.whisker}`,
+      class: `whisker ${tone}`,
+      "aria-label": words,
+    },
     s("title", {}, words),
-    s("rect", { x: x - SIDE_MM / 2 - 2, y: -whole - 8, width: SIDE_MM + 4, height: whole + 32, class: "target", rx: 2 }),
+    s("rect", {
+      x: x - SIDE_MM / 2 - 2,
+      y: -whole - 8,
+      width: SIDE_MM + 4,
+      height: whole + 32,
+      class: "target",
+      rx: 2,
+    }),
     s("path", { d: cone(x, whole), class: "whole" }),
     s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
     interval(whisker),
@@ -75,19 +96,31 @@ function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
 /** The one word that matters most, in the drawing's little space. */
 function worst(whisker) {
   if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
-  if (whisker.fault) return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
+  if (whisker.fault)
+    return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
   return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
 }
 
 /** From the foot of whoever serves to the foot of whom it serves; around its own foot if it serves itself. */
 function arrow(decision, row) {
-  const [from, to] = [decision.compensator_whisker, decision.target_whisker].map((number) => row.find((one) => one.whisker === number));
+  const [from, to] = [decision.compensator_whisker, decision.target_whisker].map((number) =>
+    row.find((one) => one.whisker === number),
+  );
   if (!from || !to) return null;
-  const words = from === to ? `Whisker ${to.whisker} compensates for itself` : `Whisker ${from.whisker} compensates for whisker ${to.whisker}`;
+  const words =
+    from === to
+      ? `Whisker ${to.whisker} compensates for itself`
+      : `Whisker ${from.whisker} compensates for whisker ${to.whisker}`;
   const [start, end] = from === to ? [from.x_mm - 4, to.x_mm + 4] : [from.x_mm, to.x_mm];
   const [y, low] = [25, 31];
   const way = Math.sign(end - start);
   const line = `M${start} ${y}C${start} ${low} ${end} ${low} ${end} ${y}`;
   const head = `M${end - 1.6 - way * 0.4} ${y + 2.2}L${end} ${y}L${end + 1.6 - way * 0.4} ${y + 2.4}`;
-  return s("g", { class: "arrow", role: "img", "aria-label": words }, s("title", {}, words), s("path", { d: line }), s("path", { d: head }));
+  return s(
+    "g",
+    { class: "arrow", role: "img", "aria-label": words },
+    s("title", {}, words),
+    s("path", { d: line }),
+    s("path", { d: head }),
+  );
 }

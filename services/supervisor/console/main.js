@@ -5,7 +5,6 @@ import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
-import "./plot.js";
 import { find, navigation } from "./router.js";
 import { signInForm, signOut, token } from "./session.js";
 

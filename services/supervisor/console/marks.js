@@ -8,7 +8,10 @@ const SHAPES = {
   ring: () => [s("circle", { cx: 8, cy: 8, r: 5.5 }), s("path", { d: "M4 12 12 4" })],
   dots: () => [2.5, 8, 13.5].map((cx) => s("circle", { cx, cy: 8, r: 1.6, class: "fill" })),
   diamond: () => s("path", { d: "M8 1 15 8 8 15 1 8Z", class: "fill" }),
-  stump: () => [s("path", { d: "M2 14h12L11.5 8h-7Z", class: "fill" }), s("path", { d: "M6 5 8 1 10 5", "stroke-dasharray": "1.5 1.5" })],
+  stump: () => [
+    s("path", { d: "M2 14h12L11.5 8h-7Z", class: "fill" }),
+    s("path", { d: "M6 5 8 1 10 5", "stroke-dasharray": "1.5 1.5" }),
+  ],
   slope: () => s("path", { d: "M2 3v11h12Z", class: "fill" }),
   down: () => s("path", { d: "M8 2v10M3.5 8 8 13l4.5-5" }),
   clock: () => [s("circle", { cx: 8, cy: 8, r: 6.2 }), s("path", { d: "M8 4v4l3 2" })],
@@ -22,7 +25,11 @@ const SHAPES = {
 
 /** A shape and words in a tone. */
 export function mark(words, tone, shape) {
-  const picture = s("svg", { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" }, SHAPES[shape]?.() ?? SHAPES.ring());
+  const picture = s(
+    "svg",
+    { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" },
+    SHAPES[shape]?.() ?? SHAPES.ring(),
+  );
   return h("span", { class: `mark ${tone}` }, picture, h("span", {}, words));
 }
 

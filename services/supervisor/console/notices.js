@@ -6,7 +6,11 @@ const SHOWN_MS = 12_000;
 
 /** Says something for a while; readers announce it. */
 export function notice(words) {
-  const close = h("button", { type: "button", class: "quiet", "aria-label": "Dismiss the message", onclick: () => shown.remove() }, "\u00d7");
+  const close = h(
+    "button",
+    { type: "button", class: "quiet", "aria-label": "Dismiss the message", onclick: () => shown.remove() },
+    "\u00d7",
+  );
   const shown = h("div", { class: "notice" }, h("span", {}, words), close);
   document.getElementById("notices").append(shown);
   setTimeout(() => shown.remove(), SHOWN_MS);

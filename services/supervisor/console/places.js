@@ -9,7 +9,8 @@ export const link = {
   fleets: () => "#/fleets",
   fleet: (fleet) => `#/fleets/${part(fleet)}`,
   robot: ({ fleet, robot }) => `#/fleets/${part(fleet)}/robots/${part(robot)}`,
-  whisker: ({ fleet, robot, array, whisker }) => `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
+  whisker: ({ fleet, robot, array, whisker }) =>
+    `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
   compensation: (id) => `#/compensations/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
 };
@@ -18,7 +19,8 @@ export const link = {
 export const api = {
   fleet: (fleet) => path`/v1/fleets/${fleet}`,
   robot: ({ fleet, robot }) => path`/v1/fleets/${fleet}/robots/${robot}`,
-  whisker: ({ fleet, robot, array, whisker }) => path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
+  whisker: ({ fleet, robot, array, whisker }) =>
+    path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
   compensation: (id) => path`/v1/compensations/${id}`,
   alarm: (id) => path`/v1/alarms/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,

@@ -4,10 +4,16 @@
 // attributes properties, since this page allows no inline styles; scripts, handlers and links elsewhere are left out.
 
 import { text } from "./api.js";
+import { h } from "./dom.js";
 
 const FORBIDDEN = "script, foreignObject, iframe, object, embed, image, use:not([href^='#'])";
 const FRAME = new CSSStyleSheet();
-FRAME.replaceSync(":host { display: block } svg { display: block; inline-size: 100%; block-size: auto; max-block-size: 28rem; color: inherit }");
+FRAME.replaceSync(`
+  :host { display: block; overflow-x: auto }
+  /* Its ground is the page's; on a phone it scrolls, for its words to stay legible. */
+  .p-ground { fill: none }
+  svg { display: block; inline-size: 100%; min-inline-size: 30rem; block-size: auto; max-block-size: 28rem; color: inherit }
+`);
 
 /** `<service-plot src="/v1/...plot.svg" version="...">`: drawn again when either changes. */
 class ServicePlot extends HTMLElement {
@@ -59,7 +65,10 @@ class ServicePlot extends HTMLElement {
 
 /** Rules and style attributes under other names: even parsing them would be a breach of what this page allows. */
 function withoutStyles(source) {
-  return source.replace(/<style\b/g, "<metadata data-rules=''").replace(/<\/style>/g, "</metadata>").replace(/\sstyle=/g, " data-style=");
+  return source
+    .replace(/<style\b/g, "<metadata data-rules=''")
+    .replace(/<\/style>/g, "</metadata>")
+    .replace(/\sstyle=/g, " data-style=");
 }
 
 function clean(element) {
@@ -67,7 +76,8 @@ function clean(element) {
     if (name === "data-style") {
       element.removeAttribute(name);
       element.style.cssText = value;
-    } else if (name.startsWith("on") || (name.endsWith("href") && !value.startsWith("#"))) element.removeAttribute(name);
+    } else if (name.startsWith("on") || (name.endsWith("href") && !value.startsWith("#")))
+      element.removeAttribute(name);
   }
   if (element.localName === "svg") {
     element.setAttribute("role", "img");
@@ -77,3 +87,13 @@ function clean(element) {
 }
 
 customElements.define("service-plot", ServicePlot);
+
+/** A plot with its caption; it is drawn again when `version` changes. */
+export function figure(key, src, version, title, about) {
+  return h(
+    "figure",
+    { "data-key": `plot-${key}` },
+    h("figcaption", {}, h("strong", {}, title), ". ", about),
+    h("service-plot", { src, version, tabindex: "0", role: "group", "aria-label": title }),
+  );
+}

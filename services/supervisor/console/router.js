@@ -63,6 +63,7 @@ function decoded(part) {
 export function navigation(hash) {
   const first = hash.replace(/^#?\/?/, "").split("/")[0] || "fleets";
   const current = (target, address) => (target !== first ? null : address === hash ? "page" : "true");
-  const item = ([words, address, target]) => h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
+  const item = ([words, address, target]) =>
+    h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
   return h("ul", {}, MAIN.map(item));
 }

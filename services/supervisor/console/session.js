@@ -25,13 +25,26 @@ export function signInForm(problem, done) {
   };
   return [
     h("h1", { tabindex: "-1" }, "Sign in"),
-    h("p", {}, "This service asks for a token. An administrator makes one for you: ", h("code", {}, "vibrissa token create --help"), "."),
+    h(
+      "p",
+      {},
+      "This service asks for a token. An administrator makes one for you: ",
+      h("code", {}, "vibrissa token create --help"),
+      ".",
+    ),
     token() ? h("p", { class: "problem", role: "alert" }, problem.message) : null,
     h(
       "form",
       { class: "card", onsubmit: submit },
       h("label", { for: "token" }, "Token"),
-      h("input", { id: "token", name: "token", type: "password", autocomplete: "current-password", required: true, spellcheck: "false" }),
+      h("input", {
+        id: "token",
+        name: "token",
+        type: "password",
+        autocomplete: "current-password",
+        required: true,
+        spellcheck: "false",
+      }),
       h("p", { class: "hint" }, "It is kept in this tab only, until you sign out or close it."),
       h("button", { type: "submit", class: "primary" }, "Sign in"),
     ),

@@ -11,21 +11,38 @@ export function table({ caption, columns, rows, empty, key }) {
   const heading = (column) => h("th", { scope: "col", class: column.numeric ? "number" : null }, column.name);
   const cell = (column, row) => {
     const attributes = { class: column.numeric ? "number" : null };
-    return column.head ? h("th", { scope: "row", ...attributes }, column.cell(row)) : h("td", attributes, column.cell(row));
+    return column.head
+      ? h("th", { scope: "row", ...attributes }, column.cell(row))
+      : h("td", attributes, column.cell(row));
   };
-  const line = (row) => h("tr", { "data-key": key ? key(row) : null }, columns.map((column) => cell(column, row)));
+  const line = (row) =>
+    h(
+      "tr",
+      { "data-key": key ? key(row) : null },
+      columns.map((column) => cell(column, row)),
+    );
   // The box can be focused, so that the keyboard can scroll it.
   return h(
     "div",
     { class: "scroll", role: "region", "aria-label": caption, tabindex: "0" },
-    h("table", {}, h("caption", {}, caption), h("thead", {}, h("tr", {}, columns.map(heading))), h("tbody", {}, rows.map(line))),
+    h(
+      "table",
+      {},
+      h("caption", {}, caption),
+      h("thead", {}, h("tr", {}, columns.map(heading))),
+      h("tbody", {}, rows.map(line)),
+    ),
   );
 }
 
 /** Facts as terms and values; a value of null is left out. */
 export function facts(pairs) {
   const known = pairs.filter((pair) => pair && pair[1] !== null && pair[1] !== undefined);
-  return h("dl", { class: "facts" }, known.map(([term, value]) => h("div", {}, h("dt", {}, term), h("dd", {}, value))));
+  return h(
+    "dl",
+    { class: "facts" },
+    known.map(([term, value]) => h("div", {}, h("dt", {}, term), h("dd", {}, value))),
+  );
 }
 
 /** A part of a page with its heading. */

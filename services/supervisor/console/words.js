@@ -77,7 +77,12 @@ export const SETPOINT_STATES = {
   ABANDONED: ["abandoned", "off", "ring"],
 };
 
-export const SETPOINT_REASONS = { ...CASES, REFINEMENT: "refined by what was felt", RELEASE: "back to nominal", OPERATOR: "set by an operator" };
+export const SETPOINT_REASONS = {
+  ...CASES,
+  REFINEMENT: "refined by what was felt",
+  RELEASE: "back to nominal",
+  OPERATOR: "set by an operator",
+};
 
 export const LOOKS = {
   REFINED: "the pressure was refined",
@@ -135,7 +140,10 @@ export const ACTION_KINDS = {
   UNSHELVE: "unshelve an alarm",
 };
 
-export const ARRAY_TYPES = { TYPE_1: "whiskers that compensate for one another", TYPE_2: "single whiskers, each for itself" };
+export const ARRAY_TYPES = {
+  TYPE_1: "whiskers that compensate for one another",
+  TYPE_2: "single whiskers, each for itself",
+};
 
 /** The words for one of the API's words. */
 export function say(words, word) {

@@ -7,11 +7,15 @@ const WHISKER = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whis
 window.fetch = async (path, options = {}) => {
   if (options.method === "POST") {
     window.sent.push({ path, body: JSON.parse(options.body), key: options.headers["Idempotency-Key"] });
-    return new Response(JSON.stringify(window.answer.body), { status: window.answer.status, headers: { "X-Request-Id": "request-7" } });
+    return new Response(JSON.stringify(window.answer.body), {
+      status: window.answer.status,
+      headers: { "X-Request-Id": "request-7" },
+    });
   }
   const answer = await ask(path, options);
   if (path !== "openapi.json") return answer;
   const document = await answer.json();
-  for (const name of ["setpoint", "hold", "release", "replaced", "rebaseline"]) document.paths[`${WHISKER}/${name}`] = { post: {} };
+  for (const name of ["setpoint", "hold", "release", "replaced", "rebaseline"])
+    document.paths[`${WHISKER}/${name}`] = { post: {} };
   return new Response(JSON.stringify(document));
 };

@@ -5,6 +5,13 @@ use serde_json::{Value, json};
 use crate::browser::Browser;
 
 const CHECKS: &str = include_str!("checks.js");
+
+/// An expression over the checks, as `all`.
+async fn with_checks(browser: &mut Browser, expression: &str) -> Value {
+    let checks = CHECKS.trim_end().trim_end_matches(';');
+    browser.js(&format!("(() => {{ const all = {checks}; return {expression}; }})()")).await
+}
+
 /// Roles that must have a name, for people who hear the page.
 const NAMED: [&str; 12] = [
     "button",
@@ -24,8 +31,8 @@ const NAMED: [&str; 12] = [
 /// What is wrong with the page as it is shown, besides its width.
 pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
     let mut found = Vec::new();
-    for check in ["headings", "tables", "fields", "pictures", "contrast"] {
-        found.extend(texts(&browser.js(&format!("({CHECKS}).{check}()")).await));
+    for check in ["headings", "tables", "fields", "pictures", "contrast", "frames"] {
+        found.extend(texts(&with_checks(browser, &format!("all.{check}()")).await));
     }
     found.extend(nameless(browser).await);
     found
@@ -33,16 +40,12 @@ pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
 
 /// Whether the page is wider than the screen.
 pub(crate) async fn overflow(browser: &mut Browser) -> Vec<String> {
-    texts(&browser.js(&format!("({CHECKS}).overflow()")).await)
+    texts(&with_checks(browser, "all.overflow()").await)
 }
 
 /// The least contrast of any text with what is behind it.
 pub(crate) async fn least_contrast(browser: &mut Browser) -> f64 {
-    browser
-        .js(&format!("(() => {{ const all = ({CHECKS}); all.contrast(); return all.least; }})()"))
-        .await
-        .as_f64()
-        .unwrap()
+    with_checks(browser, "(all.contrast(), all.least)").await.as_f64().unwrap()
 }
 
 fn texts(list: &Value) -> Vec<String> {

@@ -34,7 +34,7 @@ async fn every_page_loads_without_an_error_and_asks_nobody_but_the_service() {
 async fn the_files_come_with_headers_that_keep_the_page_to_itself() {
     let stage = Stage::start().await;
     for (path, kind) in
-        [("/", "text/html"), ("/console/main.js", "text/javascript"), ("/console/style.css", "text/css")]
+        [("/", "text/html"), ("/console/main.js", "text/javascript"), ("/console/styles/base.css", "text/css")]
     {
         let head_of = head(stage.service.http, path, "").await;
         assert!(head_of.starts_with("http/1.1 200"), "{path}: {head_of}");

@@ -38,7 +38,8 @@ impl Document {
     /// Holds an answer against the schema of its status.
     fn check(&self, path: &str, operation: &Value, status: u16, body: &Value) {
         let content = &operation["responses"][status.to_string()]["content"];
-        let (_, content) = content.as_object().unwrap_or_else(|| panic!("{path} says nothing of {status}")).iter().next().unwrap();
+        let (_, content) =
+            content.as_object().unwrap_or_else(|| panic!("{path} says nothing of {status}")).iter().next().unwrap();
         let mut schema = content["schema"].clone();
         schema["components"] = self.0["components"].clone();
         let validator = jsonschema::options().should_validate_formats(true).build(&schema).unwrap();
@@ -52,8 +53,12 @@ impl Document {
 fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
     let named = |fleet: &str, whisker: &str, id: &str, command: &str| {
         let values = [
-            ("{fleet}", fleet), ("{robot}", "r1"), ("{array}", "left"), ("{whisker}", whisker),
-            ("{compensation_id}", id), ("{command_id}", command),
+            ("{fleet}", fleet),
+            ("{robot}", "r1"),
+            ("{array}", "left"),
+            ("{whisker}", whisker),
+            ("{compensation_id}", id),
+            ("{command_id}", command),
         ];
         let path = values.into_iter().fold(path.to_owned(), |path, (name, value)| path.replace(name, value));
         if path.ends_with("/what-if") { format!("{path}?length_mm=62") } else { path }
@@ -64,7 +69,8 @@ fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
 /// Every GET answers as the document says, for what is there and what is not.
 async fn answers_are_as_the_document_says(served: &Served) {
     let document = Document::of(served).await;
-    let compensation_id = served.items("/v1/compensations?active=true&fleet=f&robot=r1").await[0]["compensation_id"].clone();
+    let compensation_id =
+        served.items("/v1/compensations?active=true&fleet=f&robot=r1").await[0]["compensation_id"].clone();
     let command = served.items("/v1/setpoints?fleet=f").await[0]["command_id"].clone();
     let mut routes = 0;
     for (template, operation) in get_operations(&document.0) {

@@ -8,5 +8,5 @@ mod pages;
 mod pictures;
 mod rows;
 mod scope;
-mod served;
 mod series;
+mod served;

@@ -13,7 +13,13 @@ fn sorted_by(items: &[Value], column: &str, descending: bool) -> bool {
         (a, b) => a.as_f64() <= b.as_f64(),
     };
     items.windows(2).all(|pair| match (value(&pair[0]), value(&pair[1])) {
-        (Some(a), Some(b)) => if descending { is_in_order(&b, &a) } else { is_in_order(&a, &b) },
+        (Some(a), Some(b)) => {
+            if descending {
+                is_in_order(&b, &a)
+            } else {
+                is_in_order(&a, &b)
+            }
+        }
         _ => true,
     })
 }
@@ -99,10 +105,13 @@ async fn brute_force_counts_are_those_of_the_lists() {
     for served in [Served::sqlite().await, Served::postgres().await] {
         let whiskers = served.items("/v1/whiskers?limit=1000").await;
         let alarms = served.items("/v1/alarms?limit=1000&standing=true").await;
-        for (list, keys) in [("fleets", &["fleet"][..]), ("robots", &["fleet", "robot"]), ("arrays", &["fleet", "robot", "array"])] {
+        for (list, keys) in
+            [("fleets", &["fleet"][..]), ("robots", &["fleet", "robot"]), ("arrays", &["fleet", "robot", "array"])]
+        {
             for one in served.items(&format!("/v1/{list}")).await {
                 let is_of = |item: &&Value| keys.iter().all(|key| item[key] == one[key]);
-                let count = |keep: &dyn Fn(&Value) -> bool| whiskers.iter().filter(is_of).filter(|item| keep(item)).count();
+                let count =
+                    |keep: &dyn Fn(&Value) -> bool| whiskers.iter().filter(is_of).filter(|item| keep(item)).count();
                 assert_eq!(one["whiskers"], count(&|_| true), "{one}");
                 assert_eq!(one["whiskers_faulty"], count(&|item| !item["fault"].is_null()), "{one}");
                 assert_eq!(one["whiskers_trimmed"], count(&|item| item["condition"] == "TRIMMED"), "{one}");

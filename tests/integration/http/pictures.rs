@@ -10,7 +10,10 @@ fn assert_well_formed(svg: &str) {
     while let Some(begin) = rest.find('<') {
         let end = begin + rest[begin..].find('>').unwrap_or_else(|| panic!("an open tag in {svg}"));
         let text = &rest[..begin];
-        assert!(text.split('&').skip(1).all(|part| ["amp;", "lt;", "gt;", "quot;"].iter().any(|e| part.starts_with(e))), "{text}");
+        assert!(
+            text.split('&').skip(1).all(|part| ["amp;", "lt;", "gt;", "quot;"].iter().any(|e| part.starts_with(e))),
+            "{text}"
+        );
         let tag = &rest[begin + 1..end];
         assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
         let name = tag.trim_matches('/').split_whitespace().next().unwrap();

@@ -154,10 +154,17 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
             length_after_sd_mm: 0.2,
             contacts_to_detect: 12 + i64::from(number % 3),
         });
-        let (kind, was, becomes) =
-            if number % 2 == 0 { ("CONDITION", Some("HEALTHY"), Some("SUSPECTED")) } else { ("FAULT", None, Some("LEAK")) };
+        let (kind, was, becomes) = if number % 2 == 0 {
+            ("CONDITION", Some("HEALTHY"), Some("SUSPECTED"))
+        } else {
+            ("FAULT", None, Some("LEAK"))
+        };
         records.push(Record::Health { whisker_id, recorded_us: at_us, kind, was, becomes });
-        records.push(Record::Alarm { whisker_id, raised_us: at_us, kind: ["UNCOMPENSATED", "LEAK"][number as usize % 2] });
+        records.push(Record::Alarm {
+            whisker_id,
+            raised_us: at_us,
+            kind: ["UNCOMPENSATED", "LEAK"][number as usize % 2],
+        });
     }
     records
 }

@@ -34,7 +34,8 @@ async fn means_are_those_of_the_rows(served: &Served) {
     let rows = &served.written.contacts;
     let to = "2026-12-01T00:00:00Z";
     for points in [1, 7, 100, 2000] {
-        let answer = served.json(&format!("{WHISKER}/contacts?from=2026-11-21T00:00:00Z&to={to}&points={points}")).await;
+        let answer =
+            served.json(&format!("{WHISKER}/contacts?from=2026-11-21T00:00:00Z&to={to}&points={points}")).await;
         assert_eq!(answer["total"], CONTACTS);
         let items = answer["items"].as_array().unwrap();
         let spans = expected(rows, points);
@@ -92,7 +93,9 @@ async fn few_contacts_are_told_one_by_one() {
 #[tokio::test]
 async fn times_of_nothing_are_empty_and_long_ones_are_cut() {
     let served = Served::sqlite().await;
-    for (from, to) in [("2026-11-21T09:30:00Z", "2026-11-21T09:00:00Z"), ("0001-01-01T00:00:00Z", "0002-01-01T00:00:00Z")] {
+    for (from, to) in
+        [("2026-11-21T09:30:00Z", "2026-11-21T09:00:00Z"), ("0001-01-01T00:00:00Z", "0002-01-01T00:00:00Z")]
+    {
         let answer = served.json(&format!("{WHISKER}/contacts?from={from}&to={to}")).await;
         assert_eq!((&answer["total"], &answer["items"]), (&0.into(), &Value::Array(Vec::new())));
     }

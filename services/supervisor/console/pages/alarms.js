@@ -13,17 +13,28 @@ const OLD = 100;
 
 export default {
   async load() {
-    const [standing, over] = await Promise.all([list("/v1/alarms", { standing: true }), list("/v1/alarms", { standing: false, limit: OLD })]);
+    const [standing, over] = await Promise.all([
+      list("/v1/alarms", { standing: true }),
+      list("/v1/alarms", { standing: false, limit: OLD }),
+    ]);
     return { standing, over };
   },
 
   view({ standing, over }, _, refresh) {
     const urgency = { UNACKNOWLEDGED: 0, STANDING: 0, ACKNOWLEDGED: 1, SHELVED: 2 };
-    const sorted = standing.map(withState).sort((one, other) => urgency[one.state] - urgency[other.state] || other.raised_at.localeCompare(one.raised_at));
+    const sorted = standing
+      .map(withState)
+      .sort((one, other) => urgency[one.state] - urgency[other.state] || other.raised_at.localeCompare(one.raised_at));
     const open = sorted.filter((one) => urgency[one.state] === 0).length;
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
-      h("p", { class: "summary" }, standing.length ? `${count(standing.length, "alarm")} standing, ${open} of them not acknowledged.` : "No alarm stands."),
+      h(
+        "p",
+        { class: "summary" },
+        standing.length
+          ? `${count(standing.length, "alarm")} standing, ${open} of them not acknowledged.`
+          : "No alarm stands.",
+      ),
       section("Standing", alarmsTable(sorted, "Standing alarms, the most urgent first", "None.", refresh)),
       section("Over", alarmsTable(over.map(withState), `The newest ${OLD} that are over`, "None.", refresh)),
     ];
@@ -40,7 +51,10 @@ function alarmsTable(rows, caption, empty, refresh) {
   const columns = [
     { name: "What", head: true, cell: (row) => say(ALARM_KINDS, row.kind) },
     { name: "State", cell: state },
-    { name: "Where", cell: (row) => h("a", { href: link.whisker(row) }, `${row.fleet}, ${row.robot}, whisker ${whiskerName(row)}`) },
+    {
+      name: "Where",
+      cell: (row) => h("a", { href: link.whisker(row) }, `${row.fleet}, ${row.robot}, whisker ${whiskerName(row)}`),
+    },
     { name: "Raised", cell: (row) => time(row.raised_at) },
     rows.some((row) => row.cleared_at) ? { name: "Over since", cell: (row) => time(row.cleared_at) } : null,
     canAct ? { name: "Actions", cell: actions } : null,
@@ -49,7 +63,11 @@ function alarmsTable(rows, caption, empty, refresh) {
 }
 
 function state(alarm) {
-  const by = { ACKNOWLEDGED: [alarm.acknowledged_by, alarm.acknowledged_reason], SHELVED: [alarm.shelved_by, alarm.shelved_reason] }[alarm.state] ?? [];
+  const by =
+    {
+      ACKNOWLEDGED: [alarm.acknowledged_by, alarm.acknowledged_reason],
+      SHELVED: [alarm.shelved_by, alarm.shelved_reason],
+    }[alarm.state] ?? [];
   const words = [by[0] && `by ${by[0]}`, by[1] && `\u201c${by[1]}\u201d`].filter(Boolean).join(": ");
   return h(
     "span",

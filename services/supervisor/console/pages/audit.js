@@ -29,7 +29,16 @@ export default {
           { name: "Who", cell: (row) => row.actor ?? "\u2013" },
           { name: "What", cell: (row) => [say(ACTION_KINDS, row.kind), details(row.parameters)] },
           { name: "About", cell: subject },
-          { name: "Result", cell: (row) => h("span", { class: "marks" }, markOf(ACTION_STATES, row.state), row.problem ? h("span", {}, row.problem) : null) },
+          {
+            name: "Result",
+            cell: (row) =>
+              h(
+                "span",
+                { class: "marks" },
+                markOf(ACTION_STATES, row.state),
+                row.problem ? h("span", {}, row.problem) : null,
+              ),
+          },
           { name: "Why", cell: (row) => row.reason ?? "\u2013" },
         ],
       }),
@@ -40,12 +49,19 @@ export default {
 function details(parameters) {
   const told = typeof parameters === "string" ? JSON.parse(parameters) : (parameters ?? {});
   const known = Object.entries(told).filter(([, value]) => value !== null);
-  return known.length ? h("span", { class: "hint" }, ` (${known.map(([name, value]) => `${name.replaceAll("_", " ")}: ${value}`).join(", ")})`) : null;
+  return known.length
+    ? h(
+        "span",
+        { class: "hint" },
+        ` (${known.map(([name, value]) => `${name.replaceAll("_", " ")}: ${value}`).join(", ")})`,
+      )
+    : null;
 }
 
 function subject(action) {
   const { fleet, robot, array, whisker, compensation_id: compensation } = action;
-  if (compensation !== null && compensation !== undefined) return h("a", { href: link.compensation(compensation) }, `compensation no. ${compensation}`);
+  if (compensation !== null && compensation !== undefined)
+    return h("a", { href: link.compensation(compensation) }, `compensation no. ${compensation}`);
   if (array) return h("a", { href: link.whisker(action) }, `${robot}, whisker ${array} ${whisker}`);
   if (robot) return h("a", { href: link.robot(action) }, `robot ${robot}`);
   return fleet ? h("a", { href: link.fleet(fleet) }, `fleet ${fleet}`) : "\u2013";

@@ -25,7 +25,11 @@ export default {
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
       h("p", { class: "marks" }, supervision(about), health(about)),
-      h("p", {}, `${count(about.robots, "robot")}, ${about.robots_online} online; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`),
+      h(
+        "p",
+        {},
+        `${count(about.robots, "robot")}, ${about.robots_online} online; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`,
+      ),
       has("GET", ROUTES.policy) ? h("p", {}, h("a", { href: link.policy(fleet) }, "What its decisions rest on")) : null,
       proposals(waiting, refresh),
       table({
@@ -37,7 +41,10 @@ export default {
           { name: "Robot", head: true, cell: (row) => h("a", { href: link.robot(row) }, row.robot) },
           { name: "Connection", cell: (row) => markOf(CONNECTIONS, row.connection) },
           { name: "What needs attention", cell: (row) => h("span", { class: "marks" }, health(row)) },
-          { name: "Whiskers", cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}` },
+          {
+            name: "Whiskers",
+            cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
+          },
           { name: "Last heard of", cell: (row) => time(row.updated_at) },
         ],
       }),

@@ -9,7 +9,10 @@ import { proposals, proposalsOf } from "../parts/proposals.js";
 
 export default {
   async load() {
-    const [fleets, waiting] = await Promise.all([list("/v1/fleets", { sort: "attention", order: "descending" }), proposalsOf({})]);
+    const [fleets, waiting] = await Promise.all([
+      list("/v1/fleets", { sort: "attention", order: "descending" }),
+      proposalsOf({}),
+    ]);
     return { fleets, waiting };
   },
 
@@ -18,7 +21,13 @@ export default {
       h("h1", { tabindex: "-1" }, "Fleets"),
       h("p", { class: "summary" }, summary(fleets)),
       proposals(waiting, refresh),
-      fleets.length ? h("ul", { class: "cards" }, fleets.map(card)) : h("p", { class: "empty" }, "No fleet is known yet. A fleet appears when the service is told to supervise it, with --fleet."),
+      fleets.length
+        ? h("ul", { class: "cards" }, fleets.map(card))
+        : h(
+            "p",
+            { class: "empty" },
+            "No fleet is known yet. A fleet appears when the service is told to supervise it, with --fleet.",
+          ),
     ];
   },
 };
@@ -26,7 +35,9 @@ export default {
 function summary(fleets) {
   const troubled = fleets.filter((fleet) => fleet.attention > 0).length;
   if (!fleets.length) return "";
-  return troubled ? `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.` : "Nothing needs attention.";
+  return troubled
+    ? `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.`
+    : "Nothing needs attention.";
 }
 
 function card(fleet) {
@@ -35,13 +46,19 @@ function card(fleet) {
     { class: "card", "data-key": `fleet-${fleet.fleet}` },
     h("h2", {}, h("a", { href: link.fleet(fleet.fleet) }, fleet.fleet)),
     h("p", { class: "marks" }, supervision(fleet), health(fleet)),
-    h("p", {}, `${count(fleet.robots, "robot")}, ${fleet.robots_online} online. ${count(fleet.whiskers, "whisker")[0].toUpperCase()}${count(fleet.whiskers, "whisker").slice(1)}, ${fleet.whiskers_healthy} healthy.`),
+    h(
+      "p",
+      {},
+      `${count(fleet.robots, "robot")}, ${fleet.robots_online} online. ${count(fleet.whiskers, "whisker")[0].toUpperCase()}${count(fleet.whiskers, "whisker").slice(1)}, ${fleet.whiskers_healthy} healthy.`,
+    ),
   );
 }
 
 /** Who looks after a fleet. */
 export function supervision(fleet) {
-  return fleet.supervised ? mark(`supervised by ${fleet.holder ?? "somebody"}`, "good", "circle") : mark("nobody supervises it now", "bad", "gap");
+  return fleet.supervised
+    ? mark(`supervised by ${fleet.holder ?? "somebody"}`, "good", "circle")
+    : mark("nobody supervises it now", "bad", "gap");
 }
 
 /** The counts that call for attention, in words; the same for fleets and robots. */

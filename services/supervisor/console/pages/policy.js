@@ -8,7 +8,10 @@ import { api, link, ROUTES } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
 import { say } from "../words.js";
 
-const MODES = { AUTOMATIC: "automatic: compensations begin at once", ADVISE: "advise: each waits for an operator's approval" };
+const MODES = {
+  AUTOMATIC: "automatic: compensations begin at once",
+  ADVISE: "advise: each waits for an operator's approval",
+};
 const OBJECTIVES = { TIP: "equal sensitivity at the tip (Eq. 34)", MEAN: "least mean error over contact ratios" };
 const LONGER = { NEVER: "never", LAST_RESORT: "as a last resort", ALLOWED: "whenever it costs least" };
 const NUMBERS = [
@@ -26,7 +29,8 @@ export default {
 
   view({ policies }, { fleet }, refresh) {
     const heading = h("h1", { tabindex: "-1" }, fleet ? `Policy of fleet ${fleet}` : "Policy");
-    if (!policies) return [heading, h("p", { class: "empty" }, "This service tells its policy in its configuration only.")];
+    if (!policies)
+      return [heading, h("p", { class: "empty" }, "This service tells its policy in its configuration only.")];
     return [
       fleet ? trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)]) : null,
       heading,
@@ -56,17 +60,45 @@ const shown = (policy) => [
 function part(policy, refresh) {
   return [
     facts(shown(policy.now)),
-    has("PUT", ROUTES.policy) ? h("div", { class: "buttons" }, h("button", { type: "button", onclick: () => confirm(change(policy), refresh) }, `Change the policy of ${policy.fleet} \u2026`)) : null,
+    has("PUT", ROUTES.policy)
+      ? h(
+          "div",
+          { class: "buttons" },
+          h(
+            "button",
+            { type: "button", onclick: () => confirm(change(policy), refresh) },
+            `Change the policy of ${policy.fleet} \u2026`,
+          ),
+        )
+      : null,
     policy.history.length ? historyTable(policy) : null,
   ];
 }
 
 function change({ fleet, tag, now }) {
-  const choice = (name, label, words) => ({ name, label, options: Object.entries(words), value: now[name], required: true });
-  const number = ([name, label, hint]) => ({ name, label, hint, type: "number", min: 0, max: 10, step: "any", required: true, value: now[name] });
+  const choice = (name, label, words) => ({
+    name,
+    label,
+    options: Object.entries(words),
+    value: now[name],
+    required: true,
+  });
+  const number = ([name, label, hint]) => ({
+    name,
+    label,
+    hint,
+    type: "number",
+    min: 0,
+    max: 10,
+    step: "any",
+    required: true,
+    value: now[name],
+  });
   return {
     title: `Change the policy of fleet ${fleet}`,
-    what: ["Every decision from now on rests on this, and proposals that were refused may come again. In the mode automatic, proposals that wait begin, and robots move the air for them. Setpoints in force stay."],
+    what: [
+      "Every decision from now on rests on this, and proposals that were refused may come again. In the mode automatic, proposals that wait begin, and robots move the air for them. Setpoints in force stay.",
+    ],
     fields: [
       choice("mode", "Mode", MODES),
       choice("objective", "A setpoint is solved for", OBJECTIVES),
@@ -102,4 +134,3 @@ function historyTable({ fleet, history }) {
     ],
   });
 }
-

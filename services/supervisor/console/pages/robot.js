@@ -41,7 +41,10 @@ export default {
       proposals(waiting, refresh),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not said yet what is on it (factsheet)."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
-      section("Compensations in force", decisionsTable(running, "Compensations in force", "None: nothing needs to be compensated.")),
+      section(
+        "Compensations in force",
+        decisionsTable(running, "Compensations in force", "None: nothing needs to be compensated."),
+      ),
     ];
   },
 };
@@ -52,12 +55,26 @@ function arrayPart(array, whiskers, running) {
   return section(
     `Array ${array}`,
     h("p", {}, `${count(whiskers.length, "whisker")}: ${say(ARRAY_TYPES, whiskers[0].array_type)}.`),
-    h("div", { class: "beside" }, h("div", { class: "drawings", role: "region", "aria-label": `Drawing of ${array}`, tabindex: "0" }, drawing(whiskers, serving), legend()), whiskersTable(array, sorted, running)),
+    h(
+      "div",
+      { class: "beside" },
+      h(
+        "div",
+        { class: "drawings", role: "region", "aria-label": `Drawing of ${array}`, tabindex: "0" },
+        drawing(whiskers, serving),
+        legend(),
+      ),
+      whiskersTable(array, sorted, running),
+    ),
   );
 }
 
 function legend() {
-  return h("p", { class: "hint" }, "To scale, in mm. Dashed: whole. The bar at a tip: 95 % interval of its length. Arrow: from who compensates to whom. Below: state, and pressure in MPa.");
+  return h(
+    "p",
+    { class: "hint" },
+    "To scale, in mm. Dashed: whole. The bar at a tip: 95 % interval of its length. Arrow: from who compensates to whom. Below: state, and pressure in MPa.",
+  );
 }
 
 function whiskersTable(array, whiskers, running) {
@@ -87,5 +104,7 @@ function roles(whisker, running) {
     if (by) said.push([by, `served by ${by.compensator_whisker}`]);
     if (in_) said.push([in_, `serves ${in_.target_whisker}`]);
   }
-  return said.length ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words)) : "\u2013";
+  return said.length
+    ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words))
+    : "\u2013";
 }

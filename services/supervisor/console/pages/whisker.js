@@ -1,13 +1,13 @@
 // A whisker: how long it is and how sure that is, what it feels, its pressure, what was decided about it.
 
 import { get, has, ifServed, list } from "../api.js";
-import { whiskerActions } from "../actions.js";
+import { proposalActions, whiskerActions } from "../actions.js";
 import { h } from "../dom.js";
 import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
-import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
-import { proposalActions } from "../actions.js";
+import { candidatesTable, decisionsTable, ratioPlot, setpointsTable } from "../parts/decisions.js";
+import { figure } from "../plot.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
 
@@ -31,26 +31,48 @@ export default {
       ifServed("/v1/trims", () => list("/v1/trims", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/health-changes", () => list("/v1/health-changes", { ...where, whisker, limit: 20 }), []),
     ]);
-    const served = targets.filter((one) => one.target_whisker !== one.compensator_whisker || !one.ended_at);
     const [newest, histories] = await Promise.all([
       targets[0] ? get(api.compensation(targets[0].compensation_id)) : null,
-      has("GET", "/v1/setpoints/{}") ? Promise.all(setpoints.slice(0, HISTORIES).map((one) => get(`/v1/setpoints/${encodeURIComponent(one.command_id)}`))) : [],
+      has("GET", "/v1/setpoints/{}")
+        ? Promise.all(
+            setpoints.slice(0, HISTORIES).map((one) => get(`/v1/setpoints/${encodeURIComponent(one.command_id)}`)),
+          )
+        : [],
     ]);
-    return { about, targets, served, serves, setpoints: setpoints.map((one, index) => histories[index] ?? one), trims, changes, newest };
+    return {
+      about,
+      targets,
+      serves,
+      setpoints: setpoints.map((one, index) => histories[index] ?? one),
+      trims,
+      changes,
+      newest,
+    };
   },
 
   view({ about, targets, serves, setpoints, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
     const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
     const actions = whiskerActions(about, refresh);
     return [
-      trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)], [`Robot ${robot}`, link.robot({ fleet, robot })]),
+      trail(
+        ["Fleets", link.fleets()],
+        [`Fleet ${fleet}`, link.fleet(fleet)],
+        [`Robot ${robot}`, link.robot({ fleet, robot })],
+      ),
       h("h1", { tabindex: "-1" }, `Whisker ${array} ${whisker} of ${robot}`),
       h("p", {}, marksOf(about)),
       facts(of(about)),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
       section("Plots", plots(about)),
       newest ? section("Newest decision", decision(newest, refresh)) : null,
-      section("All decisions", decisionsTable([...targets, ...others], "Decisions about it, and those in which it serves", "None: nothing needed to be decided.")),
+      section(
+        "All decisions",
+        decisionsTable(
+          [...targets, ...others],
+          "Decisions about it, and those in which it serves",
+          "None: nothing needed to be decided.",
+        ),
+      ),
       section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
       section("Trims", trimsTable(trims)),
       section("Changes of health", changesTable(changes)),
@@ -59,18 +81,37 @@ export default {
 };
 
 function of(whisker) {
-  const rate = (name, unit) => interval(whisker[name], whisker[name.replace("_per_", "_low_per_")], whisker[name.replace("_per_", "_high_per_")], unit);
+  const rate = (name, unit) =>
+    interval(
+      whisker[name],
+      whisker[name.replace("_per_", "_low_per_")],
+      whisker[name.replace("_per_", "_high_per_")],
+      unit,
+    );
   const perHour = (value) => (Number.isFinite(value) ? percent(value * 3600, 2) : "\u2013");
   const perThousand = (value) => (Number.isFinite(value) ? mm(value * 1000, 2) : "\u2013");
   return [
-    ["Length", h("span", { id: "length" }, interval(whisker.length_mm, whisker.length_low_mm, whisker.length_high_mm), ` of ${mm(whisker.whole_length_mm, 1)}`)],
+    [
+      "Length",
+      h(
+        "span",
+        { id: "length" },
+        interval(whisker.length_mm, whisker.length_low_mm, whisker.length_high_mm),
+        ` of ${mm(whisker.whole_length_mm, 1)}`,
+      ),
+    ],
     ["Pressure measured", mpa(whisker.pressure_mpa)],
-    ["Pressure set", `${mpa(whisker.setpoint_mpa)}; nominal ${mpa(whisker.nominal_pressure_mpa)}, at most ${mpa(whisker.pressure_max_mpa)}`],
+    [
+      "Pressure set",
+      `${mpa(whisker.setpoint_mpa)}; nominal ${mpa(whisker.nominal_pressure_mpa)}, at most ${mpa(whisker.pressure_max_mpa)}`,
+    ],
     ["Contacts used", whisker.contacts.toLocaleString("en")],
     ["Last heard of", time(whisker.heard_at)],
     ["Model", whisker.model],
     whisker.leak_per_s === null ? null : ["Leaks in an hour", rate("leak_per_s", perHour)],
-    whisker.erosion_mm_per_contact === null ? null : ["Erodes in 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
+    whisker.erosion_mm_per_contact === null
+      ? null
+      : ["Erodes in 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
     whisker.contacts_left === null ? null : ["Contacts until it is too short", remaining(whisker)],
   ];
 }
@@ -86,30 +127,27 @@ function plots(whisker) {
   const shown = PLOTS.filter(([name]) => has("GET", `${ROUTES.whisker}/${name}/plot.svg`));
   if (!shown.length) return h("p", { class: "empty" }, "This service draws no plots.");
   const plot = ([name, title, about]) =>
-    h(
-      "figure",
-      { "data-key": `plot-${name}` },
-      h("figcaption", {}, h("strong", {}, title), ". ", about),
-      h("service-plot", { src: `${api.whisker(whisker)}/${name}/plot.svg`, version }),
-    );
+    figure(name, `${api.whisker(whisker)}/${name}/plot.svg`, version, title, about);
   return h("div", { class: "plots" }, shown.map(plot));
 }
 
 function decision(newest, refresh) {
   const actions = proposalActions(newest, refresh);
   return [
-    h("p", {}, h("a", { href: link.compensation(newest.compensation_id) }, `Decision no. ${newest.compensation_id}`), ", ", time(newest.decided_at)),
+    h(
+      "p",
+      {},
+      h("a", { href: link.compensation(newest.compensation_id) }, `Decision no. ${newest.compensation_id}`),
+      ", ",
+      time(newest.decided_at),
+    ),
     newest.approval ? h("p", {}, markOf(APPROVALS, newest.approval)) : null,
     actions.length ? h("div", { class: "buttons" }, actions) : null,
-    candidatesTable(newest, `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)}, and why each was refused`),
-    has("GET", "/v1/compensations/{}/plot.svg") && newest.compensator_whisker !== null
-      ? h(
-          "figure",
-          { "data-key": "plot-ratio" },
-          h("figcaption", {}, h("strong", {}, "Error by contact ratio"), ". Predicted and measured, with 95 % intervals."),
-          h("service-plot", { src: `${api.compensation(newest.compensation_id)}/plot.svg`, version: `${newest.measured_contacts} ${newest.measured_at}` }),
-        )
-      : null,
+    candidatesTable(
+      newest,
+      `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)}, and why each was refused`,
+    ),
+    ratioPlot(newest),
   ];
 }
 
@@ -122,7 +160,11 @@ function trimsTable(trims) {
     columns: [
       { name: "Found", head: true, cell: (row) => time(row.detected_at) },
       { name: "Length before", numeric: true, cell: (row) => mm(row.length_before_mm) },
-      { name: "Length after", numeric: true, cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm) },
+      {
+        name: "Length after",
+        numeric: true,
+        cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm),
+      },
       { name: "Contacts to find it", numeric: true, cell: (row) => row.contacts_to_detect },
     ],
   });

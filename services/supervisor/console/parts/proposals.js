@@ -17,7 +17,14 @@ export async function proposalsOf(where) {
 /** They, with what may be answered; nothing if there are none. */
 export function proposals(rows, refresh) {
   if (!rows.length) return null;
-  return section("Waiting for approval", h("ul", { class: "cards" }, rows.map((row) => proposal(row, refresh))));
+  return section(
+    "Waiting for approval",
+    h(
+      "ul",
+      { class: "cards" },
+      rows.map((row) => proposal(row, refresh)),
+    ),
+  );
 }
 
 function proposal(row, refresh) {
@@ -25,8 +32,20 @@ function proposal(row, refresh) {
   return h(
     "li",
     { class: "card warn", "data-key": `proposal-${row.compensation_id}` },
-    h("h3", {}, h("a", { href: link.compensation(row.compensation_id) }, `${row.robot}: whisker ${row.array} ${row.compensator_whisker} shall compensate for ${whom}`)),
-    h("p", {}, `From ${mpa(row.pressure_before_mpa)} to ${mpa(row.pressure_mpa)}; predicted error ${interval(row.predicted_error, row.predicted_error_low, row.predicted_error_high, percent)}.`),
+    h(
+      "h3",
+      {},
+      h(
+        "a",
+        { href: link.compensation(row.compensation_id) },
+        `${row.robot}: whisker ${row.array} ${row.compensator_whisker} shall compensate for ${whom}`,
+      ),
+    ),
+    h(
+      "p",
+      {},
+      `From ${mpa(row.pressure_before_mpa)} to ${mpa(row.pressure_mpa)}; predicted error ${interval(row.predicted_error, row.predicted_error_low, row.predicted_error_high, percent)}.`,
+    ),
     h("div", { class: "buttons" }, proposalActions(row, refresh)),
   );
 }

@@ -95,12 +95,12 @@ mod tests {
 
     #[tokio::test]
     async fn a_file_that_was_not_changed_is_not_sent_again() {
-        let first = ask("style.css", "\"another\"").await;
+        let first = ask("styles/base.css", "\"another\"").await;
         assert_eq!(first.status(), StatusCode::OK);
         assert_eq!(first.headers()[header::CONTENT_TYPE], "text/css; charset=utf-8");
         let tag = first.headers()[header::ETAG].to_str().unwrap().to_owned();
         for tags in [tag.clone(), format!("\"x\", W/{tag}"), "*".to_owned()] {
-            let again = ask("style.css", &tags).await;
+            let again = ask("styles/base.css", &tags).await;
             assert_eq!(again.status(), StatusCode::NOT_MODIFIED, "{tags}");
             assert_eq!(again.headers()[header::ETAG].to_str().unwrap(), tag);
         }

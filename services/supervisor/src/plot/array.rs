@@ -63,9 +63,9 @@ impl<'a> Layout<'a> {
         }
         let nearest = rows.iter().flat_map(|row| row.windows(2)).map(|pair| pair[1].x_mm - pair[0].x_mm);
         let nearest_mm = nearest.filter(|gap| *gap > 0.1).fold(f64::INFINITY, f64::min);
-        let (left_mm, right_mm) = whiskers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| {
-            (low.min(one.x_mm), high.max(one.x_mm))
-        });
+        let (left_mm, right_mm) = whiskers
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| (low.min(one.x_mm), high.max(one.x_mm)));
         let (left_mm, span_mm) = if left_mm <= right_mm { (left_mm, right_mm - left_mm) } else { (0.0, 0.0) };
         // Words do not run into one another, however near the whiskers stand.
         let px_per_mm = (COLUMN / nearest_mm).clamp(1.6, 12.0);

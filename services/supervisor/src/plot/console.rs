@@ -57,7 +57,12 @@ pub(crate) fn lengths(whisker: &Whisker, series: &Series) -> String {
         up: "length, mm",
         up_at_least: (whisker.whole_length_mm - 1.0, whisker.whole_length_mm + 0.5),
         marks: vec![
-            Mark::Line { class: "p-a", dash: "", label: "length, 95 % interval".to_owned(), points: with_bounds.collect() },
+            Mark::Line {
+                class: "p-a",
+                dash: "",
+                label: "length, 95 % interval".to_owned(),
+                points: with_bounds.collect(),
+            },
             Mark::Level {
                 class: "p-m",
                 dash: "7 4",
@@ -219,7 +224,12 @@ pub(crate) fn by_ratio(one: &CompensationSummary, predicted: Option<&Numbers>, m
         up: "error (Eq. 35), %",
         up_at_least: (0.0, 25.0),
         marks: vec![
-            Mark::Points { class: "p-a", shape: Shape::Dot, label: "measured, 95 % interval".to_owned(), points: measured },
+            Mark::Points {
+                class: "p-a",
+                shape: Shape::Dot,
+                label: "measured, 95 % interval".to_owned(),
+                points: measured,
+            },
             Mark::Line { class: "p-b", dash: "6 3", label: "predicted".to_owned(), points: predicted.clone() },
             Mark::Points { class: "p-b", shape: Shape::Diamond, label: "predicted".to_owned(), points: predicted },
             paper(),

@@ -221,7 +221,9 @@ fn sample(svg: &mut Svg, mark: &Mark, (x, y): (f64, f64)) {
 fn dot(svg: &mut Svg, class: &str, shape: Shape, (x, y): (f64, f64), radius: f64) {
     match shape {
         Shape::Dot => {
-            svg.raw(format_args!("<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" stroke=\"none\"/>"));
+            svg.raw(format_args!(
+                "<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" stroke=\"none\"/>"
+            ));
         }
         Shape::Diamond => {
             let r = radius + 1.0;

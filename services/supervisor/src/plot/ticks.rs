@@ -60,7 +60,10 @@ mod tests {
     fn times_are_round_and_within() {
         let start_us = 1_795_248_003_000_000;
         let (ticks, name) = times(start_us, start_us + 60_000_000);
-        assert_eq!(ticks.iter().map(|tick| tick.1.as_str()).collect::<Vec<_>>(), ["08:00:15", "08:00:30", "08:00:45", "08:01:00"]);
+        assert_eq!(
+            ticks.iter().map(|tick| tick.1.as_str()).collect::<Vec<_>>(),
+            ["08:00:15", "08:00:30", "08:00:45", "08:01:00"]
+        );
         assert_eq!(name, "time, UTC, 2026-11-21");
     }
 }
