@@ -13,7 +13,7 @@ async fn with_checks(browser: &mut Browser, expression: &str) -> Value {
 }
 
 /// Roles that must have a name, for people who hear the page.
-const NAMED: [&str; 12] = [
+const NAMED: [&str; 11] = [
     "button",
     "link",
     "textbox",
@@ -25,7 +25,6 @@ const NAMED: [&str; 12] = [
     "dialog",
     "navigation",
     "heading",
-    "group",
 ];
 
 /// What is wrong with the page as it is shown, besides its width.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use crate::stage::{PAGES, Stage};
+use crate::stage::Stage;
 
 /// Gives each thing that can be used a number, and counts them.
 const NUMBER: &str = "[...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
@@ -21,8 +21,8 @@ async fn tab_reaches_everything_that_can_be_used_and_shows_where_it_is() {
     let mut stage = Stage::start().await;
     stage.cut().await;
     stage.robot.setpoint().await;
-    for (name, hash) in PAGES {
-        stage.open(hash).await;
+    for (name, hash) in stage.pages().await {
+        stage.open(&hash).await;
         let expected = stage.browser.js(NUMBER).await.as_u64().unwrap();
         // From the first one on.
         stage.browser.js("document.getElementById('skip').focus()").await;

@@ -3,7 +3,7 @@
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-use crate::stage::{PAGES, Stage};
+use crate::stage::Stage;
 
 /// Status line and headers of an answer, in lower case.
 async fn head(address: std::net::SocketAddr, path: &str, more: &str) -> String {
@@ -20,8 +20,8 @@ async fn every_page_loads_without_an_error_and_asks_nobody_but_the_service() {
     let mut stage = Stage::start().await;
     stage.cut().await;
     stage.robot.setpoint().await;
-    for (name, hash) in PAGES {
-        stage.open(hash).await;
+    for (name, hash) in stage.pages().await {
+        stage.open(&hash).await;
         let heading = stage.browser.js("document.querySelector('h1').textContent").await;
         assert_ne!(heading, "This cannot be shown", "{name}");
         assert_eq!(heading == "There is no such page", name == "nowhere", "{name}: {heading}");

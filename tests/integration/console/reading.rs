@@ -4,7 +4,7 @@ use serde_json::json;
 use vibrissa_protocol::SetpointOutcome;
 
 use crate::checks::{complaints, least_contrast, overflow};
-use crate::stage::{PAGES, Stage};
+use crate::stage::Stage;
 
 async fn with_a_compensation() -> Stage {
     let mut stage = Stage::start().await;
@@ -22,8 +22,8 @@ async fn every_page_is_readable_in_light_and_dark() {
     for scheme in ["light", "dark"] {
         stage.browser.prefers(scheme).await;
         let mut least = f64::INFINITY;
-        for (name, hash) in PAGES {
-            stage.open(hash).await;
+        for (name, hash) in stage.pages().await {
+            stage.open(&hash).await;
             assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name}, {scheme}");
             least = least.min(least_contrast(&mut stage.browser).await);
             let picture = stage.picture(&format!("{name}-{scheme}"));
@@ -41,8 +41,8 @@ async fn every_page_is_readable_in_light_and_dark() {
 async fn no_page_is_wider_than_a_phone() {
     let mut stage = with_a_compensation().await;
     stage.browser.size(360, 740).await;
-    for (name, hash) in PAGES {
-        stage.open(hash).await;
+    for (name, hash) in stage.pages().await {
+        stage.open(&hash).await;
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name}");
         let picture = stage.picture(&format!("{name}-phone"));
         stage.browser.picture(&picture).await;

@@ -23,7 +23,7 @@ export default {
         [`Robot ${robot}`, link.robot(decision)],
         [`Whisker ${array} ${target}`, link.whisker(names(decision, target))],
       ),
-      h("h1", { tabindex: "-1" }, `Compensation no. ${id}`),
+      h("h1", { tabindex: "-1" }, `Compensation for whisker ${array} ${target} of ${robot}`),
       h(
         "p",
         { class: "marks" },
@@ -41,6 +41,7 @@ export default {
           ),
         ],
         ["Who compensates", server(decision)],
+        ["Number", id],
         ["Decided", time(decision.decided_at)],
         ["Pressure before", mpa(decision.pressure_before_mpa)],
         ["Pressure decided", mpa(decision.pressure_mpa)],
