@@ -2,7 +2,7 @@
 
 import { has } from "../api.js";
 import { h } from "../dom.js";
-import { interval, mm, mpa, orNone, percent, time } from "../format.js";
+import { count, interval, mm, mpa, orNone, percent, time } from "../format.js";
 import { mark, markOf } from "../marks.js";
 import { api, link, names } from "../places.js";
 import { figure } from "../plot.js";
@@ -186,5 +186,5 @@ function steps(history) {
   if (!history) return orNone(null);
   const step = (one) =>
     h("li", {}, say(SETPOINT_STATES, one.state), one.error ? ` (${say({}, one.error)})` : "", " ", time(one.at));
-  return h("details", {}, h("summary", {}, `${history.length} steps`), h("ol", {}, history.map(step)));
+  return h("details", {}, h("summary", {}, count(history.length, "step")), h("ol", {}, history.map(step)));
 }
