@@ -110,6 +110,25 @@ async fn answers_are_as_the_document_says_on_postgres() {
 }
 
 #[tokio::test]
+async fn regress_the_document_refers_to_nothing_that_it_lacks() {
+    let document = Document::of(&Served::sqlite().await).await.0;
+    let mut open = vec![&document];
+    let mut references = 0;
+    while let Some(value) = open.pop() {
+        if let Some(name) = value.get("$ref").and_then(Value::as_str) {
+            references += 1;
+            assert!(document.pointer(name.trim_start_matches('#')).is_some(), "{name}");
+        }
+        match value {
+            Value::Array(items) => open.extend(items),
+            Value::Object(fields) => open.extend(fields.values()),
+            Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+        }
+    }
+    assert!(references > 100);
+}
+
+#[tokio::test]
 async fn what_would_be_done_is_told_and_not_done() {
     let served = Served::sqlite().await;
     let whisker = "/v1/fleets/f/robots/r1/arrays/left/whiskers/1";

@@ -61,11 +61,14 @@ async fn property_pages_are_the_list_on_postgres() {
     pages_are_the_list(&Served::postgres().await).await;
 }
 
+/// A list, its filter, and what the filter keeps.
+type Filtered = (&'static str, &'static str, Box<dyn Fn(&Value) -> bool>);
+
 /// Filters keep what they name, and nothing else.
 async fn filters_keep_what_they_name(served: &Served) {
     let is = |field: &'static str, value: Value| move |item: &Value| item[field] == value;
-    let at = "2026-11-21T08:00:02Z";
-    let cases: [(&str, &str, Box<dyn Fn(&Value) -> bool>); 14] = [
+    let at = "2026-11-21T08:00:02.000Z";
+    let cases: [Filtered; 14] = [
         ("robots", "fleet=f", Box::new(is("fleet", "f".into()))),
         ("robots", "connection=OFFLINE", Box::new(is("connection", "OFFLINE".into()))),
         ("arrays", "robot=r2", Box::new(is("robot", "r2".into()))),

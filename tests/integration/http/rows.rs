@@ -23,7 +23,7 @@ pub(crate) const CONTACTS: i64 = 3000;
 const DECISIONS: u32 = 7;
 
 /// A measured error that was written.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct WrittenError {
     pub(crate) fleet: String,
     pub(crate) robot: String,
@@ -105,18 +105,23 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
     for number in 0..DECISIONS {
         let decided = Decided::new(robot_id, number, &ids);
         batch.records.extend(decided.records());
-        for _ in 0..3 {
-            let row = decided.error(random);
-            batch.records.push(Record::Error(Box::new(row.clone())));
-            let (fleet, robot) = (lease.fleet().to_string(), name.to_owned());
-            written.errors.push(WrittenError { fleet, robot, target: decided.target, case: decided.case, row });
-        }
+        batch.records.extend((0..3).map(|_| Record::Error(Box::new(decided.error(random)))));
     }
-    if written.contacts.is_empty() {
+    let is_first = written.contacts.is_empty();
+    if is_first {
         batch.contacts = contacts(ids[0], boot, random);
-        written.contacts = batch.contacts.clone();
     }
     writer.commit(lease, &batch).await.unwrap();
+    if is_first {
+        written.contacts = batch.contacts;
+    }
+    for record in batch.records {
+        if let Record::Error(row) = record {
+            let Decided { target, case, .. } = Decided::new(robot_id, row.compensation_id as u32, &ids);
+            let (fleet, robot) = (lease.fleet().to_string(), name.to_owned());
+            written.errors.push(WrittenError { fleet, robot, target, case, row: *row });
+        }
+    }
 }
 
 fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
@@ -272,7 +277,8 @@ impl<'a> Decided<'a> {
             target_origin: "MODEL",
             error,
         };
-        let bins = vec![bin(0.5, interval()), bin(0.9, interval())];
+        let mut bins = vec![bin(0.5, interval()), bin(0.9, interval())];
+        bins.truncate(if self.number.is_multiple_of(3) { 1 } else { 2 });
         let (error, gain) = (interval(), interval());
         ErrorRow {
             compensation_id: self.compensation_id,
@@ -281,7 +287,7 @@ impl<'a> Decided<'a> {
             pressure_mpa: 0.048,
             error,
             with_gain: random.random_bool(0.5).then_some(gain),
-            bins: if self.number % 3 == 0 { bins[..1].to_vec() } else { bins },
+            bins,
         }
     }
 }

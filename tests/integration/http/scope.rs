@@ -59,6 +59,6 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
         let path =
             path.replace("{fleet}", "f").replace("{robot}", "r1").replace("{array}", "left").replace("{whisker}", "0");
         let answer = get(&format!("{path}{}", if path.ends_with("what-if") { "?length_mm=60" } else { "" })).await;
-        assert_eq!(answer.status, 404, "{path}");
+        assert_eq!(answer.status, 403, "{path}");
     }
 }

@@ -13,6 +13,7 @@ use vibrissa::store::{DatabaseAddress, Store};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::wait::until;
 use vibrissa_tests::web::{Answer, ask};
 
 use crate::rows::{self, Written};
@@ -57,8 +58,11 @@ impl Served {
         Self { store, http, written, _stop: stop, _server: server, _folder: folder }
     }
 
+    /// An answer; a service that is asked too often is asked again.
     pub(crate) async fn get(&self, path: &str) -> Answer {
-        ask(self.http, "GET", path, &[]).await.unwrap()
+        let asked =
+            async || Some(ask(self.http, "GET", path, &[]).await.unwrap()).filter(|answer| answer.status != 429);
+        until("an answer", asked).await
     }
 
     /// The JSON of a good answer.

@@ -25,14 +25,14 @@ export default {
     const sorted = standing
       .map(withState)
       .sort((one, other) => urgency[one.state] - urgency[other.state] || other.raised_at.localeCompare(one.raised_at));
-    const open = sorted.filter((one) => urgency[one.state] === 0).length;
+    const open = sorted.filter((one) => one.state === "UNACKNOWLEDGED").length;
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
       h(
         "p",
         { class: "summary" },
         standing.length
-          ? `${count(standing.length, "alarm")} standing, ${open} of them not acknowledged.`
+          ? `${count(standing.length, "alarm")} standing${open ? `, ${open} not acknowledged` : ""}.`
           : "No alarm stands.",
       ),
       section("Standing", alarmsTable(sorted, "Standing alarms, the most urgent first", "None.", refresh)),

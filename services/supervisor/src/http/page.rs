@@ -106,8 +106,10 @@ macro_rules! list_query {
             #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
             pub cursor: Option<String>,
             /// What the list is sorted by.
+            #[param(inline)]
             pub sort: Option<$sort>,
             /// Which way.
+            #[param(inline)]
             pub order: Option<$crate::http::page::Order>,
         }
 

@@ -8,8 +8,10 @@ const ABOVE: f64 = 46.0;
 /// Room below the array's surface, for words.
 const BELOW: f64 = 96.0;
 /// Width of a whisker's words.
-const COLUMN: f64 = 96.0;
-const HEAD: f64 = 62.0;
+const COLUMN: f64 = 88.0;
+/// Picture's length of a mm upwards at the most.
+const UP_MAX: f64 = 3.6;
+const HEAD: f64 = 82.0;
 /// Half widths at the base and at the whole tip.
 const BASE: f64 = 7.0;
 const TIP: f64 = 2.2;
@@ -42,6 +44,8 @@ fn health(whisker: &Whisker) -> Health<'_> {
 struct Layout<'a> {
     px_per_mm: f64,
     left_mm: f64,
+    /// Where that is on the picture.
+    left: f64,
     width: f64,
     rows: Vec<Vec<&'a Whisker>>,
 }
@@ -69,16 +73,18 @@ impl<'a> Layout<'a> {
         let (left_mm, span_mm) = if left_mm <= right_mm { (left_mm, right_mm - left_mm) } else { (0.0, 0.0) };
         // Words do not run into one another, however near the whiskers stand.
         let px_per_mm = (COLUMN / nearest_mm).clamp(1.6, 12.0);
-        Self { px_per_mm, left_mm, width: (span_mm * px_per_mm + COLUMN + 16.0).max(WIDTH_MIN), rows }
+        let needed = span_mm * px_per_mm + COLUMN + 16.0;
+        let width = needed.max(WIDTH_MIN);
+        Self { px_per_mm, left_mm, left: 0.5 * (width - needed + COLUMN + 16.0), width, rows }
     }
 
     fn x(&self, whisker: &Whisker) -> f64 {
-        0.5 * (COLUMN + 16.0) + (whisker.x_mm - self.left_mm) * self.px_per_mm
+        self.left + (whisker.x_mm - self.left_mm) * self.px_per_mm
     }
 
     fn row_height(&self, row: &[&Whisker]) -> f64 {
         let longest_mm = row.iter().map(|one| one.whole_length_mm.max(one.length_mm)).fold(0.0, f64::max);
-        ABOVE + longest_mm * self.px_per_mm.min(2.4) + BELOW
+        ABOVE + longest_mm * self.px_per_mm.min(UP_MAX) + BELOW
     }
 }
 
@@ -86,7 +92,7 @@ impl<'a> Layout<'a> {
 pub(crate) fn draw(array: &str, whiskers: &[Whisker]) -> String {
     let layout = Layout::of(whiskers);
     // Upwards and across are to the same scale, unless the whiskers stand so near that their words need room.
-    let up = layout.px_per_mm.min(2.4);
+    let up = layout.px_per_mm.min(UP_MAX);
     let height = HEAD + layout.rows.iter().map(|row| layout.row_height(row)).sum::<f64>();
     let mut svg = Svg::new(layout.width, height.max(120.0));
     svg.raw(ARROW);
@@ -109,8 +115,8 @@ pub(crate) fn draw(array: &str, whiskers: &[Whisker]) -> String {
     svg.document(&format!("Array {array}"), &described(whiskers))
 }
 
-const ARROW: &str = "<defs><marker id=\"p-head\" viewBox=\"0 0 10 10\" refX=\"8\" refY=\"5\" markerWidth=\"7\" \
-    markerHeight=\"7\" orient=\"auto-start-reverse\"><path class=\"p-a\" d=\"M0 0L10 5L0 10Z\"/></marker></defs>";
+const ARROW: &str = "<defs><marker id=\"p-head\" viewBox=\"0 0 10 10\" refX=\"8\" refY=\"5\" markerWidth=\"5\" \
+    markerHeight=\"5\" orient=\"auto-start-reverse\"><path class=\"p-a\" d=\"M0 0L10 5L0 10Z\"/></marker></defs>";
 
 /// Scale bars of 20 mm.
 fn scales(svg: &mut Svg, across: f64, up: f64) {
@@ -125,11 +131,12 @@ fn scales(svg: &mut Svg, across: f64, up: f64) {
         end
     };
     if both {
-        bar(x, across, "20 mm; outline: whole, solid: now");
+        bar(x, across, "20 mm");
     } else {
         let end = bar(x, up, "20 mm up");
-        bar(end + 76.0, across, "20 mm across; outline: whole, solid: now");
+        bar(end + 76.0, across, "20 mm across");
     }
+    svg.text("p-soft p-small", (8.0, 68.0), Anchor::Start, "dashed: whole; solid: as it is now");
 }
 
 /// A whisker: whole in outline, as it is now in solid.
@@ -155,13 +162,14 @@ fn words(svg: &mut Svg, whisker: &Whisker, (x, base): (f64, f64)) {
 /// A word that fits its column.
 fn short(shape: &str, word: &str) -> String {
     match word {
-        "SENSITIVITY_LOSS" => format!("{shape} LESS SENSITIVE"),
+        "SENSITIVITY_LOSS" => format!("{shape} FEELS LESS"),
+        "GAUGE_SATURATED" => format!("{shape} GAUGE FULL"),
         word => format!("{shape} {}", word.replace('_', " ")),
     }
 }
 
 /// The pairs of compensations: who is served, and by whom.
-fn pairs<'a, T>(all: &'a [T], whisker: impl Fn(&T) -> &Whisker + Copy) -> impl Iterator<Item = (&'a T, &'a T)> {
+fn pairs<T>(all: &[T], whisker: impl Fn(&T) -> &Whisker + Copy) -> impl Iterator<Item = (&T, &T)> {
     all.iter().filter_map(move |target| {
         let by = whisker(target).compensated_by?;
         Some((all.iter().find(|one| whisker(one).serves_in == Some(by))?, target))

@@ -6,6 +6,7 @@ use crate::store::lists::errors::ErrorStatement;
 use crate::store::lists::setpoints::Setpoint;
 use crate::store::lists::whiskers::Whisker;
 use crate::store::series::{ContactMean, Series};
+use crate::store::time::Time;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 
 /// The paper's measured mean error of case 1 and self-compensation.
@@ -20,8 +21,8 @@ fn name(whisker: &Whisker) -> String {
 /// From when to when, and how many points.
 fn span(series: &Series) -> String {
     match (series.items.first(), series.items.last()) {
-        (Some(_), Some(_)) => {
-            let [from, to] = [series.from, series.to].map(|at| at.map(|at| at.to_string()).unwrap_or_default());
+        (Some(first), Some(last)) => {
+            let [from, to] = [first, last].map(|one| Time(one.at_us).to_string());
             format!("From {from} to {to}, {} contacts in {} points.", series.total, series.items.len())
         }
         _ => "Nothing recorded yet.".to_owned(),
@@ -230,7 +231,7 @@ pub(crate) fn by_ratio(one: &CompensationSummary, predicted: Option<&Numbers>, m
                 label: "measured, 95 % interval".to_owned(),
                 points: measured,
             },
-            Mark::Line { class: "p-b", dash: "6 3", label: "predicted".to_owned(), points: predicted.clone() },
+            Mark::Line { class: "p-b", dash: "6 3", label: String::new(), points: predicted.clone() },
             Mark::Points { class: "p-b", shape: Shape::Diamond, label: "predicted".to_owned(), points: predicted },
             paper(),
         ],

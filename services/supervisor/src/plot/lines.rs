@@ -40,7 +40,7 @@ impl Point {
 /// Something to draw. The class is one of `p-a`, `p-b`, `p-c`, `p-m`.
 #[derive(Debug)]
 pub(crate) enum Mark {
-    /// A line, with a band where points have bounds.
+    /// A line, with a band where points have bounds. Without a label it is not in the legend.
     Line { class: &'static str, dash: &'static str, label: String, points: Vec<Point> },
     /// Points, with bars where they have bounds.
     Points { class: &'static str, shape: Shape, label: String, points: Vec<Point> },
@@ -119,10 +119,12 @@ impl Lines {
         let mut svg = Svg::new(WIDTH, frame.bottom() + 46.0);
         svg.text("p-ink p-title", (8.0, 20.0), Anchor::Start, &self.title);
         for (mark, (x, row)) in self.marks.iter().zip(&legend) {
-            sample(&mut svg, mark, (8.0 + x, 34.0 + row * LINE_HEIGHT));
+            if !mark.label().is_empty() {
+                sample(&mut svg, mark, (8.0 + x, 34.0 + row * LINE_HEIGHT));
+            }
         }
         self.axes(&mut svg, &frame);
-        if self.marks.iter().all(|mark| mark.points().is_empty()) {
+        if self.is_empty() {
             let middle = (0.5 * (WIDTH + LEFT), frame.top + 0.5 * PLOT_HEIGHT);
             svg.text("p-soft", middle, Anchor::Middle, "nothing recorded yet");
         }
@@ -132,11 +134,19 @@ impl Lines {
         svg.document(&self.title, &self.desc)
     }
 
+    fn is_empty(&self) -> bool {
+        self.marks.iter().all(|mark| mark.points().is_empty())
+    }
+
     /// Place and row of each mark in the legend.
     fn legend(&self) -> Vec<(f64, f64)> {
         let (mut x, mut row) = (0.0, 0.0);
         let mut places = Vec::with_capacity(self.marks.len());
         for mark in &self.marks {
+            if mark.label().is_empty() {
+                places.push((x, row));
+                continue;
+            }
             let wide = 34.0 + text_width(mark.label());
             if x > 0.0 && x + wide > WIDTH - 16.0 {
                 (x, row) = (0.0, row + 1.0);
@@ -180,13 +190,14 @@ impl Lines {
     }
 
     fn axes(&self, svg: &mut Svg, frame: &Frame) {
-        for (y, label) in numbers(frame.y.0, frame.y.1) {
+        for (y, label) in numbers(frame.y.0, frame.y.1, 6) {
             svg.line("p-grid", (LEFT, frame.y(y)), (WIDTH - RIGHT, frame.y(y)), "");
             svg.text("p-soft p-small", (LEFT - 6.0, frame.y(y) + 4.0), Anchor::End, &label);
         }
         let (ticks, name) = match self.across {
+            Across::Time if self.is_empty() => (Vec::new(), "time, UTC".to_owned()),
             Across::Time => times(frame.x.0 as i64, frame.x.1 as i64),
-            Across::Number(name) => (numbers(frame.x.0, frame.x.1), name.to_owned()),
+            Across::Number(name) => (numbers(frame.x.0, frame.x.1, 8), name.to_owned()),
         };
         let bottom = frame.bottom();
         for (x, label) in ticks {

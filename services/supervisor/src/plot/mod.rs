@@ -1,4 +1,5 @@
-//! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart.
+//! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart;
+//! and what HTTP draws of whiskers and arrays (`console`, `array`), for light and dark screens of any size (`svg`, `lines`).
 
 pub(crate) mod array;
 pub mod calibration;

@@ -23,7 +23,7 @@ const STYLE: &str = "\
 .p-m{fill:#a0abb6;stroke:#a0abb6}}\
 .p-line{fill:none;stroke-width:2;stroke-linejoin:round}.p-thin{fill:none;stroke-width:1.5}\
 .p-open{fill:none;stroke-width:1.6}.p-band{stroke:none;fill-opacity:.22}.p-body{stroke-width:1.2;fill-opacity:.75}\
-text{font:13px system-ui,sans-serif;stroke:none}.p-title{font-weight:600;font-size:14px}.p-small{font-size:12px}";
+text{font:13px system-ui,sans-serif}text[class]{stroke:none}.p-title{font-weight:600;font-size:14px}.p-small{font-size:12px}";
 
 /// Where a text stands against its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

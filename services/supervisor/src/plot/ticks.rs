@@ -5,9 +5,9 @@ use crate::store::time::Time;
 /// A mark with its label.
 pub(crate) type Tick = (f64, String);
 
-/// Some five round numbers within a range.
-pub(crate) fn numbers(low: f64, high: f64) -> Vec<Tick> {
-    let raw = (high - low) / 5.0;
+/// Round numbers within a range, so many at the most.
+pub(crate) fn numbers(low: f64, high: f64, count: u8) -> Vec<Tick> {
+    let raw = (high - low) / f64::from(count);
     let power = 10_f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|one| one * power).find(|&step| step >= raw * 0.999);
     let step = step.unwrap_or(raw);
@@ -50,10 +50,10 @@ mod tests {
 
     #[test]
     fn numbers_are_round_and_within() {
-        let labels = |low, high| numbers(low, high).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        let labels = |low, high| numbers(low, high, 6).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
         assert_eq!(labels(0.0, 1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(64.3, 70.2), ["66", "68", "70"]);
-        assert_eq!(labels(0.045, 0.1), ["0.06", "0.08", "0.10"]);
+        assert_eq!(labels(64.3, 70.2), ["65", "66", "67", "68", "69", "70"]);
+        assert_eq!(labels(0.045, 0.1), ["0.05", "0.06", "0.07", "0.08", "0.09", "0.10"]);
     }
 
     #[test]

@@ -44,6 +44,7 @@ list_query! {
         #[param(maximum = 65535)]
         pub compensator_whisker: Option<u16>,
         /// Of this case of the paper.
+        #[param(inline)]
         pub case: Option<CaseWord>,
         /// Only those that have not ended, or that have.
         pub active: Option<bool>,

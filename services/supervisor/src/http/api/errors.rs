@@ -46,6 +46,7 @@ list_query! {
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
         /// Of this case of the paper.
+        #[param(inline)]
         pub case: Option<CaseWord>,
         /// Of this compensation.
         #[param(minimum = 0, maximum = 9007199254740991_i64)]
@@ -94,6 +95,7 @@ pub struct ErrorGroupsQuery {
     #[param(maximum = 65535)]
     pub whisker: Option<u16>,
     /// Of this case of the paper.
+    #[param(inline)]
     pub case: Option<CaseWord>,
     /// Of this compensation.
     #[param(minimum = 0, maximum = 9007199254740991_i64)]
@@ -145,6 +147,7 @@ pub struct ErrorsByTimeQuery {
     #[param(maximum = 65535)]
     pub whisker: Option<u16>,
     /// Of this case of the paper.
+    #[param(inline)]
     pub case: Option<CaseWord>,
     /// Of this compensation.
     #[param(minimum = 0, maximum = 9007199254740991_i64)]

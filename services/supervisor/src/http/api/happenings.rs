@@ -82,6 +82,7 @@ list_query! {
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
         /// Of this.
+        #[param(inline)]
         pub kind: Option<HealthKindWord>,
         /// From then on.
         #[param(value_type = Option<String>, format = DateTime)]
@@ -129,6 +130,7 @@ list_query! {
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
         /// Of this.
+        #[param(inline)]
         pub kind: Option<AlarmKindWord>,
         /// Only those that stand, or do not.
         pub standing: Option<bool>,

@@ -83,15 +83,19 @@ impl WhiskerPath {
     /// What picks it out of a list.
     #[must_use]
     pub fn filters(&self) -> Vec<Filter> {
-        let names = [("fleet", &self.fleet), ("robot", &self.robot), ("\"array\"", &self.array)];
-        let mut filters: Vec<Filter> =
-            names.into_iter().map(|(column, name)| Filter::Is(column, Value::Text(name.to_string()))).collect();
+        let mut filters = self.on_array().filters();
         filters.push(Filter::Is("whisker", Value::Whole(self.whisker.into())));
         filters
     }
 }
 
 impl WhiskerPath {
+    /// Its array.
+    #[must_use]
+    pub fn on_array(&self) -> ArrayPath {
+        ArrayPath { fleet: self.fleet.clone(), robot: self.robot.clone(), array: self.array.clone() }
+    }
+
     /// Its number in the database, on a robot now or once.
     ///
     /// # Errors

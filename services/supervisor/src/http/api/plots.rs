@@ -13,13 +13,16 @@ use super::robots::whiskers_of;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::moment::Moment;
 use crate::http::problem::Problem;
 use crate::plot::{array, console};
-use crate::store::list::{Filter, List, Selection};
+use crate::store::list::{Filter, List, Selection, Value};
 use crate::store::lists::errors::{ERRORS, ErrorStatement};
 use crate::store::lists::robots::{ARRAYS, ArraySummary};
 use crate::store::lists::setpoints::{SETPOINTS, Setpoint};
 use crate::store::lists::whiskers::{WHISKERS, Whisker};
+use crate::store::series::Series;
+use crate::store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -42,16 +45,21 @@ async fn whisker(app: &App, at: &WhiskerPath) -> Result<Whisker, Problem> {
     app.store.first(&WHISKERS, at.filters()).await?.ok_or_else(|| Problem::not_found(at))
 }
 
-/// The newest rows of a whisker, newest first.
-fn newest(list: &List, at: &WhiskerPath, column: &'static str) -> Selection {
-    let filters = at.filters().into_iter().map(|filter| match filter {
-        Filter::Is("whisker", value) => Filter::Is(column, value),
-        filter => filter,
-    });
-    Selection { filters: filters.collect(), ..Selection::all(list, ROWS) }
+/// The contacts of a picture: of the newest day, unless a time is given.
+async fn drawn(app: &App, at: &WhiskerPath, mut query: SpanQuery) -> Result<Series, Problem> {
+    if query.from.is_none() && query.to.is_none() {
+        query.to = Some(Moment(Time(i64::MAX)));
+    }
+    Ok(series(app, at, query).await?.1)
 }
 
-/// A whisker's estimated length over time, with its 95 % interval.
+/// The newest rows of a whisker, newest first.
+fn newest(list: &List, at: &WhiskerPath, column: &'static str) -> Selection {
+    let whisker = Filter::Is(column, Value::Whole(at.whisker.into()));
+    Selection { filters: at.on_array().filters(), ..Selection::all(list, ROWS) }.with(whisker)
+}
+
+/// A whisker's estimated length over time, with its 95 % interval: the newest day, unless a time is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/lengths/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
@@ -63,10 +71,10 @@ async fn plot_lengths(
     Query(query): Query<SpanQuery>,
 ) -> Result<Response, Problem> {
     let whisker = whisker(&app, &at).await?;
-    Ok(picture(console::lengths(&whisker, &series(&app, &at, query).await?.1)))
+    Ok(picture(console::lengths(&whisker, &drawn(&app, &at, query).await?)))
 }
 
-/// A whisker's measured sensitivity against the predicted one over time.
+/// A whisker's measured sensitivity against the predicted one over time: the newest day, unless a time is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contacts/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
@@ -78,10 +86,10 @@ async fn plot_contacts(
     Query(query): Query<SpanQuery>,
 ) -> Result<Response, Problem> {
     let whisker = whisker(&app, &at).await?;
-    Ok(picture(console::contacts(&whisker, &series(&app, &at, query).await?.1)))
+    Ok(picture(console::contacts(&whisker, &drawn(&app, &at, query).await?)))
 }
 
-/// A whisker's pressures over time, set and measured.
+/// A whisker's pressures over time, set and measured: the newest day, unless a time is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/pressures/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
@@ -93,7 +101,7 @@ async fn plot_pressures(
     Query(query): Query<SpanQuery>,
 ) -> Result<Response, Problem> {
     let whisker = whisker(&app, &at).await?;
-    let (_, series) = series(&app, &at, query).await?;
+    let series = drawn(&app, &at, query).await?;
     let mut setpoints: Vec<Setpoint> = app.store.list(&SETPOINTS, &newest(&SETPOINTS, &at, "whisker")).await?.rows;
     setpoints.reverse();
     Ok(picture(console::pressures(&whisker, &series, &setpoints)))

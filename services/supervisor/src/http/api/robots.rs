@@ -34,6 +34,7 @@ list_query! {
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
         /// With this connection.
+        #[param(inline)]
         pub connection: Option<ConnectionWord>,
     }
 }

@@ -38,6 +38,7 @@ list_query! {
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
         /// In this state.
+        #[param(inline)]
         pub state: Option<SetpointStateWord>,
         /// Of this compensation.
         #[param(minimum = 0, maximum = 9007199254740991_i64)]

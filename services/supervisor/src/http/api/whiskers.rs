@@ -33,6 +33,7 @@ list_query! {
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
         /// In this condition.
+        #[param(inline)]
         pub condition: Option<ConditionWord>,
         /// Only those with a fault, or without.
         pub faulty: Option<bool>,
