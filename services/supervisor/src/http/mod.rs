@@ -1,4 +1,4 @@
-//! HTTP: the API under `/v1`, its documentation, and whether the service is alive and ready.
+//! HTTP: the operators' console, the API under `/v1`, its documentation, and whether the service is alive and ready.
 //!
 //! A request passes `passage` (a name, a place in the log, a limit in time), then `access` (who asks, and whether
 //! they may), then its handler in `api`, which takes it apart with `extract` and asks the store or the engine. What
@@ -7,6 +7,7 @@
 pub mod access;
 pub mod api;
 pub mod asking;
+mod console;
 pub mod document;
 pub mod extract;
 mod health;
@@ -129,6 +130,7 @@ pub fn router(app: App) -> (Router, Document) {
         .route("/metrics", get(health::metrics))
         .with_state(app)
         .merge(docs)
+        .merge(console::routes())
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
         .layer(from_fn(passage::passage));
     (router, document)

@@ -1,0 +1,94 @@
+// Asks the API. What goes wrong is a `Problem`, in the service's own words.
+
+import { token } from "./session.js";
+
+/** What the API said was wrong, or why it could not be asked. */
+export class Problem extends Error {
+  constructor({ status = 0, title = "", detail = "", request_id = null, errors = [] }) {
+    super(detail || title || `the service answered ${status}`);
+    Object.assign(this, { status, title, requestId: request_id, errors });
+  }
+
+  /** Whether nobody answered. */
+  get isSilence() {
+    return this.status === 0;
+  }
+}
+
+/** A path of the API: each value is one part of it. */
+export function path(strings, ...values) {
+  return String.raw({ raw: strings }, ...values.map((value) => encodeURIComponent(value)));
+}
+
+function withQuery(path, query) {
+  const told = Object.entries(query ?? {}).filter(([, value]) => value !== undefined && value !== null);
+  return told.length ? `${path}?${new URLSearchParams(told)}` : path;
+}
+
+/** One request; the answer is a good one, or a `Problem` is thrown. */
+export async function ask(path, { method = "GET", headers = {}, body, signal } = {}) {
+  const all = { ...headers };
+  if (token()) all.Authorization = `Bearer ${token()}`;
+  if (body !== undefined) all["Content-Type"] = "application/json";
+  let answer;
+  try {
+    const text = body === undefined ? undefined : JSON.stringify(body);
+    answer = await fetch(path.replace(/^\//, ""), { method, headers: all, body: text, signal, cache: "no-store" });
+  } catch (problem) {
+    if (signal?.aborted) throw problem;
+    throw new Problem({ detail: "The service does not answer." });
+  }
+  if (answer.ok) return answer;
+  const told = await answer.json().catch(() => ({}));
+  throw new Problem({ request_id: answer.headers.get("X-Request-Id"), ...told, status: answer.status });
+}
+
+/** The JSON of a GET. */
+export async function get(path, query, options) {
+  return (await ask(withQuery(path, query), options)).json();
+}
+
+/** The text of a GET, such as a plot's. */
+export async function text(path, query, options) {
+  return (await ask(withQuery(path, query), options)).text();
+}
+
+/** The rows of a list's first pages. */
+export async function list(path, query = {}, pages = 5) {
+  const items = [];
+  let cursor;
+  for (let page = 0; page < pages; page += 1) {
+    const { items: more, next_cursor: next } = await get(path, { limit: 1000, ...query, cursor });
+    items.push(...more);
+    if (!next || query.limit) break;
+    cursor = next;
+  }
+  return items;
+}
+
+let served = null;
+
+/** Learns what this service serves, from its OpenAPI document: what it lacks is not offered. */
+export async function learn() {
+  if (served) return;
+  const { paths } = await get("/openapi.json");
+  const routes = new Map();
+  for (const [path, item] of Object.entries(paths)) {
+    for (const method of Object.keys(item)) routes.set(`${method.toUpperCase()} ${shape(path)}`, item[method]);
+  }
+  served = routes;
+}
+
+function shape(path) {
+  return path.replace(/\{[^}]*\}/g, "{}");
+}
+
+/** Whether a route is served, such as `has("POST", "/v1/compensations/{}/approve")`. */
+export function has(method, route) {
+  return served?.has(`${method} ${shape(route)}`) ?? false;
+}
+
+/** What `ask` gives if the route is served, and otherwise `instead`. */
+export function ifServed(route, ask, instead = null) {
+  return has("GET", route) ? ask() : Promise.resolve(instead);
+}

@@ -1,0 +1,116 @@
+// Asks before anything is done: what will happen, the values that it takes, and why.
+
+import { ask, get, has, Problem } from "./api.js";
+import { h } from "./dom.js";
+import { notice, problemPanel } from "./notices.js";
+
+/** How long an action that waits for the fleet's supervisor is looked after. */
+const PATIENCE_MS = 15_000;
+const PAUSE_MS = 500;
+
+/**
+ * Opens a dialog about an action:
+ * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
+ * button, grave, path, method, headers, body(values) }`. `done` is called when it was carried out.
+ */
+export function confirm(action, done) {
+  const answer = h("div", { class: "answer", role: "alert" });
+  const key = keys();
+  const submit = async (event) => {
+    event.preventDefault();
+    const button = dialog.querySelector("button[type=submit]");
+    if (button.disabled) return;
+    button.disabled = true;
+    answer.replaceChildren();
+    try {
+      const words = await carryOut(action, action.body(Object.fromEntries(new FormData(event.target))), key);
+      dialog.close();
+      notice(words);
+      done();
+    } catch (problem) {
+      answer.replaceChildren(problemPanel(problem));
+    } finally {
+      button.disabled = false;
+    }
+  };
+  const fields = [...(action.fields ?? []), action.reason && reasonField(action.reason === "required")].filter(Boolean);
+  const dialog = h(
+    "dialog",
+    { "aria-labelledby": "dialog-title", onclose: () => dialog.remove() },
+    h(
+      "form",
+      { onsubmit: submit },
+      h("h2", { id: "dialog-title" }, action.title),
+      action.what.map((sentence) => h("p", {}, sentence)),
+      fields.map(field),
+      answer,
+      h(
+        "div",
+        { class: "buttons" },
+        h("button", { type: "button", onclick: () => dialog.close() }, "Cancel"),
+        h("button", { type: "submit", class: action.grave ? "grave" : "primary" }, action.button),
+      ),
+    ),
+  );
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+function reasonField(required) {
+  return { name: "reason", label: required ? "Why" : "Why (for the record)", required, maxlength: 500, rows: 2 };
+}
+
+/** A field with its label and hint. */
+export function field({ name, label, hint, options, value, rows, ...attributes }) {
+  const id = `field-${name}`;
+  const described = hint ? `${id}-hint` : null;
+  const common = { id, name, "aria-describedby": described, ...attributes };
+  const choice = ([word, words]) => h("option", { value: word, selected: word === value }, words);
+  const control = options
+    ? h("select", common, options.map(choice))
+    : rows
+      ? h("textarea", { rows, ...common }, value ?? "")
+      : h("input", { value, ...common });
+  return h(
+    "div",
+    { class: "field" },
+    h("label", { for: id }, label),
+    control,
+    hint ? h("p", { class: "hint", id: described }, hint) : null,
+  );
+}
+
+/** The same request sent twice shall be done once; another one has another key. */
+function keys() {
+  let [said, key] = [null, null];
+  return (body) => {
+    const text = JSON.stringify(body);
+    if (text !== said)
+      [said, key] = [
+        text,
+        Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join(""),
+      ];
+    return key;
+  };
+}
+
+async function carryOut(action, body, key) {
+  const headers = { ...action.headers, "Idempotency-Key": key(body) };
+  const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
+  const told = await answer.json().catch(() => ({}));
+  if (told.state !== "PENDING") return `Done: ${action.title}.`;
+  return await settled(told, action);
+}
+
+/** The fleet's supervisor carries it out: it may be another one than was asked. */
+async function settled(told, action) {
+  const until = Date.now() + PATIENCE_MS;
+  while (has("GET", "/v1/actions/{}") && Date.now() < until) {
+    await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
+    const now = await get(`/v1/actions/${encodeURIComponent(told.action_id)}`);
+    if (now.state === "DONE") return `Done: ${action.title}.`;
+    if (now.state !== "PENDING")
+      throw new Problem({ detail: now.problem ?? `It was not done: ${now.state.toLowerCase()}.` });
+  }
+  return `Asked for: ${action.title}. The fleet's supervisor has not answered yet; the audit list will tell.`;
+}

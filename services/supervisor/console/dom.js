@@ -1,0 +1,90 @@
+// Elements, without a framework: made from values, and changed into one another so that what is shown
+// keeps its focus, its scroll position and its open parts when news come in.
+
+const SVG = "http://www.w3.org/2000/svg";
+const HANDLERS = Symbol("handlers");
+
+/** An HTML element: `h("a", { href, onclick }, "text", [more])`. Null, false and undefined are left out. */
+export function h(name, properties, ...children) {
+  return fill(document.createElement(name), properties, children);
+}
+
+/** An SVG element. */
+export function s(name, properties, ...children) {
+  return fill(document.createElementNS(SVG, name), properties, children);
+}
+
+function fill(element, properties, children) {
+  for (const [name, value] of Object.entries(properties ?? {})) {
+    if (value === null || value === undefined || value === false) continue;
+    if (typeof value === "function") listen(element, name.slice(2), value);
+    else element.setAttribute(name, value === true ? "" : String(value));
+  }
+  append(element, children);
+  return element;
+}
+
+function append(element, children) {
+  for (const child of children) {
+    if (child === null || child === undefined || child === false) continue;
+    if (Array.isArray(child)) append(element, child);
+    else element.append(child instanceof Node ? child : String(child));
+  }
+}
+
+function listen(element, type, handler) {
+  element[HANDLERS] ??= {};
+  const known = type in element[HANDLERS];
+  element[HANDLERS][type] = handler;
+  // The handler is looked up when it happens: `morph` puts newer ones in its place.
+  if (!known) element.addEventListener(type, (event) => element[HANDLERS][type]?.call(element, event));
+}
+
+/** Makes the children of `old` those of `next`, touching only what differs. */
+export function morphChildren(old, next) {
+  const kept = new Map();
+  for (const child of old.children) if (keyOf(child)) kept.set(keyOf(child), child);
+  let place = old.firstChild;
+  for (const wanted of [...next.childNodes]) {
+    const named = kept.get(keyOf(wanted));
+    const match = named ?? (place && !keyOf(place) && isAlike(place, wanted) ? place : null);
+    if (!match) {
+      old.insertBefore(wanted, place);
+      continue;
+    }
+    if (match === place) place = place.nextSibling;
+    else old.insertBefore(match, place);
+    morph(match, wanted);
+  }
+  while (place) {
+    const after = place.nextSibling;
+    place.remove();
+    place = after;
+  }
+}
+
+function keyOf(node) {
+  return node.nodeType === Node.ELEMENT_NODE ? node.id || node.getAttribute("data-key") : null;
+}
+
+function isAlike(one, other) {
+  return one.nodeName === other.nodeName && !keyOf(other);
+}
+
+function morph(old, next) {
+  if (old.nodeName !== next.nodeName) return void old.replaceWith(next);
+  if (old.nodeType !== Node.ELEMENT_NODE) {
+    if (old.data !== next.data) old.data = next.data;
+    return;
+  }
+  // What somebody has opened stays open.
+  const own = old.nodeName === "DETAILS" ? ["open"] : [];
+  for (const { name } of [...old.attributes]) {
+    if (!next.hasAttribute(name) && !own.includes(name)) old.removeAttribute(name);
+  }
+  for (const { name, value } of next.attributes) {
+    if (old.getAttribute(name) !== value && !own.includes(name)) old.setAttribute(name, value);
+  }
+  for (const [type, handler] of Object.entries(next[HANDLERS] ?? {})) listen(old, type, handler);
+  morphChildren(old, next);
+}

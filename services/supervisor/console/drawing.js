@@ -1,0 +1,126 @@
+// An array drawn to scale from what the API says of its whiskers: each stands at its place, as long as it is; what it
+// was while whole is an outline, and an arrow leads from whoever compensates to whom it serves.
+
+import { s } from "./dom.js";
+import { mm, mpa } from "./format.js";
+import { link } from "./places.js";
+import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
+
+/** All in mm, as the array is. A whisker's base and tip are drawn as wide as the paper's cone. */
+const BASE_MM = 10;
+const TIP_MM = 3;
+const SIDE_MM = 16;
+const HEAD_MM = 14;
+const FOOT_MM = 33;
+/** One scale for all arrays, so that they can be compared; a wide one scrolls in its box. */
+const PIXELS_PER_MM = 3.2;
+
+/** One picture for each row of whiskers that share `y_mm`. `serving` are decisions in force. */
+export function drawing(whiskers, serving) {
+  const rows = Map.groupBy(whiskers, (whisker) => whisker.y_mm);
+  const ordered = [...rows].sort(([one], [other]) => one - other);
+  return ordered.map(([y, row]) => picture(row, ordered.length > 1 ? `, row at ${mm(y, 0)}` : "", serving));
+}
+
+function picture(row, where, serving) {
+  const left = Math.min(...row.map((one) => one.x_mm)) - SIDE_MM;
+  const right = Math.max(...row.map((one) => one.x_mm)) + SIDE_MM;
+  const top = Math.max(...row.map((one) => Math.max(one.whole_length_mm, one.length_mm)));
+  const box = [left, -top - HEAD_MM, right - left, top + HEAD_MM + FOOT_MM].map((side) => side.toFixed(1));
+  const name = `Array ${row[0].array} to scale${where}`;
+  const arrows = serving.map((decision) => arrow(decision, row)).filter(Boolean);
+  return s(
+    "svg",
+    {
+      viewBox: box.join(" "),
+      class: "drawing",
+      role: "group",
+      "aria-label": name,
+      width: box[2] * PIXELS_PER_MM,
+      height: box[3] * PIXELS_PER_MM,
+    },
+    s("title", {}, name),
+    s("line", { x1: left, x2: right, y1: 0, y2: 0, class: "ground" }),
+    row.map((whisker) => one(whisker)),
+    arrows,
+  );
+}
+
+function cone(x, length, bottom = BASE_MM, tip = TIP_MM) {
+  const at = (dx, y) => `${(x + dx).toFixed(2)} ${y.toFixed(2)}`;
+  return `M${at(-bottom / 2, 0)}L${at(-tip / 2, -length)}L${at(tip / 2, -length)}L${at(bottom / 2, 0)}Z`;
+}
+
+/** How wide a whole whisker is at a length: a cut one ends there. */
+function widthAt(whisker) {
+  return (
+    BASE_MM - ((BASE_MM - TIP_MM) * Math.min(whisker.length_mm, whisker.whole_length_mm)) / whisker.whole_length_mm
+  );
+}
+
+function one(whisker) {
+  const { x_mm: x, length_mm: length, whole_length_mm: whole } = whisker;
+  const [word, tone] = worst(whisker);
+  const words = `Whisker ${whisker.whisker}: ${word}, ${mm(length, 1)} of ${mm(whole, 1)}, ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa, 3)}`;
+  return s(
+    "a",
+    {
+      href: link.whisker(whisker),
+      "data-key": `whisker-${whisker.whisker}`,
+      class: `whisker ${tone}`,
+      "aria-label": words,
+    },
+    s("title", {}, words),
+    s("rect", {
+      x: x - SIDE_MM / 2 - 2,
+      y: -whole - 8,
+      width: SIDE_MM + 4,
+      height: whole + 32,
+      class: "target",
+      rx: 2,
+    }),
+    s("path", { d: cone(x, whole), class: "whole" }),
+    s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
+    interval(whisker),
+    s("text", { x, y: -Math.max(whole, length) - 4, class: "length" }, length.toFixed(1)),
+    s("text", { x, y: 9, class: "name" }, whisker.whisker),
+    s("text", { x, y: 16, class: "state" }, word),
+    s("text", { x, y: 22, class: "state" }, `${(whisker.pressure_mpa ?? whisker.setpoint_mpa).toFixed(3)}`),
+  );
+}
+
+function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
+  return s("path", { d: `M${x} ${-low}V${-high}M${x - 1.5} ${-low}h3M${x - 1.5} ${-high}h3`, class: "interval" });
+}
+
+/** The one word that matters most, in the drawing's little space. */
+function worst(whisker) {
+  if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
+  if (whisker.fault)
+    return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
+  return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
+}
+
+/** From the foot of whoever serves to the foot of whom it serves; around its own foot if it serves itself. */
+function arrow(decision, row) {
+  const [from, to] = [decision.compensator_whisker, decision.target_whisker].map((number) =>
+    row.find((one) => one.whisker === number),
+  );
+  if (!from || !to) return null;
+  const words =
+    from === to
+      ? `Whisker ${to.whisker} compensates for itself`
+      : `Whisker ${from.whisker} compensates for whisker ${to.whisker}`;
+  const [start, end] = from === to ? [from.x_mm - 4, to.x_mm + 4] : [from.x_mm, to.x_mm];
+  const [y, low] = [25, 31];
+  const way = Math.sign(end - start);
+  const line = `M${start} ${y}C${start} ${low} ${end} ${low} ${end} ${y}`;
+  const head = `M${end - 1.6 - way * 0.4} ${y + 2.2}L${end} ${y}L${end + 1.6 - way * 0.4} ${y + 2.4}`;
+  return s(
+    "g",
+    { class: "arrow", role: "img", "aria-label": words },
+    s("title", {}, words),
+    s("path", { d: line }),
+    s("path", { d: head }),
+  );
+}

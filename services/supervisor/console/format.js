@@ -1,0 +1,61 @@
+// Values as people read them: numbers with units and sensible digits, times relative and absolute.
+
+import { h } from "./dom.js";
+
+/** Between a number and its unit. */
+const GAP = "\u00a0";
+const NONE = "\u2013";
+
+function number(value, digits, unit) {
+  return Number.isFinite(value) ? `${value.toFixed(digits)}${GAP}${unit}` : NONE;
+}
+
+/** 64.88 mm */
+export const mm = (value, digits = 2) => number(value, digits, "mm");
+/** 0.0472 MPa */
+export const mpa = (value, digits = 4) => number(value, digits, "MPa");
+/** 16.0 %, from a ratio. */
+export const percent = (ratio, digits = 1) => number(Number.isFinite(ratio) ? ratio * 100 : NaN, digits, "%");
+
+/** A value with its 95 % interval: "64.88 mm (64.31 to 65.45)". */
+export function interval(value, low, high, unit = mm) {
+  if (!Number.isFinite(value)) return NONE;
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return unit(value);
+  const bare = (bound) => unit(bound).split(GAP)[0];
+  return `${unit(value)} (${bare(low)} to ${bare(high)})`;
+}
+
+/** "1 whisker", "3 whiskers", "no whiskers". */
+export function count(many, one, more = `${one}s`) {
+  if (many === 0) return `no ${more}`;
+  return many === 1 ? `1 ${one}` : `${many.toLocaleString("en")} ${more}`;
+}
+
+const UNITS = [
+  ["day", 86_400],
+  ["hour", 3_600],
+  ["minute", 60],
+];
+const relative = new Intl.RelativeTimeFormat("en", { numeric: "always" });
+const clock = new Intl.DateTimeFormat("en-GB", { timeStyle: "medium" });
+const full = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium", timeStyle: "medium" });
+
+/** "5 minutes ago", "in 2 hours". */
+export function ago(at, now = Date.now()) {
+  const seconds = Math.round((new Date(at).getTime() - now) / 1000);
+  if (Math.abs(seconds) < 5) return "just now";
+  const unit = UNITS.find(([, size]) => Math.abs(seconds) >= size);
+  return unit ? relative.format(Math.trunc(seconds / unit[1]), unit[0]) : relative.format(seconds, "second");
+}
+
+/** A moment: the time of day (with the date unless it is today's), and how long ago; the exact UTC on pointing. */
+export function time(at) {
+  if (!at) return NONE;
+  const moment = new Date(at);
+  const isToday = moment.toDateString() === new Date().toDateString();
+  const absolute = (isToday ? clock : full).format(moment);
+  return h("time", { datetime: at, title: `${at} (UTC)` }, `${absolute} (${ago(at)})`);
+}
+
+/** A value, or a dash where there is none. */
+export const orNone = (value) => value ?? NONE;

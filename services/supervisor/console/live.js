@@ -1,0 +1,147 @@
+// Keeps the page up to date: listens to the service's stream of changes, connects again when it breaks, and asks
+// from time to time all the same. Tokens go in a header, which `EventSource` cannot send; so the stream is read by hand.
+
+import { ask, has } from "./api.js";
+import { EventParser } from "./sse.js";
+
+/** Between looks while the stream is there, and where the service has none. */
+const LOOK_MS = 10_000;
+const POLL_MS = 2_000;
+/** Changes that come together are looked at together. */
+const GATHER_MS = 150;
+/** From one look at changes to the next. */
+const PAUSE_MS = 1_000;
+const RETRY_MS = { first: 500, last: 15_000 };
+/** The service sends something at least that often. */
+const SILENCE_MS = 60_000;
+
+export class Live {
+  #onChange;
+  #onState;
+  #state = "";
+  #lastId = null;
+  #retries = 0;
+  #timer = 0;
+  #gathering = 0;
+  #lookedAt = 0;
+  #abort = null;
+  #wake = null;
+  #isListening = false;
+
+  /** `onChange(change)` for each change, null when everything may have changed; `onState(state)`. */
+  constructor(onChange, onState) {
+    this.#onChange = onChange;
+    this.#onState = onState;
+  }
+
+  /** Begins, or begins anew after a sign-in. */
+  start() {
+    this.stop();
+    this.#abort = new AbortController();
+    this.#isListening = false;
+    this.#begin();
+    this.#look();
+  }
+
+  /** As soon as it is known that there is a stream: not yet, if nobody answered so far. */
+  #begin() {
+    if (this.#isListening || !this.#abort || this.#abort.signal.aborted || !has("GET", "/v1/events")) return;
+    this.#isListening = true;
+    this.#listen(this.#abort.signal);
+  }
+
+  stop() {
+    this.#abort?.abort();
+    clearTimeout(this.#timer);
+    clearTimeout(this.#gathering);
+    this.#gathering = 0;
+  }
+
+  /** Tries again at once: the network or the page is back. */
+  hurry() {
+    this.#wake?.();
+    this.#gather();
+  }
+
+  /** What asking had for a result: the page's own requests tell, too, whether the service is there. */
+  told(isAnswered) {
+    if (!isAnswered) this.#tell("offline");
+    else if (!has("GET", "/v1/events")) this.#tell("polling");
+    else if (this.#state === "offline") this.#tell("reconnecting");
+    if (isAnswered) this.#begin();
+  }
+
+  #tell(state) {
+    if (state === this.#state) return;
+    this.#state = state;
+    this.#onState(state);
+  }
+
+  #look() {
+    const every = has("GET", "/v1/events") ? LOOK_MS : POLL_MS;
+    this.#timer = setTimeout(() => {
+      if (!document.hidden) this.#onChange();
+      this.#look();
+    }, every);
+  }
+
+  #gather() {
+    if (this.#gathering) return;
+    const wait = Math.max(GATHER_MS, this.#lookedAt + PAUSE_MS - Date.now());
+    this.#gathering = setTimeout(() => {
+      this.#gathering = 0;
+      this.#lookedAt = Date.now();
+      if (!document.hidden) this.#onChange();
+    }, wait);
+  }
+
+  async #listen(stopped) {
+    while (!stopped.aborted) {
+      try {
+        await this.#stream(stopped);
+      } catch (problem) {
+        if (stopped.aborted || problem.status === 401 || problem.status === 403) return;
+        this.#tell(problem.isSilence || !navigator.onLine ? "offline" : "reconnecting");
+      }
+      if (stopped.aborted) return;
+      if (this.#state === "live") this.#tell("reconnecting");
+      await this.#pause();
+    }
+  }
+
+  async #stream(stopped) {
+    const broken = new AbortController();
+    const signal = AbortSignal.any([stopped, broken.signal]);
+    const headers = { Accept: "text/event-stream" };
+    if (this.#lastId !== null) headers["Last-Event-ID"] = this.#lastId;
+    const answer = await ask("/v1/events", { headers, signal });
+    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+    const parser = new EventParser();
+    this.#tell("live");
+    // What happened in between is not known if nothing was heard before.
+    this.#gather();
+    for (;;) {
+      const silence = setTimeout(() => broken.abort(), SILENCE_MS);
+      const { done, value } = await reader.read().finally(() => clearTimeout(silence));
+      if (done) return;
+      this.#retries = 0;
+      parser.push(value).forEach((event) => this.#heard(event));
+    }
+  }
+
+  #heard({ event, id }) {
+    if (id !== null) this.#lastId = id;
+    if (event === "reset") this.#lastId = null;
+    this.#gather();
+  }
+
+  async #pause() {
+    const longest = Math.min(RETRY_MS.last, RETRY_MS.first * 2 ** this.#retries);
+    this.#retries += 1;
+    await new Promise((resolve) => {
+      this.#wake = resolve;
+      setTimeout(resolve, longest * (0.5 + Math.random() / 2));
+    });
+    this.#wake = null;
+  }
+}

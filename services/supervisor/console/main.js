@@ -1,0 +1,120 @@
+// The page: shows what its address names, and keeps it up to date.
+
+import { learn } from "./api.js";
+import { h, morphChildren } from "./dom.js";
+import { Live } from "./live.js";
+import { mark } from "./marks.js";
+import { problemPanel } from "./notices.js";
+import { find, navigation } from "./router.js";
+import { signInForm, signOut, token } from "./session.js";
+
+const main = document.getElementById("main");
+const STATES = {
+  live: ["live", "good", "circle"],
+  polling: ["live, by asking every 2 seconds", "good", "circle"],
+  reconnecting: ["reconnecting", "warn", "dots"],
+  offline: ["offline: what you see may be old", "bad", "gap"],
+};
+
+/** What is shown; its number tells answers that came too late. */
+let shown = { number: 0, page: null, parts: null };
+let isLoading = false;
+let isDirty = false;
+
+const live = new Live(
+  () => refresh(),
+  (state) => document.getElementById("connection").replaceChildren(mark(...STATES[state])),
+);
+
+async function show(isNavigation) {
+  const { page, parts } = find(location.hash);
+  const number = isNavigation ? shown.number + 1 : shown.number;
+  if (isNavigation) {
+    shown = { number, page, parts };
+    document.getElementById("nav").replaceChildren(navigation(location.hash));
+    if (main.dataset.address !== location.hash) main.setAttribute("aria-busy", "true");
+  }
+  let content;
+  try {
+    await learn();
+    const data = await page.load(parts);
+    content = page.view(data, parts, refresh);
+    live.told(true);
+  } catch (problem) {
+    if (number !== shown.number) return;
+    live.told(!problem.isSilence);
+    content = failed(problem, isNavigation);
+  }
+  if (number === shown.number && content) put(content, isNavigation);
+}
+
+function failed(problem, isNavigation) {
+  if (problem.status === 401) {
+    live.stop();
+    return signInForm(problem, start);
+  }
+  if (problem.status === undefined) console.error(problem);
+  // What was shown stays while nobody answers: the connection's state says so.
+  if (!isNavigation && problem.isSilence) return null;
+  return [h("h1", { tabindex: "-1" }, "This cannot be shown"), problemPanel(problem, () => show(true))];
+}
+
+function put(content, isNavigation) {
+  const next = h("main", {}, content);
+  const isSameAddress = main.dataset.address === location.hash;
+  const hadFocus = main.contains(document.activeElement);
+  if (isSameAddress) morphChildren(main, next);
+  else main.replaceChildren(...next.childNodes);
+  main.removeAttribute("aria-busy");
+  const heading = main.querySelector("h1");
+  document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
+  document.getElementById("sign-out").hidden = token() === null;
+  // Who follows a link hears and sees where it led to; the first page is not a step from anywhere.
+  if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
+    heading?.focus({ preventScroll: true });
+    scrollTo(0, 0);
+  } else if (hadFocus && !main.contains(document.activeElement)) {
+    // What had the focus is gone.
+    heading?.focus({ preventScroll: true });
+  }
+  main.dataset.address = location.hash;
+  main.dataset.shows = String(Number(main.dataset.shows ?? 0) + 1);
+}
+
+async function refresh() {
+  if (isLoading) {
+    isDirty = true;
+    return;
+  }
+  isLoading = true;
+  await show(false).finally(() => (isLoading = false));
+  if (isDirty) {
+    isDirty = false;
+    refresh();
+  }
+}
+
+async function start() {
+  await show(true);
+  live.start();
+}
+
+document.getElementById("sign-out").addEventListener("click", () => {
+  signOut();
+  document.getElementById("notices").replaceChildren();
+  document.querySelector("dialog")?.close();
+  start();
+});
+// The address's fragment is the page's: the skip link must not change it.
+document.getElementById("skip").addEventListener("click", (event) => {
+  event.preventDefault();
+  main.focus();
+});
+addEventListener("hashchange", () => {
+  // A dialog is about the page that it was opened on.
+  document.querySelector("dialog")?.close();
+  show(true);
+});
+addEventListener("online", () => live.hurry());
+document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
+start();

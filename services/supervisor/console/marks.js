@@ -1,0 +1,66 @@
+// States as a shape and words: colour only repeats what these say.
+
+import { h, s } from "./dom.js";
+import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
+
+const SHAPES = {
+  circle: () => s("circle", { cx: 8, cy: 8, r: 6, class: "fill" }),
+  ring: () => [s("circle", { cx: 8, cy: 8, r: 5.5 }), s("path", { d: "M4 12 12 4" })],
+  dots: () => [2.5, 8, 13.5].map((cx) => s("circle", { cx, cy: 8, r: 1.6, class: "fill" })),
+  diamond: () => s("path", { d: "M8 1 15 8 8 15 1 8Z", class: "fill" }),
+  stump: () => [
+    s("path", { d: "M2 14h12L11.5 8h-7Z", class: "fill" }),
+    s("path", { d: "M6 5 8 1 10 5", "stroke-dasharray": "1.5 1.5" }),
+  ],
+  slope: () => s("path", { d: "M2 3v11h12Z", class: "fill" }),
+  down: () => s("path", { d: "M8 2v10M3.5 8 8 13l4.5-5" }),
+  clock: () => [s("circle", { cx: 8, cy: 8, r: 6.2 }), s("path", { d: "M8 4v4l3 2" })],
+  cross: () => s("path", { d: "M3 3 13 13M13 3 3 13" }),
+  drop: () => s("path", { d: "M8 1C11 6 13 8 13 10.5a5 5 0 0 1-10 0C3 8 5 6 8 1Z", class: "fill" }),
+  gap: () => s("path", { d: "M1 8h5M10 8h5M6 4.5v7M10 4.5v7" }),
+  bell: () => [s("path", { d: "M3 12h10l-1.5-2V7a3.5 3.5 0 0 0-7 0v3Z", class: "fill" }), s("path", { d: "M7 14h2" })],
+  tick: () => s("path", { d: "M2.5 8.5 6.5 12.5 13.5 4" }),
+  hand: () => s("path", { d: "M4 3h3v10H4ZM9 3h3v10H9Z", class: "fill" }),
+};
+
+/** A shape and words in a tone. */
+export function mark(words, tone, shape) {
+  const picture = s(
+    "svg",
+    { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" },
+    SHAPES[shape]?.() ?? SHAPES.ring(),
+  );
+  return h("span", { class: `mark ${tone}` }, picture, h("span", {}, words));
+}
+
+/** The mark of one of the API's words. */
+export function markOf(words, word) {
+  const [, tone, shape] = words[word] ?? [null, "off", "ring"];
+  return mark(say(words, word), tone, shape);
+}
+
+/** What is to be said of a whisker, the worst first. */
+export function marksOf(whisker) {
+  const marks = [];
+  if (whisker.connection !== "ONLINE") marks.push(markOf(CONNECTIONS, whisker.connection));
+  if (whisker.fault) marks.push(markOf(FAULTS, whisker.fault));
+  marks.push(markOf(CONDITIONS, whisker.condition));
+  if (isUncompensated(whisker)) marks.push(mark("nobody serves it", "bad", "cross"));
+  if (whisker.held) marks.push(mark("held by an operator", "info", "hand"));
+  return h("span", { class: "marks" }, marks);
+}
+
+/** Trimmed, and nobody serves it. */
+export function isUncompensated(whisker) {
+  return whisker.condition === "TRIMMED" && whisker.compensated_by === null;
+}
+
+/** How much attention a whisker needs: for the order of lists. */
+export function attention(whisker) {
+  return (
+    (isUncompensated(whisker) ? 32 : 0) +
+    (whisker.fault ? 16 : 0) +
+    ({ TRIMMED: 8, SENSITIVITY_LOSS: 6, ERODING: 5, SUSPECTED: 4 }[whisker.condition] ?? 0) +
+    (whisker.held ? 1 : 0)
+  );
+}

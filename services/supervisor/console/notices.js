@@ -1,0 +1,29 @@
+// What people are told beside the page itself: results, and what went wrong.
+
+import { h } from "./dom.js";
+
+const SHOWN_MS = 12_000;
+
+/** Says something for a while; readers announce it. */
+export function notice(words) {
+  const close = h(
+    "button",
+    { type: "button", class: "quiet", "aria-label": "Dismiss the message", onclick: () => shown.remove() },
+    "\u00d7",
+  );
+  const shown = h("div", { class: "notice" }, h("span", {}, words), close);
+  document.getElementById("notices").append(shown);
+  setTimeout(() => shown.remove(), SHOWN_MS);
+}
+
+/** A problem in the service's words, with the request's name for its log. */
+export function problemPanel(problem, retry) {
+  const title = problem.title ? `${problem.title[0].toUpperCase()}${problem.title.slice(1)}` : "Something went wrong";
+  return h(
+    "div",
+    { class: "problem" },
+    h("p", {}, h("strong", {}, title, ". "), problem.message),
+    problem.requestId ? h("p", { class: "hint" }, "Request ", h("code", {}, problem.requestId)) : null,
+    retry ? h("button", { type: "button", onclick: retry }, "Try again") : null,
+  );
+}

@@ -1,0 +1,68 @@
+// What people asked for, and what became of it.
+
+import { ifServed, list } from "../api.js";
+import { h } from "../dom.js";
+import { time } from "../format.js";
+import { markOf } from "../marks.js";
+import { link } from "../places.js";
+import { table } from "../table.js";
+import { ACTION_KINDS, ACTION_STATES, say } from "../words.js";
+
+const ROWS = 200;
+
+export default {
+  load: () => ifServed("/v1/audit", () => list("/v1/audit", { limit: ROWS })),
+
+  view(actions) {
+    const heading = h("h1", { tabindex: "-1" }, "Audit");
+    if (!actions) return [heading, h("p", { class: "empty" }, "This service takes no actions.")];
+    return [
+      heading,
+      h("p", { class: "summary" }, `What people asked for, the newest first; ${ROWS} at the most.`),
+      table({
+        caption: "Actions",
+        rows: actions,
+        key: (row) => `action-${row.action_id}`,
+        empty: "Nobody has asked for anything yet.",
+        columns: [
+          { name: "When", head: true, cell: (row) => time(row.asked_at) },
+          { name: "Who", cell: (row) => row.actor ?? "\u2013" },
+          { name: "What", cell: (row) => [say(ACTION_KINDS, row.kind), details(row.parameters)] },
+          { name: "About", cell: subject },
+          {
+            name: "Result",
+            cell: (row) =>
+              h(
+                "span",
+                { class: "marks" },
+                markOf(ACTION_STATES, row.state),
+                row.problem ? h("span", {}, row.problem) : null,
+              ),
+          },
+          { name: "Why", cell: (row) => row.reason ?? "\u2013" },
+        ],
+      }),
+    ];
+  },
+};
+
+function details(parameters) {
+  const told = typeof parameters === "string" ? JSON.parse(parameters) : (parameters ?? {});
+  const known = Object.entries(told).filter(([, value]) => value !== null);
+  return known.length
+    ? h(
+        "span",
+        { class: "hint" },
+        ` (${known.map(([name, value]) => `${name.replaceAll("_", " ")}: ${value}`).join(", ")})`,
+      )
+    : null;
+}
+
+function subject(action) {
+  const { fleet, robot, array, whisker, compensation_id: compensation } = action;
+  if (compensation !== null && compensation !== undefined)
+    return h("a", { href: link.compensation(compensation) }, `compensation no. ${compensation}`);
+  if (array) return h("a", { href: link.whisker(action) }, `${robot}, whisker ${array} ${whisker}`);
+  if (robot) return h("a", { href: link.robot(action) }, `robot ${robot}`);
+  return fleet ? h("a", { href: link.fleet(fleet) }, `fleet ${fleet}`) : "\u2013";
+}

@@ -1,0 +1,110 @@
+// A robot: each array drawn to scale, and the same facts in a table beside it.
+
+import { get, list } from "../api.js";
+import { robotActions } from "../actions.js";
+import { h } from "../dom.js";
+import { drawing } from "../drawing.js";
+import { count, interval, mm, mpa, time } from "../format.js";
+import { attention, markOf, marksOf } from "../marks.js";
+import { api, link } from "../places.js";
+import { decisionsTable } from "../parts/decisions.js";
+import { proposals } from "../parts/proposals.js";
+import { facts, section, table, trail } from "../table.js";
+import { ARRAY_TYPES, CONNECTIONS, say } from "../words.js";
+import { health } from "./fleets.js";
+
+export default {
+  async load({ fleet, robot }) {
+    const [about, whiskers, decisions] = await Promise.all([
+      get(api.robot({ fleet, robot })),
+      list("/v1/whiskers", { fleet, robot }),
+      list("/v1/compensations", { fleet, robot, active: true }),
+    ]);
+    return { about, whiskers, decisions };
+  },
+
+  view({ about, whiskers, decisions }, { fleet, robot }, refresh) {
+    const waiting = decisions.filter((one) => one.approval === "PROPOSED");
+    const running = decisions.filter((one) => one.approval !== "PROPOSED");
+    const arrays = Map.groupBy(whiskers, (whisker) => whisker.array);
+    const actions = robotActions(about, refresh);
+    return [
+      trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)]),
+      h("h1", { tabindex: "-1" }, `Robot ${robot}`),
+      h("p", { class: "marks" }, markOf(CONNECTIONS, about.connection), health(about)),
+      facts([
+        ["Model", about.model],
+        ["Last heard of", time(about.updated_at)],
+        ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
+      ]),
+      actions.length ? h("div", { class: "buttons" }, actions) : null,
+      proposals(waiting, refresh),
+      whiskers.length ? null : h("p", { class: "empty" }, "The robot has not said yet what is on it (factsheet)."),
+      [...arrays].map(([array, row]) => arrayPart(array, row, running)),
+      section(
+        "Compensations in force",
+        decisionsTable(running, "Compensations in force", "None: nothing needs to be compensated."),
+      ),
+    ];
+  },
+};
+
+function arrayPart(array, whiskers, running) {
+  const serving = running.filter((one) => one.array === array && one.compensator_whisker !== null);
+  const sorted = [...whiskers].sort((one, other) => attention(other) - attention(one) || one.whisker - other.whisker);
+  return section(
+    `Array ${array}`,
+    h("p", {}, `${count(whiskers.length, "whisker")}: ${say(ARRAY_TYPES, whiskers[0].array_type)}.`),
+    h(
+      "div",
+      { class: "beside" },
+      h(
+        "div",
+        { class: "drawings", role: "region", "aria-label": `Drawing of ${array}`, tabindex: "0" },
+        drawing(whiskers, serving),
+        legend(),
+      ),
+      whiskersTable(array, sorted, running),
+    ),
+  );
+}
+
+function legend() {
+  return h(
+    "p",
+    { class: "hint" },
+    "To scale, in mm. Dashed: whole. The bar at a tip: 95 % interval of its length. Arrow: from who compensates to whom. Below: state, and pressure in MPa.",
+  );
+}
+
+function whiskersTable(array, whiskers, running) {
+  return table({
+    caption: `Whiskers of ${array}, what needs attention first`,
+    rows: whiskers,
+    key: (row) => `whisker-${array}-${row.whisker}`,
+    empty: "",
+    columns: [
+      { name: "Whisker", head: true, cell: (row) => h("a", { href: link.whisker(row) }, `${array} ${row.whisker}`) },
+      { name: "State", cell: marksOf },
+      { name: "Length", numeric: true, cell: (row) => interval(row.length_mm, row.length_low_mm, row.length_high_mm) },
+      { name: "Whole", numeric: true, cell: (row) => mm(row.whole_length_mm, 1) },
+      { name: "Pressure", numeric: true, cell: (row) => mpa(row.pressure_mpa) },
+      { name: "Compensation", cell: (row) => roles(row, running) },
+    ],
+  });
+}
+
+/** Whom a whisker serves, and who serves it. */
+function roles(whisker, running) {
+  const decision = (id) => running.find((one) => one.compensation_id === id);
+  const said = [];
+  const [by, in_] = [decision(whisker.compensated_by), decision(whisker.serves_in)];
+  if (by && by === in_) said.push([by, "compensates for itself"]);
+  else {
+    if (by) said.push([by, `served by ${by.compensator_whisker}`]);
+    if (in_) said.push([in_, `serves ${in_.target_whisker}`]);
+  }
+  return said.length
+    ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words))
+    : "\u2013";
+}

@@ -1,0 +1,187 @@
+// A whisker: how long it is and how sure that is, what it feels, its pressure, what was decided about it.
+
+import { get, has, ifServed, list } from "../api.js";
+import { proposalActions, whiskerActions } from "../actions.js";
+import { h } from "../dom.js";
+import { count, interval, mm, mpa, percent, time } from "../format.js";
+import { markOf, marksOf } from "../marks.js";
+import { api, link, ROUTES } from "../places.js";
+import { candidatesTable, decisionsTable, ratioPlot, setpointsTable } from "../parts/decisions.js";
+import { figure } from "../plot.js";
+import { facts, section, table, trail } from "../table.js";
+import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
+
+/** Setpoints whose history is shown. */
+const HISTORIES = 5;
+const PLOTS = [
+  ["lengths", "Length over time", "Estimated length with its 95 % interval."],
+  ["contacts", "Sensitivity against the model", "Measured over predicted sensitivity: 1 is as the model says."],
+  ["pressures", "Pressure, set and measured", "What the chamber shall hold, and what it holds."],
+  ["errors", "Compensation error over time", "Mean of Eq. 35 with its 95 % interval."],
+];
+
+export default {
+  async load({ fleet, robot, array, whisker }) {
+    const where = { fleet, robot, array };
+    const [about, targets, serves, setpoints, trims, changes] = await Promise.all([
+      get(api.whisker({ ...where, whisker })),
+      list("/v1/compensations", { ...where, target_whisker: whisker, limit: 20 }),
+      list("/v1/compensations", { ...where, compensator_whisker: whisker, limit: 20 }),
+      ifServed("/v1/setpoints", () => list("/v1/setpoints", { ...where, whisker, limit: 20 }), []),
+      ifServed("/v1/trims", () => list("/v1/trims", { ...where, whisker, limit: 20 }), []),
+      ifServed("/v1/health-changes", () => list("/v1/health-changes", { ...where, whisker, limit: 20 }), []),
+    ]);
+    const [newest, histories] = await Promise.all([
+      targets[0] ? get(api.compensation(targets[0].compensation_id)) : null,
+      has("GET", "/v1/setpoints/{}")
+        ? Promise.all(
+            setpoints.slice(0, HISTORIES).map((one) => get(`/v1/setpoints/${encodeURIComponent(one.command_id)}`)),
+          )
+        : [],
+    ]);
+    return {
+      about,
+      targets,
+      serves,
+      setpoints: setpoints.map((one, index) => histories[index] ?? one),
+      trims,
+      changes,
+      newest,
+    };
+  },
+
+  view({ about, targets, serves, setpoints, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
+    const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
+    const actions = whiskerActions(about, refresh);
+    return [
+      trail(
+        ["Fleets", link.fleets()],
+        [`Fleet ${fleet}`, link.fleet(fleet)],
+        [`Robot ${robot}`, link.robot({ fleet, robot })],
+      ),
+      h("h1", { tabindex: "-1" }, `Whisker ${array} ${whisker} of ${robot}`),
+      h("p", {}, marksOf(about)),
+      facts(of(about)),
+      actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
+      section("Plots", plots(about)),
+      newest ? section("Newest decision", decision(newest, refresh)) : null,
+      section(
+        "All decisions",
+        decisionsTable(
+          [...targets, ...others],
+          "Decisions about it, and those in which it serves",
+          "None: nothing needed to be decided.",
+        ),
+      ),
+      section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
+      section("Trims", trimsTable(trims)),
+      section("Changes of health", changesTable(changes)),
+    ];
+  },
+};
+
+function of(whisker) {
+  const rate = (name, unit) =>
+    interval(
+      whisker[name],
+      whisker[name.replace("_per_", "_low_per_")],
+      whisker[name.replace("_per_", "_high_per_")],
+      unit,
+    );
+  const perHour = (value) => (Number.isFinite(value) ? percent(value * 3600, 2) : "\u2013");
+  const perThousand = (value) => (Number.isFinite(value) ? mm(value * 1000, 2) : "\u2013");
+  return [
+    [
+      "Length",
+      h(
+        "span",
+        { id: "length" },
+        interval(whisker.length_mm, whisker.length_low_mm, whisker.length_high_mm),
+        ` of ${mm(whisker.whole_length_mm, 1)}`,
+      ),
+    ],
+    ["Pressure measured", mpa(whisker.pressure_mpa)],
+    [
+      "Pressure set",
+      `${mpa(whisker.setpoint_mpa)}; nominal ${mpa(whisker.nominal_pressure_mpa)}, at most ${mpa(whisker.pressure_max_mpa)}`,
+    ],
+    ["Contacts used", whisker.contacts.toLocaleString("en")],
+    ["Last heard of", time(whisker.heard_at)],
+    ["Model", whisker.model],
+    whisker.leak_per_s === null ? null : ["Leaks in an hour", rate("leak_per_s", perHour)],
+    whisker.erosion_mm_per_contact === null
+      ? null
+      : ["Erodes in 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
+    whisker.contacts_left === null ? null : ["Contacts until it is too short", remaining(whisker)],
+  ];
+}
+
+function remaining({ contacts_left: left, contacts_left_low: low, contacts_left_high: high }) {
+  const whole = (value) => Math.round(value).toLocaleString("en");
+  return `${whole(left)} (${low === null ? "?" : whole(low)} to ${high === null ? "never" : whole(high)})`;
+}
+
+/** The plots that the service draws; drawn again when something about the whisker has changed. */
+function plots(whisker) {
+  const version = [whisker.contacts, whisker.setpoint_mpa, whisker.pressure_mpa, whisker.compensated_by].join(" ");
+  const shown = PLOTS.filter(([name]) => has("GET", `${ROUTES.whisker}/${name}/plot.svg`));
+  if (!shown.length) return h("p", { class: "empty" }, "This service draws no plots.");
+  const plot = ([name, title, about]) =>
+    figure(name, `${api.whisker(whisker)}/${name}/plot.svg`, version, title, about);
+  return h("div", { class: "plots" }, shown.map(plot));
+}
+
+function decision(newest, refresh) {
+  const actions = proposalActions(newest, refresh);
+  return [
+    h(
+      "p",
+      {},
+      h("a", { href: link.compensation(newest.compensation_id) }, `Decision no. ${newest.compensation_id}`),
+      ", ",
+      time(newest.decided_at),
+    ),
+    newest.approval ? h("p", {}, markOf(APPROVALS, newest.approval)) : null,
+    actions.length ? h("div", { class: "buttons" }, actions) : null,
+    candidatesTable(
+      newest,
+      `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)}, and why each was refused`,
+    ),
+    ratioPlot(newest),
+  ];
+}
+
+function trimsTable(trims) {
+  return table({
+    caption: "Trims that were found, the newest first",
+    rows: [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at)),
+    key: (row) => `trim-${row.trim_id}`,
+    empty: "None was found.",
+    columns: [
+      { name: "Found", head: true, cell: (row) => time(row.detected_at) },
+      { name: "Length before", numeric: true, cell: (row) => mm(row.length_before_mm) },
+      {
+        name: "Length after",
+        numeric: true,
+        cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm),
+      },
+      { name: "Contacts to find it", numeric: true, cell: (row) => row.contacts_to_detect },
+    ],
+  });
+}
+
+function changesTable(changes) {
+  const word = (row, value) => (value === null ? "none" : say(row.kind === "FAULT" ? FAULTS : CONDITIONS, value));
+  return table({
+    caption: "Changes of condition and of faults, the newest first",
+    rows: [...changes].sort((one, other) => other.recorded_at.localeCompare(one.recorded_at)),
+    key: (row) => `change-${row.health_change_id}`,
+    empty: "None.",
+    columns: [
+      { name: "When", head: true, cell: (row) => time(row.recorded_at) },
+      { name: "What", cell: (row) => (row.kind === "FAULT" ? "fault" : "condition") },
+      { name: "Was", cell: (row) => word(row, row.was) },
+      { name: "Became", cell: (row) => word(row, row.becomes) },
+    ],
+  });
+}

@@ -1,0 +1,190 @@
+// Tables about decisions and setpoints, which several pages show.
+
+import { has } from "../api.js";
+import { h } from "../dom.js";
+import { count, interval, mm, mpa, orNone, percent, time } from "../format.js";
+import { mark, markOf } from "../marks.js";
+import { api, link, names } from "../places.js";
+import { figure } from "../plot.js";
+import { table } from "../table.js";
+import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_REASONS, SETPOINT_STATES } from "../words.js";
+
+/** A predicted or measured error with its interval. */
+export const error = (row, name) => interval(row[name], row[`${name}_low`], row[`${name}_high`], percent);
+
+/** Whether a decision is in force, and since when or why not. */
+export function standing(row) {
+  if (row.ended_at)
+    return h(
+      "span",
+      { class: "marks" },
+      mark(`ended: ${say(END_REASONS, row.end_reason)}`, "off", "ring"),
+      time(row.ended_at),
+    );
+  if (row.approval === "PROPOSED" || row.approval === "REFUSED") return markOf(APPROVALS, row.approval);
+  if (row.compensator_whisker === null) return mark("nobody can serve", "bad", "cross");
+  return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("in force", "good", "circle");
+}
+
+/** Decisions, the newest first. */
+export function decisionsTable(rows, caption, empty) {
+  return table({
+    caption,
+    rows,
+    empty,
+    key: (row) => `decision-${row.compensation_id}`,
+    columns: [
+      {
+        name: "Decision",
+        head: true,
+        cell: (row) =>
+          h(
+            "a",
+            { href: link.compensation(row.compensation_id) },
+            `${row.array} ${row.target_whisker}, no. ${row.compensation_id}`,
+          ),
+      },
+      { name: "Decided", cell: (row) => time(row.decided_at) },
+      { name: "Who compensates", cell: (row) => server(row) },
+      {
+        name: "Pressure",
+        numeric: true,
+        cell: (row) =>
+          row.pressure_mpa === null
+            ? "\u2013"
+            : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.held_pressure_mpa ?? row.pressure_mpa)}`,
+      },
+      { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
+      { name: "Measured error", numeric: true, cell: (row) => error(row, "measured_error") },
+      { name: "State", cell: standing },
+    ],
+  });
+}
+
+/** Who serves a decision's target, and how. */
+export function server(row) {
+  if (row.compensator_whisker === null) return "nobody can";
+  const whisker = h(
+    "a",
+    { href: link.whisker(names(row, row.compensator_whisker)) },
+    `whisker ${row.compensator_whisker}`,
+  );
+  return h("span", {}, whisker, `: ${say(CASES, row.case)}`);
+}
+
+/** Everyone who was asked, and why each was refused. */
+export function candidatesTable(decision, caption) {
+  const verdict = (row) =>
+    row.chosen
+      ? mark("chosen", "good", "tick")
+      : mark(row.refused ? say(REFUSALS, row.refused) : "not needed", "off", "ring");
+  return table({
+    caption,
+    rows: decision.candidates,
+    empty: "Nobody could be asked.",
+    columns: [
+      {
+        name: "Candidate",
+        head: true,
+        cell: (row) => h("a", { href: link.whisker(names(decision, row.whisker)) }, `whisker ${row.whisker}`),
+      },
+      { name: "Result", cell: verdict },
+      { name: "Case", cell: (row) => say(CASES, row.case) },
+      {
+        name: "Length",
+        numeric: true,
+        cell: (row) =>
+          interval(row.length_mm, row.length_mm - 1.96 * row.length_sd_mm, row.length_mm + 1.96 * row.length_sd_mm, mm),
+      },
+      {
+        name: "Pressure",
+        numeric: true,
+        cell: (row) =>
+          row.pressure_mpa === null ? "\u2013" : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.pressure_mpa)}`,
+      },
+      { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
+      { name: "Own role", cell: (row) => (row.gives_up_own_role ? "gives it up" : "keeps it") },
+    ],
+  });
+}
+
+/** The plot of a decision's errors by contact ratio. */
+export function ratioPlot(decision) {
+  if (!has("GET", "/v1/compensations/{}/plot.svg") || decision.compensator_whisker === null) return null;
+  const version = `${decision.measured_contacts} ${decision.measured_at}`;
+  const about = "Predicted and measured, with 95 % intervals.";
+  return figure(
+    "ratio",
+    `${api.compensation(decision.compensation_id)}/plot.svg`,
+    version,
+    "Error by contact ratio",
+    about,
+  );
+}
+
+/** Looks at the pressure in force, and what came of each. */
+export function looksTable(looks) {
+  return table({
+    caption: "Looks at the pressure in force",
+    rows: looks,
+    empty: "The pressure has not been looked at yet: that begins after 200 contacts.",
+    columns: [
+      { name: "When", head: true, cell: (row) => time(row.recorded_at) },
+      { name: "Contacts", numeric: true, cell: (row) => row.contacts },
+      {
+        name: "What came of it",
+        cell: (row) => say(LOOKS, row.outcome) + (row.gain_published ? "; a new gain was sent" : ""),
+      },
+      {
+        name: "Pressure",
+        numeric: true,
+        cell: (row) =>
+          `${mpa(row.pressure_from_mpa)}${row.outcome === "REFINED" ? ` \u2192 ${mpa(row.pressure_best_mpa)}` : ""}`,
+      },
+      { name: "Error as felt", numeric: true, cell: (row) => error(row, "error") },
+      { name: "Expected at best", numeric: true, cell: (row) => error(row, "error_best") },
+      { name: "With the gain", numeric: true, cell: (row) => percent(row.error_with_gain) },
+    ],
+  });
+}
+
+/** Setpoints, the newest first; `history` are the states of the newest by its name. */
+export function setpointsTable(rows, caption) {
+  return table({
+    caption,
+    rows,
+    empty: "No setpoint was sent yet.",
+    key: (row) => row.command_id,
+    columns: [
+      { name: "Sent", head: true, cell: (row) => time(row.issued_at) },
+      { name: "Pressure", numeric: true, cell: (row) => mpa(row.pressure_mpa) },
+      {
+        name: "State",
+        cell: (row) =>
+          h(
+            "span",
+            { class: "marks" },
+            markOf(SETPOINT_STATES, row.state),
+            row.error ? h("span", {}, say({}, row.error)) : null,
+          ),
+      },
+      { name: "Reached", numeric: true, cell: (row) => mpa(row.reached_mpa) },
+      { name: "Why", cell: (row) => say(SETPOINT_REASONS, row.reason) },
+      {
+        name: "Decision",
+        cell: (row) =>
+          row.compensation_id === null
+            ? "\u2013"
+            : h("a", { href: link.compensation(row.compensation_id) }, `no. ${row.compensation_id}`),
+      },
+      { name: "History", cell: (row) => steps(row.history) },
+    ],
+  });
+}
+
+function steps(history) {
+  if (!history) return orNone(null);
+  const step = (one) =>
+    h("li", {}, say(SETPOINT_STATES, one.state), one.error ? ` (${say({}, one.error)})` : "", " ", time(one.at));
+  return h("details", {}, h("summary", {}, count(history.length, "step")), h("ol", {}, history.map(step)));
+}

@@ -1,0 +1,40 @@
+// Where things are: addresses in this page, and paths of the API.
+
+import { path } from "./api.js";
+
+const part = encodeURIComponent;
+
+/** Addresses in this page. */
+export const link = {
+  fleets: () => "#/fleets",
+  fleet: (fleet) => `#/fleets/${part(fleet)}`,
+  robot: ({ fleet, robot }) => `#/fleets/${part(fleet)}/robots/${part(robot)}`,
+  whisker: ({ fleet, robot, array, whisker }) =>
+    `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
+  compensation: (id) => `#/compensations/${part(id)}`,
+  policy: (fleet) => `#/policy/${part(fleet)}`,
+};
+
+/** Paths of the API. */
+export const api = {
+  fleet: (fleet) => path`/v1/fleets/${fleet}`,
+  robot: ({ fleet, robot }) => path`/v1/fleets/${fleet}/robots/${robot}`,
+  whisker: ({ fleet, robot, array, whisker }) =>
+    path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
+  compensation: (id) => path`/v1/compensations/${id}`,
+  alarm: (id) => path`/v1/alarms/${id}`,
+  policy: (fleet) => path`/v1/fleets/${fleet}/policy`,
+};
+
+/** Shapes of the API's paths, to ask whether they are served. */
+export const ROUTES = {
+  whisker: "/v1/fleets/{}/robots/{}/arrays/{}/whiskers/{}",
+  robot: "/v1/fleets/{}/robots/{}",
+  policy: "/v1/fleets/{}/policy",
+};
+
+/** A whisker in words: "left 3". */
+export const whiskerName = ({ array, whisker }) => `${array} ${whisker}`;
+
+/** A link to a whisker. */
+export const names = (row, whisker) => ({ fleet: row.fleet, robot: row.robot, array: row.array, whisker });

@@ -1,0 +1,69 @@
+// Addresses in this page, and what shows them.
+
+import { h } from "./dom.js";
+import alarms from "./pages/alarms.js";
+import audit from "./pages/audit.js";
+import compensation from "./pages/compensation.js";
+import fleet from "./pages/fleet.js";
+import fleets from "./pages/fleets.js";
+import nowhere from "./pages/nowhere.js";
+import policy from "./pages/policy.js";
+import robot from "./pages/robot.js";
+import whisker from "./pages/whisker.js";
+
+const PAGES = [
+  ["fleets", fleets],
+  ["fleets/:fleet", fleet],
+  ["fleets/:fleet/robots/:robot", robot],
+  ["fleets/:fleet/robots/:robot/arrays/:array/whiskers/:whisker", whisker],
+  ["alarms", alarms],
+  ["compensations/:id", compensation],
+  ["audit", audit],
+  ["policy", policy],
+  ["policy/:fleet", policy],
+];
+
+const MAIN = [
+  ["Fleets", "#/fleets", "fleets"],
+  ["Alarms", "#/alarms", "alarms"],
+  ["Policy", "#/policy", "policy"],
+  ["Audit", "#/audit", "audit"],
+];
+
+/** The page of an address, and the address's parts by name. */
+export function find(hash) {
+  const told = hash.replace(/^#?\/?/, "").split("/");
+  if (told[0] === "") return { page: fleets, parts: {} };
+  for (const [pattern, page] of PAGES) {
+    const parts = match(pattern.split("/"), told);
+    if (parts) return { page, parts };
+  }
+  return { page: nowhere, parts: {} };
+}
+
+function match(pattern, told) {
+  if (pattern.length !== told.length) return null;
+  const parts = {};
+  for (const [index, part] of pattern.entries()) {
+    if (part.startsWith(":")) parts[part.slice(1)] = decoded(told[index]);
+    else if (part !== told[index]) return null;
+  }
+  return parts;
+}
+
+function decoded(part) {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
+/** Links to the main pages; the one that is shown is marked. */
+export function navigation(hash) {
+  const first = hash.replace(/^#?\/?/, "").split("/")[0] || "fleets";
+  const current = (target, address) => (target !== first ? null : address === hash ? "page" : "true");
+  const item = ([words, address, target]) =>
+    h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
+  return h("ul", {}, MAIN.map(item));
+}

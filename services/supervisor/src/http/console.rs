@@ -1,0 +1,123 @@
+//! The operators' console: a page at `/` and its modules under `/console/`, which ask the API for everything they
+//! show. The files need no token, since they tell nothing; data do.
+//!
+//! Debug builds read the files from the source folder, so that they can be edited while the service runs; releases
+//! carry them.
+
+use axum::Router;
+use axum::extract::Path;
+use axum::http::{HeaderMap, HeaderName, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use rust_embed::{EmbeddedFile, RustEmbed};
+
+use super::problem::{Kind, Problem};
+
+/// The page itself, which is at `/` only: its links are relative to that.
+const PAGE: &str = "index.html";
+
+/// What browsers are told of every file. Scripts, styles and data come from this origin alone, nothing is inline, and
+/// no other site's page may frame it. `no-cache` means that a copy is asked about each time, by its `ETag`.
+const HEADERS: [(HeaderName, &str); 6] = [
+    (
+        header::CONTENT_SECURITY_POLICY,
+        "default-src 'self'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
+         object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    (header::CACHE_CONTROL, "no-cache"),
+];
+
+#[derive(RustEmbed)]
+#[folder = "console/"]
+struct Files;
+
+/// The page and its files.
+pub(super) fn routes() -> Router {
+    Router::new().route("/", get(page)).route("/console/{*path}", get(file))
+}
+
+async fn page(headers: HeaderMap) -> Response {
+    answer(PAGE, &headers)
+}
+
+async fn file(Path(path): Path<String>, headers: HeaderMap) -> Response {
+    if path == PAGE { missing() } else { answer(&path, &headers) }
+}
+
+fn answer(path: &str, headers: &HeaderMap) -> Response {
+    let Some(file) = Files::get(path) else { return missing() };
+    let tag = tag(&file);
+    if headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok()).is_some_and(|tags| has(tags, &tag)) {
+        return (StatusCode::NOT_MODIFIED, HEADERS, [(header::ETAG, tag)]).into_response();
+    }
+    (HEADERS, [(header::ETAG, tag), (header::CONTENT_TYPE, media_type(path).to_owned())], file.data).into_response()
+}
+
+fn missing() -> Response {
+    Problem::new(Kind::NotFound, "the console has no file of that name").into_response()
+}
+
+/// Names the file's content.
+fn tag(file: &EmbeddedFile) -> String {
+    let hash = file.metadata.sha256_hash();
+    let start: String = hash.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
+    format!("\"{start}\"")
+}
+
+/// Whether one of the tags of `If-None-Match` is that one.
+fn has(tags: &str, tag: &str) -> bool {
+    tags.split(',').map(|one| one.trim().trim_start_matches("W/")).any(|one| one == tag || one == "*")
+}
+
+fn media_type(path: &str) -> &'static str {
+    match path.rsplit_once('.').map(|(_, ending)| ending) {
+        Some("html") => "text/html; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("js") => "text/javascript; charset=utf-8",
+        Some("svg") => "image/svg+xml",
+        _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    async fn ask(path: &str, tags: &str) -> Response {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::IF_NONE_MATCH, tags.parse().unwrap());
+        file(Path(path.to_owned()), headers).await
+    }
+
+    #[tokio::test]
+    async fn a_file_that_was_not_changed_is_not_sent_again() {
+        let first = ask("styles/base.css", "\"another\"").await;
+        assert_eq!(first.status(), StatusCode::OK);
+        assert_eq!(first.headers()[header::CONTENT_TYPE], "text/css; charset=utf-8");
+        let tag = first.headers()[header::ETAG].to_str().unwrap().to_owned();
+        for tags in [tag.clone(), format!("\"x\", W/{tag}"), "*".to_owned()] {
+            let again = ask("styles/base.css", &tags).await;
+            assert_eq!(again.status(), StatusCode::NOT_MODIFIED, "{tags}");
+            assert_eq!(again.headers()[header::ETAG].to_str().unwrap(), tag);
+        }
+    }
+
+    #[tokio::test]
+    async fn what_is_not_in_the_folder_is_not_found() {
+        for path in ["nothing.js", "../Cargo.toml", "..%2fCargo.toml", "/etc/hostname", "", "index.html"] {
+            assert_eq!(ask(path, "").await.status(), StatusCode::NOT_FOUND, "{path:?}");
+        }
+    }
+
+    #[test]
+    fn every_file_has_a_type_that_browsers_take() {
+        for path in Files::iter() {
+            assert_ne!(media_type(&path), "application/octet-stream", "{path}");
+        }
+        assert!(Files::iter().any(|path| path == PAGE));
+    }
+}

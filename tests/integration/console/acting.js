@@ -1,0 +1,21 @@
+// Stands in for routes that carry out actions: says that they are served, keeps what is sent to them, and answers as
+// `window.answer` says. Everything else goes to the service.
+window.sent = [];
+window.answer = { status: 200, body: { action_id: 1, state: "DONE" } };
+const ask = window.fetch;
+const WHISKER = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}";
+window.fetch = async (path, options = {}) => {
+  if (options.method === "POST") {
+    window.sent.push({ path, body: JSON.parse(options.body), key: options.headers["Idempotency-Key"] });
+    return new Response(JSON.stringify(window.answer.body), {
+      status: window.answer.status,
+      headers: { "X-Request-Id": "request-7" },
+    });
+  }
+  const answer = await ask(path, options);
+  if (path !== "openapi.json") return answer;
+  const document = await answer.json();
+  for (const name of ["setpoint", "hold", "release", "replaced", "rebaseline"])
+    document.paths[`${WHISKER}/${name}`] = { post: {} };
+  return new Response(JSON.stringify(document));
+};

@@ -1,0 +1,74 @@
+//! Everything can be reached and done with the keyboard alone, and what has the focus can be seen.
+
+use std::collections::BTreeSet;
+
+use serde_json::json;
+
+use crate::stage::Stage;
+
+/// Gives each thing that can be used a number, and counts them.
+const NUMBER: &str = "[...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
+    .filter((one) => one.getClientRects().length && !one.disabled) \
+    .map((one, index) => (one.numbered = index)).length";
+/// The number of what has the focus, and whether that can be seen.
+const FOCUSED: &str = "(() => { const one = document.activeElement; \
+    const inside = one.querySelector?.('.target'); \
+    const isSeen = getComputedStyle(one).outlineStyle !== 'none' || (inside && getComputedStyle(inside).stroke !== 'none'); \
+    return { number: one.numbered ?? null, isBody: one === document.body, isSeen, html: one.outerHTML.slice(0, 120) }; })()";
+
+#[tokio::test]
+async fn tab_reaches_everything_that_can_be_used_and_shows_where_it_is() {
+    let mut stage = Stage::start().await;
+    stage.cut().await;
+    stage.robot.setpoint().await;
+    for (name, hash) in stage.pages().await {
+        stage.open(&hash).await;
+        let expected = stage.browser.js(NUMBER).await.as_u64().unwrap();
+        // From the first one on.
+        stage.browser.js("document.getElementById('skip').focus()").await;
+        let mut reached = BTreeSet::from([0]);
+        for _ in 0..expected * 2 + 20 {
+            stage.browser.press("Tab").await;
+            let focused = stage.browser.js(FOCUSED).await;
+            if focused["isBody"] == json!(true) {
+                break;
+            }
+            assert_eq!(focused["isSeen"], json!(true), "{name}: the focus cannot be seen: {focused}");
+            reached.extend(focused["number"].as_u64());
+        }
+        let missed: Vec<u64> = (0..expected).filter(|number| !reached.contains(number)).collect();
+        assert!(missed.is_empty(), "{name}: Tab does not reach {missed:?} of {expected}");
+    }
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn enter_follows_a_link_and_the_focus_moves_to_where_it_led() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    for (link, heading) in [("a[href=\"#/fleets/f\"]", "Fleet f"), ("a[href=\"#/fleets/f/robots/r\"]", "Robot r")] {
+        stage.browser.js(&format!("document.querySelector('main {}').focus()", link.replace('\'', "\""))).await;
+        stage.browser.press("Enter").await;
+        let led =
+            format!("document.activeElement.localName === 'h1' && document.activeElement.textContent === '{heading}'");
+        stage.browser.until(heading, &led).await;
+        assert_eq!(stage.browser.js(&format!("document.title.startsWith('{heading}')")).await, json!(true));
+    }
+    stage.browser.js("document.querySelector('svg.drawing a').focus()").await;
+    stage.browser.press("Enter").await;
+    stage.browser.until("a whisker", "document.activeElement.textContent === 'Whisker left 0 of r'").await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn the_skip_link_leads_past_the_navigation() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    stage.browser.press("Tab").await;
+    assert_eq!(stage.browser.js("document.activeElement.id").await, "skip");
+    stage.browser.press("Enter").await;
+    assert_eq!(stage.browser.js("document.activeElement.id").await, "main");
+    assert_eq!(stage.browser.js("location.hash").await, "#/fleets");
+    stage.stop().await;
+}

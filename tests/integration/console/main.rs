@@ -1,0 +1,14 @@
+//! The operators' console in a real browser, in front of a real service.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod browser;
+mod checks;
+mod stage;
+
+mod acting;
+mod keyboard;
+mod live;
+mod loading;
+mod reading;
+mod signing_in;

@@ -1,0 +1,132 @@
+//! A service with a robot, and a browser in front of it.
+
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tempfile::TempDir;
+use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa::store::DatabaseAddress;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::{ArrayType, Name};
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+use vibrissa_tests::web::try_get;
+
+use crate::browser::Browser;
+
+/// Contacts until a whisker counts as learned: few, so that tests are quick.
+pub(crate) const LEARNED: usize = 60;
+
+/// Rounds of touches after which a cut is found for certain.
+const ROUNDS_MAX: usize = 30;
+
+/// Everything that a test needs.
+pub(crate) struct Stage {
+    pub(crate) service: Service,
+    pub(crate) robot: HandRobot,
+    pub(crate) browser: Browser,
+    folder: TempDir,
+}
+
+impl Stage {
+    /// A service that asks for no token.
+    pub(crate) async fn start() -> Self {
+        Self::listening("127.0.0.1:0").await
+    }
+
+    /// With a robot `r` of the fleet `f`, whose array `left` has three whiskers that are learned.
+    pub(crate) async fn listening(http: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let fleet = Name::new("f").unwrap();
+        let mut params = Params::nguyen_2021(Formulation::Published);
+        params.detection.cold_start_contacts = LEARNED as u32;
+        let service = Service::start(ServiceOptions {
+            name: "s".to_owned(),
+            fleets: vec![fleet.clone()],
+            database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
+            lease_time_to_live: LEASE_TIME_TO_LIVE,
+            broker: None,
+            mqtt_port: 0,
+            http: http.parse().unwrap(),
+            params,
+        })
+        .await
+        .unwrap();
+        let connected = service.metrics.of_fleet(&fleet).broker_connected;
+        until_true("the connection to the broker", async || connected.get() == 1).await;
+        let mut robot = HandRobot::born(service.broker.port, "r", array(ArrayType::Type1, &[70.0, 68.0, 65.0])).await;
+        for whisker in 0..3 {
+            robot.touch(whisker, LEARNED + 20).await;
+        }
+        robot.receipted().await;
+        Self { service, robot, browser: Browser::start().await, folder }
+    }
+
+    /// Cuts whisker 0 to 65 mm and touches with all, as only that tells it from a change of the array, until it is known.
+    pub(crate) async fn cut(&mut self) {
+        self.robot.cut(0, 65.0);
+        for _ in 0..ROUNDS_MAX {
+            for whisker in 0..3 {
+                self.robot.touch(whisker, 20).await;
+            }
+            self.robot.receipted().await;
+            let (status, trims) = try_get(self.service.http, "/v1/trims").await.unwrap();
+            assert_eq!(status, 200, "{trims}");
+            if trims.contains("trim_id") {
+                return;
+            }
+        }
+        panic!("the cut was not found");
+    }
+
+    /// An address in the console.
+    pub(crate) fn url(&self, hash: &str) -> String {
+        format!("http://127.0.0.1:{}/{hash}", self.service.http.port())
+    }
+
+    /// Goes there.
+    pub(crate) async fn open(&mut self, hash: &str) {
+        let url = self.url(hash);
+        self.browser.open(&url).await;
+    }
+
+    /// Every page with its address, when whisker 0 is cut and something was decided about it.
+    pub(crate) async fn pages(&self) -> Vec<(&'static str, String)> {
+        let (_, decisions) = try_get(self.service.http, "/v1/compensations").await.unwrap();
+        let decisions: Value = serde_json::from_str(&decisions).unwrap();
+        let decision = &decisions["items"][0]["compensation_id"];
+        let pages = [
+            ("fleets", "fleets"),
+            ("fleet", "fleets/f"),
+            ("robot", "fleets/f/robots/r"),
+            ("whisker", "fleets/f/robots/r/arrays/left/whiskers/0"),
+            ("compensation", &format!("compensations/{decision}")),
+            ("alarms", "alarms"),
+            ("policy", "policy"),
+            ("audit", "audit"),
+            ("nowhere", "no/such/page"),
+        ];
+        pages.into_iter().map(|(name, address)| (name, format!("#/{address}"))).collect()
+    }
+
+    /// Where a picture goes: a folder that outlives the test if `VIBRISSA_PICTURES` names one.
+    pub(crate) fn picture(&self, name: &str) -> PathBuf {
+        let folder = std::env::var_os("VIBRISSA_PICTURES").map_or_else(|| self.folder.path().to_owned(), PathBuf::from);
+        folder.join(format!("{name}.png"))
+    }
+
+    /// Asserts that the page had no errors, and asked nobody but the service.
+    pub(crate) fn is_clean(&self) {
+        assert_eq!(self.browser.problems(), Vec::<String>::new());
+        let own = self.url("");
+        let strange = |url: &String| !(url.starts_with(&own) || url.starts_with("about:") || url.starts_with("data:"));
+        let strange: Vec<String> = self.browser.asked().into_iter().filter(strange).collect();
+        assert_eq!(strange, Vec::<String>::new());
+    }
+
+    pub(crate) async fn stop(self) {
+        drop(self.browser);
+        self.service.stop().await;
+    }
+}
