@@ -54,6 +54,7 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
         "mosquitto_passwords",
         "postgres_password",
         "robots_mqtt_password",
+        "supervisor_http_token",
         "supervisor_mqtt_password",
         "supervisor_postgres_password",
     ];

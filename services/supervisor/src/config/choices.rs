@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use vibrissa_core::mechanics::{Formulation, Objective};
-use vibrissa_core::policy::LongerForShorter;
+use vibrissa_core::policy::{LongerForShorter, Mode};
 
 /// How the paper's factor of eq. 27, 29 and 31 is read.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -18,6 +18,24 @@ impl From<FormulationArg> for Formulation {
         match arg {
             FormulationArg::Published => Self::Published,
             FormulationArg::Consistent => Self::Consistent,
+        }
+    }
+}
+
+/// Who says that a compensation begins.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ModeArg {
+    /// The program.
+    Automatic,
+    /// An operator, of each that is proposed.
+    Advise,
+}
+
+impl From<ModeArg> for Mode {
+    fn from(arg: ModeArg) -> Self {
+        match arg {
+            ModeArg::Automatic => Self::Automatic,
+            ModeArg::Advise => Self::Advise,
         }
     }
 }

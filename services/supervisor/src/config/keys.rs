@@ -124,6 +124,8 @@ keys! {
         "The claim with the fleets: a list of names, or * for all";
     ModelFormulation: "model.formulation", Kind::Text, Some(r#""published""#),
         "How the paper's equations are read: published (as printed) or consistent (as its Table 2 would have it)";
+    PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),
+        "Who says that a compensation begins: automatic, or advise (an operator approves each); a policy set over HTTP wins";
     PolicyObjective: "policy.objective", Kind::Text, Some(r#""tip""#),
         "What a setpoint is solved for: tip (equal sensitivity there) or mean (least mean error over the contact ratios)";
     PolicyLongerForShorter: "policy.longer_for_shorter", Kind::Text, Some(r#""last-resort""#),

@@ -23,7 +23,7 @@ use std::time::Duration;
 
 use tracing_subscriber::EnvFilter;
 use vibrissa_core::mechanics::{Formulation, Model, Objective};
-use vibrissa_core::policy::LongerForShorter;
+use vibrissa_core::policy::{LongerForShorter, Mode};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
@@ -39,7 +39,7 @@ use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
 use crate::service::ServiceOptions;
 use crate::store::DatabaseAddress;
-use choices::{FormulationArg, LongerForShorterArg, ObjectiveArg};
+use choices::{FormulationArg, LongerForShorterArg, ModeArg, ObjectiveArg};
 
 /// A configuration that was checked as a whole. `Debug` shows no secret.
 #[derive(Debug, Clone)]
@@ -66,6 +66,8 @@ pub struct Config {
     pub access: AccessOptions,
     /// How the paper's equations are read.
     pub formulation: Formulation,
+    /// Who says that a compensation begins.
+    pub mode: Mode,
     /// What a setpoint is solved for.
     pub objective: Objective,
     /// Whether a longer whisker may stand in for a shorter one.
@@ -123,6 +125,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         text.parse().map_err(|_| format!("must be an address and a port such as 127.0.0.1:8080, not {text:?}"))
     });
     let access = http::access(reader);
+    let mode = reader.word::<ModeArg>(Key::PolicyMode);
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
     let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
     let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
@@ -142,6 +145,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         http: http?,
         access: access?,
         formulation: formulation?,
+        mode: mode?.into(),
         objective: objective?.into(),
         longer_for_shorter: longer_for_shorter?.into(),
         predicted_error_max: predicted_error_max?,
@@ -207,6 +211,7 @@ impl Config {
     pub fn params(&self) -> Params {
         let mut params = Params::nguyen_2021(self.formulation);
         params.models.extend(self.models.iter().cloned());
+        params.policy.mode = self.mode;
         params.policy.objective = self.objective;
         params.policy.longer_for_shorter = self.longer_for_shorter;
         params.policy.predicted_error_max = self.predicted_error_max;

@@ -125,6 +125,7 @@ pub fn router(app: App) -> (Router, Document) {
     let router = Router::new()
         .merge(api.route_layer(from_fn_with_state(gate, access::check)))
         .route("/openapi.json", get(async move || Json(served)))
+        .route("/problems/{name}", get(problem::explain))
         .route("/livez", get(health::livez))
         .route("/readyz", get(health::readyz))
         .route("/metrics", get(health::metrics))

@@ -1,8 +1,10 @@
 //! What went wrong, as people's programs read it: RFC 9457, with stable types.
 
+use axum::extract::Path;
 use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Json, Response};
 use serde::Serialize;
+use serde_json::json;
 use utoipa::ToSchema;
 
 use crate::store::StoreError;
@@ -147,6 +149,18 @@ impl Problem {
     #[must_use]
     pub fn not_found(what: impl std::fmt::Display) -> Self {
         Self::new(Kind::NotFound, format!("there is no {what}, or your token does not cover its fleet"))
+    }
+}
+
+/// What a kind of problem is: where its type's address leads.
+pub async fn explain(Path(name): Path<String>) -> Response {
+    match Kind::ALL.iter().find(|kind| kind.name() == name) {
+        Some(kind) => {
+            let told =
+                json!({ "type": format!("/problems/{name}"), "title": kind.title(), "status": kind.status().as_u16() });
+            Json(told).into_response()
+        }
+        None => Problem::not_found(format_args!("kind of problem called {name}")).into_response(),
     }
 }
 
