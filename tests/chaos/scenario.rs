@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
 use vibrissa_simulator::Scenario;
 use vibrissa_simulator::scenario::{
-    ArrayScenario, Behaviour, Breach, Change, Event, Noise, RobotScenario, WhiskerScenario,
+    ArrayScenario, Behaviour, Change, Event, Misbehaviour, Noise, RobotScenario, WhiskerScenario,
 };
 
 use crate::plan::Control;
@@ -44,9 +44,9 @@ pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Con
         message_after_s: 0.5,
         kept_messages: KEPT_MESSAGES,
         journal: true,
-        breach: match control {
-            Control::NoRobotBuffer => Some(Breach::SendsOnce),
-            Control::RobotIgnoresEpochs => Some(Breach::TakesAnySetpoint),
+        misbehaviour: match control {
+            Control::NoRobotBuffer => Some(Misbehaviour::SendsOnce),
+            Control::RobotIgnoresEpochs => Some(Misbehaviour::TakesAnySetpoint),
             Control::None | Control::ReceiptBeforeCommit | Control::NoFence => None,
         },
         ..Behaviour::default()

@@ -1,5 +1,6 @@
 //! What the integration tests share.
 
+pub mod actions;
 pub mod certificates;
 pub mod large_array;
 pub mod mosquitto;

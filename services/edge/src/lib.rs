@@ -1,5 +1,6 @@
 //! The edge: checked messages become the core's events, once. Nothing behind it sees MQTT or JSON.
 
+pub mod actions;
 pub mod words;
 
 use vibrissa_core::robot::event::{

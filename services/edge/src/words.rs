@@ -1,17 +1,26 @@
 //! The core's closed enums in the words of the contract, the database, REST and the metrics: one place.
 
 use vibrissa_core::estimation::LengthEstimate;
-use vibrissa_core::policy::{Case, Ineligible, Refused};
+use vibrissa_core::mechanics::Objective;
+use vibrissa_core::policy::{Case, Ineligible, LongerForShorter, Mode, Refused};
+use vibrissa_core::robot::ActionProblem;
 use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Origin, Reason, RefinementOutcome,
 };
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
 use vibrissa_protocol::{SetpointError, SetpointReason};
 
+use crate::actions::ActionKind;
+
 /// A closed enum with one word per variant, in upper snake case.
 pub trait Word {
     /// The word.
     fn word(self) -> &'static str;
+}
+
+/// The one of `all` that a word stands for.
+pub fn named<T: Word + Copy>(all: impl IntoIterator<Item = T>, word: &str) -> Option<T> {
+    all.into_iter().find(|one| one.word() == word)
 }
 
 /// Spells out `Variant => "WORD"` for each enum.
@@ -67,6 +76,7 @@ words! {
         Ineligible::GaugeFault => "GAUGE_FAULT",
         Ineligible::Leaking => "LEAKING",
         Ineligible::SetpointFailed => "SETPOINT_FAILED",
+        Ineligible::Held => "HELD",
     }
     Refused {
         Refused::Ineligible(ineligible) => ineligible.word(),
@@ -76,6 +86,7 @@ words! {
         Refused::ErrorAboveLimit => "ERROR_ABOVE_LIMIT",
         Refused::CutIntoChamber => "CUT_INTO_CHAMBER",
         Refused::CostsMore => "COSTS_MORE",
+        Refused::Operator => "OPERATOR_REFUSED",
     }
     EndReason {
         EndReason::LayoutChanged => "LAYOUT_CHANGED",
@@ -84,6 +95,8 @@ words! {
         EndReason::Reassigned => "REASSIGNED",
         EndReason::SetpointFailed => "SETPOINT_FAILED",
         EndReason::Replaced => "REPLACED",
+        EndReason::Refused => "REFUSED",
+        EndReason::Operator => "OPERATOR",
     }
     CommandState {
         CommandState::Pending => "PENDING",
@@ -116,6 +129,38 @@ words! {
         AlarmKind::ArrayShift => "ARRAY_SHIFT",
         AlarmKind::BaselineDrift => "BASELINE_DRIFT",
         AlarmKind::Fault(fault) => fault.word(),
+        AlarmKind::Proposed => "PROPOSED",
+    }
+    Mode {
+        Mode::Automatic => "AUTOMATIC",
+        Mode::Advise => "ADVISE",
+    }
+    Objective {
+        Objective::Tip => "TIP",
+        Objective::Mean => "MEAN",
+    }
+    LongerForShorter {
+        LongerForShorter::Never => "NEVER",
+        LongerForShorter::LastResort => "LAST_RESORT",
+        LongerForShorter::Allowed => "ALLOWED",
+    }
+    ActionKind {
+        ActionKind::Approve => "APPROVE",
+        ActionKind::Refuse => "REFUSE",
+        ActionKind::Setpoint => "SETPOINT",
+        ActionKind::Hold => "HOLD",
+        ActionKind::Release => "RELEASE",
+        ActionKind::Replaced => "REPLACED",
+        ActionKind::Rebaseline => "REBASELINE",
+        ActionKind::Policy => "POLICY",
+    }
+    ActionProblem {
+        ActionProblem::UnknownWhisker => "UNKNOWN_WHISKER",
+        ActionProblem::NotProposed => "NOT_PROPOSED",
+        ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
+        ActionProblem::RobotOffline => "ROBOT_OFFLINE",
+        ActionProblem::Held => "HELD",
+        ActionProblem::RobotHeld => "ROBOT_HELD",
     }
     ArrayKind {
         ArrayKind::Type1 => "TYPE_1",
@@ -149,6 +194,7 @@ pub fn setpoint_reason(reason: Reason) -> SetpointReason {
         Reason::Compensation(Case::LongerForShorter) => SetpointReason::LongerForShorter,
         Reason::Release => SetpointReason::Release,
         Reason::Refinement => SetpointReason::Refinement,
+        Reason::Operator => SetpointReason::Operator,
     }
 }
 

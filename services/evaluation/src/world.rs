@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
-use vibrissa_core::robot::{Event, Numbers, Params, Robot};
+use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
 use vibrissa_edge::words::setpoint_reason;
@@ -28,6 +28,8 @@ pub struct World {
     pub contacts: u64,
     /// Contacts that entered estimation.
     pub used: u64,
+    /// Whether an operator approves each proposal in the moment that it is made.
+    pub approves_at_once: bool,
     now_us: u64,
     next_tick_us: u64,
     seq: u64,
@@ -46,6 +48,7 @@ impl World {
             effects: Vec::new(),
             contacts: 0,
             used: 0,
+            approves_at_once: false,
             now_us: START_US,
             next_tick_us: START_US,
             seq: 0,
@@ -132,9 +135,12 @@ impl World {
     }
 
     /// Steps the core and carries out what it wants done.
-    pub fn step(&mut self, event: &Event<'_>) {
+    pub fn step(&mut self, event: &Event<'_>) -> Outcome {
         let mut effects = Vec::new();
-        self.core.step(&self.params, Micros(self.now_us), event, &mut effects);
+        let outcome = self.core.step(&self.params, Micros(self.now_us), event, &mut effects);
+        if self.approves_at_once {
+            self.approve_all(&mut effects);
+        }
         for effect in effects {
             match &effect {
                 Effect::Contact(contact) => {
@@ -147,6 +153,16 @@ impl World {
                 _ => {}
             }
             self.effects.push((Micros(self.now_us), effect));
+        }
+        outcome
+    }
+
+    fn approve_all(&mut self, effects: &mut Vec<Effect>) {
+        let waiting: Vec<u32> =
+            self.core.compensations().iter().filter(|one| one.is_proposed()).map(|one| one.id()).collect();
+        for compensation in waiting {
+            let approve = OperatorAction::Approve { compensation };
+            self.core.step(&self.params, Micros(self.now_us), &Event::Operator(&approve), effects);
         }
     }
 

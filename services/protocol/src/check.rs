@@ -1,10 +1,68 @@
-//! Ranges of the contract's quantities: each checked in one place.
+//! Ranges of the contract's quantities: each stated once, for the check on the way in and for the schemas.
 
 use crate::{INTEGER_LIMIT, Refusal};
 
-/// Refuses a number unless `holds`.
+/// The most characters of a free text: a model's name, a command's, a boot's.
+pub(crate) const TEXT_MAX_CHARS: usize = 64;
+
+/// What a quantity can be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Range {
+    pub(crate) least: f64,
+    /// Whether `least` itself is too little.
+    pub(crate) is_least_excluded: bool,
+    pub(crate) most: f64,
+    /// The same for people.
+    allowed: &'static str,
+}
+
+/// A range and its text, from the same numbers.
+macro_rules! range {
+    (above $least:literal to $most:literal $unit:literal) => {
+        Range {
+            least: $least as f64,
+            is_least_excluded: true,
+            most: $most as f64,
+            allowed: concat!("above ", $least, " and at most ", $most, $unit),
+        }
+    };
+    (between $least:literal and $most:literal $unit:literal) => {
+        Range {
+            least: $least as f64,
+            is_least_excluded: false,
+            most: $most as f64,
+            allowed: concat!("between ", $least, " and ", $most, $unit),
+        }
+    };
+}
+
+/// The paper's contact ratio a.
+pub(crate) const RATIO: Range = range!(above 0 to 1 "");
+/// A length or deflection in mm.
+pub(crate) const POSITIVE_MM: Range = range!(above 0 to 1000 " mm");
+/// A place on the robot in mm.
+pub(crate) const PLACE_MM: Range = range!(between -100000 and 100000 " mm");
+/// A strain in m/m.
+pub(crate) const STRAIN: Range = range!(between -1 and 1 " (m/m)");
+/// A gauge pressure in MPa.
+pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
+/// A temperature in degrees Celsius.
+pub(crate) const TEMPERATURE_C: Range = range!(between -100 and 300 " degrees Celsius");
+/// How fast a pressure may change.
+pub(crate) const SLEW_MPA_PER_S: Range = range!(above 0 to 10 " MPa/s");
+/// A factor on a strain.
+pub(crate) const GAIN: Range = range!(above 0 to 1000 "");
+
+impl Range {
+    /// Refuses a number that lies outside.
+    pub(crate) fn check(&self, path: &str, value: f64) -> Result<(), Refusal> {
+        let is_enough = if self.is_least_excluded { value > self.least } else { value >= self.least };
+        // The path is only built for a refusal: this runs for every contact.
+        number(path, value, is_enough && value <= self.most, self.allowed)
+    }
+}
+
 fn number(path: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Refusal> {
-    // The path is only built for a refusal: this runs for every contact.
     if holds { Ok(()) } else { Err(Refusal::OutOfRange { path: path.to_owned(), value, allowed }) }
 }
 
@@ -13,59 +71,29 @@ pub(crate) fn integer(path: &str, value: u64) -> Result<(), Refusal> {
     number(path, value as f64, value < INTEGER_LIMIT, "an integer from 0 and below 2^53")
 }
 
-/// The paper's contact ratio a.
-pub(crate) fn ratio(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value > 0.0 && value <= 1.0, "above 0 and at most 1")
-}
-
-/// A length or deflection in mm.
-pub(crate) fn positive_mm(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value > 0.0 && value <= 1000.0, "above 0 and at most 1000 mm")
-}
-
-/// A place on the robot in mm.
-pub(crate) fn place_mm(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value.abs() <= 100_000.0, "between -100000 and 100000 mm")
-}
-
-/// A strain in m/m.
-pub(crate) fn strain(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value.abs() <= 1.0, "between -1 and 1 (m/m)")
-}
-
-/// A gauge pressure in MPa.
-pub(crate) fn pressure_mpa(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, (0.0..=1.0).contains(&value), "between 0 and 1 MPa")
-}
-
-/// A temperature in degrees Celsius.
-pub(crate) fn temperature_c(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, (-100.0..=300.0).contains(&value), "between -100 and 300 degrees Celsius")
-}
-
-/// How fast a pressure may change.
-pub(crate) fn slew_mpa_per_s(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value > 0.0 && value <= 10.0, "above 0 and at most 10 MPa/s")
-}
-
-/// A factor on a strain.
-pub(crate) fn gain(path: &str, value: f64) -> Result<(), Refusal> {
-    number(path, value, value > 0.0 && value <= 1000.0, "above 0 and at most 1000")
-}
-
 /// The length of a list.
 pub(crate) fn count(path: &str, count: usize, most: usize) -> Result<(), Refusal> {
     if count <= most { Ok(()) } else { Err(Refusal::TooMany { path: path.to_owned(), count, most }) }
 }
 
+/// Whether a text has a length that is allowed.
+pub(crate) fn is_short(text: &str) -> bool {
+    (1..=TEXT_MAX_CHARS).contains(&text.chars().count())
+}
+
+/// Whether a text can identify something, such as a boot: short, and nothing invisible in it.
+pub(crate) fn is_identifier(text: &str) -> bool {
+    is_short(text) && !text.chars().any(char::is_control)
+}
+
 /// A free text that identifies something, such as a command.
 pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
-    if (1..=64).contains(&text.chars().count()) && !text.chars().any(char::is_control) {
+    if is_identifier(text) {
         Ok(())
     } else {
         Err(Refusal::Malformed {
             path: path.to_owned(),
-            problem: "must have 1 to 64 characters, none of them a control character".to_owned(),
+            problem: format!("must have 1 to {TEXT_MAX_CHARS} characters, none of them a control character"),
         })
     }
 }

@@ -9,9 +9,12 @@
 
 mod check;
 pub mod decode;
+pub mod document;
 pub mod messages;
 pub mod name;
 pub mod refusal;
+pub mod rules;
+mod schema;
 pub mod timestamp;
 pub mod topic;
 pub mod words;
@@ -23,6 +26,7 @@ pub use messages::{
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;
+pub use rules::Rule;
 pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{

@@ -4,8 +4,15 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error as _, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::check::{self, TEXT_MAX_CHARS};
+use crate::schema;
+
+/// The most characters of a name.
+const NAME_MAX_CHARS: usize = 64;
 
 /// A text that is no name; the message says what a name is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -28,7 +35,7 @@ fn excerpt(text: &str) -> String {
 
 /// Defines a checked, shared string with serde, ordering and display; clones share the text.
 macro_rules! text {
-    ($(#[$doc:meta])* $name:ident, $expecting:literal, $check:expr, $error:expr) => {
+    ($(#[$doc:meta])* $name:ident, $expecting:literal, $check:expr, $schema:expr, $error:expr) => {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub struct $name(Arc<str>);
@@ -82,6 +89,18 @@ macro_rules! text {
             }
         }
 
+        impl JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                $schema
+            }
+        }
+
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 struct Text;
@@ -104,21 +123,35 @@ text!(
     /// The name of a fleet, a robot or an array: `[A-Za-z0-9_-]{1,64}`.
     Name,
     "a name as text",
-    |text| (1..=64).contains(&text.len())
+    |text| (1..=NAME_MAX_CHARS).contains(&text.len())
         && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-'),
+    schema::matching(&Name::pattern()),
     BadName::NotAName
 );
 text!(
     /// New at each start of its sender: 1 to 64 characters without control characters.
     BootId,
     "a boot id as text",
-    |text| (1..=64).contains(&text.chars().count()) && !text.chars().any(char::is_control),
+    check::is_identifier,
+    schema::identifier(),
     BadName::NotABootId
 );
 
 impl Name {
     /// The level of the supervisor, and therefore no robot's name.
     pub const RESERVED: &str = "supervisor";
+
+    /// What a name is, as a regular expression of ECMA 262.
+    #[must_use]
+    pub fn pattern() -> String {
+        format!("^[A-Za-z0-9_-]{{1,{NAME_MAX_CHARS}}}$")
+    }
+
+    /// What a robot's name is, as a regular expression of ECMA 262.
+    #[must_use]
+    pub fn robot_pattern() -> String {
+        format!("^(?!{}$)[A-Za-z0-9_-]{{1,{NAME_MAX_CHARS}}}$", Self::RESERVED)
+    }
 
     /// A robot's name: any name but `supervisor`.
     ///
@@ -132,10 +165,10 @@ impl Name {
 /// For serde's `deserialize_with`: a short free text such as a model's name, at most 64 characters.
 pub(crate) fn short_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let text = String::deserialize(deserializer)?;
-    if (1..=64).contains(&text.chars().count()) {
+    if check::is_short(&text) {
         Ok(text)
     } else {
-        Err(D::Error::custom("must have 1 to 64 characters"))
+        Err(D::Error::custom(format_args!("must have 1 to {TEXT_MAX_CHARS} characters")))
     }
 }
 

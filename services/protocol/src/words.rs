@@ -2,13 +2,15 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Defines a closed list of words: the enum, its texts, and all of them in order.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$word_doc:meta])* $variant:ident = $word:literal,)+ }) => {
         $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+        #[schemars(inline)]
         pub enum $name {
             $($(#[$word_doc])* #[serde(rename = $word)] $variant,)+
         }
@@ -178,6 +180,15 @@ words!(
 );
 
 impl SetpointOutcome {
+    /// Whether it must say why.
+    #[must_use]
+    pub const fn needs_error(self) -> bool {
+        match self {
+            Self::Rejected | Self::Failed => true,
+            Self::Received | Self::Applying | Self::Applied | Self::Superseded => false,
+        }
+    }
+
     /// Whether nothing follows it.
     #[must_use]
     pub const fn is_final(self) -> bool {

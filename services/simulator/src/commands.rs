@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 
 use vibrissa_protocol::{BootId, Setpoint, SetpointError, SetpointOutcome};
 
+use crate::scenario::Misbehaviour;
+
 /// Commands whose answer is remembered.
 const REMEMBERED: usize = 1024;
 
@@ -49,7 +51,12 @@ impl Commands {
         boot_id: &BootId,
         now_us: u64,
         addressee: Option<Addressee<'_>>,
+        fault: Option<Misbehaviour>,
     ) -> Verdict {
+        let keeps = |broken: Misbehaviour| fault != Some(broken);
+        if fault == Some(Misbehaviour::TakesAnySetpoint) && addressee.is_some() {
+            return Verdict::Take;
+        }
         if let Some(&answer) = self.answers.get(&setpoint.command_id) {
             return Verdict::Again(answer);
         }
@@ -57,18 +64,19 @@ impl Commands {
             return Verdict::Reject(SetpointError::UnknownWhisker);
         };
         // Before the order is looked at: a setpoint for another boot says nothing about this one's.
-        if setpoint.robot_boot_id != *boot_id {
+        if setpoint.robot_boot_id != *boot_id && keeps(Misbehaviour::TakesOtherBoots) {
             return Verdict::Reject(SetpointError::WrongBoot);
         }
         let order = (setpoint.epoch, setpoint.version);
-        if addressee.seen.is_some_and(|seen| order <= seen) {
+        if addressee.seen.is_some_and(|seen| is_stale(order, seen, fault)) {
             return Verdict::Reject(SetpointError::Stale);
         }
-        *addressee.seen = Some(order);
-        if setpoint.expires_us <= now_us {
+        *addressee.seen = (*addressee.seen).max(Some(order));
+        if setpoint.expires_us <= now_us && keeps(Misbehaviour::TakesExpired) {
             return Verdict::Reject(SetpointError::Expired);
         }
-        if !(0.0..=addressee.pressure_max_mpa).contains(&setpoint.pressure_mpa) {
+        let is_in_range = (0.0..=addressee.pressure_max_mpa).contains(&setpoint.pressure_mpa);
+        if !is_in_range && keeps(Misbehaviour::TakesAnyPressure) {
             return Verdict::Reject(SetpointError::OutOfRange);
         }
         Verdict::Take
@@ -84,6 +92,15 @@ impl Commands {
                 self.answers.remove(&oldest);
             }
         }
+    }
+}
+
+/// Whether an order is not higher than the highest seen.
+fn is_stale(order: (u64, u64), seen: (u64, u64), fault: Option<Misbehaviour>) -> bool {
+    match fault {
+        Some(Misbehaviour::TakesOldVersions) => order.0 < seen.0,
+        Some(Misbehaviour::TakesOldEpochs) => order.1 <= seen.1,
+        Some(_) | None => order <= seen,
     }
 }
 
@@ -120,7 +137,7 @@ mod tests {
 
     fn judge(setpoint: &Setpoint, seen: &mut Option<(u64, u64)>) -> Verdict {
         let addressee = Addressee { seen, pressure_max_mpa: 0.2 };
-        Commands::default().judge(setpoint, &boot(), NOW_US, Some(addressee))
+        Commands::default().judge(setpoint, &boot(), NOW_US, Some(addressee), None)
     }
 
     #[test]
@@ -167,7 +184,7 @@ mod tests {
 
     #[test]
     fn an_unknown_whisker_is_rejected() {
-        let verdict = Commands::default().judge(&setpoint(1, 1), &boot(), NOW_US, None);
+        let verdict = Commands::default().judge(&setpoint(1, 1), &boot(), NOW_US, None, None);
         assert_eq!(verdict, Verdict::Reject(SetpointError::UnknownWhisker));
     }
 
@@ -179,7 +196,7 @@ mod tests {
         let late = Setpoint { expires_us: 0, ..setpoint(1, 1) };
         let mut seen = Some((9, 9));
         let addressee = Addressee { seen: &mut seen, pressure_max_mpa: 0.2 };
-        assert_eq!(commands.judge(&late, &boot(), NOW_US, Some(addressee)), Verdict::Again(answer));
+        assert_eq!(commands.judge(&late, &boot(), NOW_US, Some(addressee), None), Verdict::Again(answer));
     }
 
     #[test]

@@ -16,6 +16,7 @@ use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, T
 
 use crate::fleet::{Broker, RobotHandle, now_us};
 use crate::robot::Outgoing;
+use crate::scenario::Misbehaviour;
 
 /// The robot is not polled more often than this: small work is done together.
 const WAKE_PAUSE: Duration = Duration::from_millis(20);
@@ -87,12 +88,13 @@ struct Driver {
     connect_at: Instant,
     reconnect_pause: Duration,
     wake_at: Instant,
+    fault: Option<Misbehaviour>,
 }
 
 impl Driver {
     fn new(robot: RobotHandle, broker: Broker, transport: Transport) -> Self {
         let now = Instant::now();
-        let fleet = robot.with(|robot| robot.fleet().clone());
+        let (fleet, fault) = robot.with(|robot| (robot.fleet().clone(), robot.misbehaviour()));
         Self {
             robot,
             broker,
@@ -102,6 +104,7 @@ impl Driver {
             connect_at: now,
             reconnect_pause: RECONNECT_START,
             wake_at: now,
+            fault,
         }
     }
 
@@ -120,6 +123,7 @@ impl Driver {
 
     fn connect(&mut self) {
         let will = self.robot.with(|robot| robot.will(now_us()));
+        let is_will_retained = self.fault != Some(Misbehaviour::WillNotRetained);
         let topic = self.topic(RobotTopic::Connection);
         // The client id is the robot's place in the contract: a second robot of that name takes it over.
         let id = format!("{}.{}", self.fleet, self.robot.name());
@@ -130,7 +134,7 @@ impl Driver {
             // The library sets aside its tables for this many at once: 16 MB a connection for its 65535.
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_max_packet_size(u32::try_from(PAYLOAD_MAX_BYTES + 1024).ok())
-            .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, true, None));
+            .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, is_will_retained, None));
         if let Some((user, password)) = self.broker.credentials_of(&self.fleet, self.robot.name()) {
             options.set_credentials(user, password.into_bytes());
         }
@@ -190,7 +194,8 @@ impl Driver {
                     return;
                 }
                 Outgoing::Publish { topic, payload } => {
-                    let publish = connection.client.publish(self.topic(topic), payload, publish_options(topic));
+                    let publish =
+                        connection.client.publish(self.topic(topic), payload, publish_options(topic, self.fault));
                     timeout(PUBLISH_TIMEOUT, publish).await
                 }
             };
@@ -225,7 +230,8 @@ impl Driver {
                 let Outgoing::Publish { topic: kind, payload } = item else {
                     continue;
                 };
-                let publish = connection.client.publish_tracked(topic.clone(), payload, publish_options(kind));
+                let publish =
+                    connection.client.publish_tracked(topic.clone(), payload, publish_options(kind, self.fault));
                 // A disconnect may overtake what waits: the broker's word for the farewell comes first.
                 if let Ok(notice) = publish.await
                     && let Err(error) = notice.wait_async().await
@@ -251,8 +257,15 @@ fn qos(kind: RobotTopic) -> QoS {
     }
 }
 
-fn publish_options(kind: RobotTopic) -> PublishOptions {
-    PublishOptions::new(qos(kind)).retain(kind.is_retained())
+fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>) -> PublishOptions {
+    let (quality, is_retained) = match (fault, kind) {
+        (Some(Misbehaviour::BirthNotRetained), RobotTopic::Connection)
+        | (Some(Misbehaviour::FactsheetNotRetained), RobotTopic::Factsheet) => (qos(kind), false),
+        (Some(Misbehaviour::StatusRetained), RobotTopic::Status) => (qos(kind), true),
+        (Some(Misbehaviour::AnswersAtMostOnce), RobotTopic::SetpointState) => (QoS::AtMostOnce, false),
+        (Some(_) | None, _) => (qos(kind), kind.is_retained()),
+    };
+    PublishOptions::new(quality).retain(is_retained)
 }
 
 /// Polls until the connection ends.

@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::Parser;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 
 /// A fleet of simulated robots with soft whisker arrays, over MQTT 5.
@@ -27,6 +28,9 @@ struct Arguments {
     /// What to simulate, in TOML
     #[arg(long, env = "VIBRISSA_SCENARIO", value_name = "FILE")]
     scenario: PathBuf,
+    /// A rule of the contract that the robots break, to test what tests robots; a wrong name tells all that there are
+    #[arg(long, value_name = "FAULT")]
+    misbehave: Option<Misbehaviour>,
     /// What to log, such as info or vibrissa_simulator=debug
     #[arg(long, env = "VIBRISSA_LOG", default_value = "info")]
     log: EnvFilter,
@@ -56,7 +60,11 @@ async fn main() -> anyhow::Result<()> {
     tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(std::io::stderr).init();
     let path = arguments.scenario.display();
     let text = std::fs::read_to_string(&arguments.scenario).with_context(|| format!("cannot read {path}"))?;
-    let scenario = Scenario::from_toml_str(&text).with_context(|| format!("cannot simulate {path}"))?;
+    let mut scenario = Scenario::from_toml_str(&text).with_context(|| format!("cannot simulate {path}"))?;
+
+    if arguments.misbehave.is_some() {
+        scenario.behaviour.misbehaviour = arguments.misbehave;
+    }
 
     // Before the robots start: a signal during the start is not missed.
     let mut terminated = signal(SignalKind::terminate())?;

@@ -18,6 +18,8 @@ pub const WINDOW: usize = 64;
 #[derive(Debug)]
 pub(crate) struct Outbox {
     most: usize,
+    /// Pauses do not grow.
+    is_steady: bool,
     messages: BTreeMap<u64, Kept>,
     /// (when last sent, seq) of each kept message, so that the next to send again is found at once.
     by_sent: BTreeSet<(u64, u64)>,
@@ -35,9 +37,10 @@ struct Kept {
 
 impl Outbox {
     /// An empty one that keeps at most that many messages.
-    pub(crate) fn new(most: usize) -> Self {
+    pub(crate) fn new(most: usize, is_steady: bool) -> Self {
         Self {
             most,
+            is_steady,
             messages: BTreeMap::new(),
             by_sent: BTreeSet::new(),
             backoff_us: BACKOFF_START_US,
@@ -97,7 +100,7 @@ impl Outbox {
 
     /// The messages to send again now, oldest first.
     pub(crate) fn resend(&mut self, now_us: u64) -> Vec<Vec<u8>> {
-        if self.unanswered_since_us.is_some() {
+        if self.unanswered_since_us.is_some() && !self.is_steady {
             self.backoff_us = (self.backoff_us * 2).min(BACKOFF_MAX_US);
         }
         let due = |&&(sent_us, _): &&(u64, u64)| sent_us == 0 || sent_us + BACKOFF_START_US <= now_us;
@@ -130,7 +133,7 @@ impl Outbox {
     /// Starts a new boot without its messages; those lost are counted in it.
     pub(crate) fn restart(&mut self) {
         let lost = self.messages.len() as u64;
-        *self = Self { dropped: lost, ..Self::new(self.most) };
+        *self = Self { dropped: lost, ..Self::new(self.most, self.is_steady) };
     }
 }
 
@@ -149,7 +152,7 @@ mod tests {
 
     /// Messages 0.. that were sent at 100 s; each payload is its number.
     fn outbox(count: u64, most: usize) -> Outbox {
-        let mut outbox = Outbox::new(most);
+        let mut outbox = Outbox::new(most, false);
         (0..count).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));
         outbox
     }

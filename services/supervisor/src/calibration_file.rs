@@ -13,11 +13,12 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, ModelError};
 use vibrissa_protocol::{BadName, Name};
 
 /// A calibration with its name, as in the file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationFile {
     /// The name that factsheets use for the model: 1 to 64 letters, digits, `_` or `-`.
@@ -127,7 +128,7 @@ impl CalibrationFile {
 macro_rules! geometry_section {
     ($($key:ident),+ $(,)?) => {
         /// The sizes of [`Geometry`], by the same names.
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
         #[serde(deny_unknown_fields)]
         #[allow(missing_docs, reason = "the fields are Geometry's, and explained there")]
         pub struct GeometrySection { $(pub $key: f64),+ }

@@ -10,6 +10,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
 use crate::engine::{Ending, Engine};
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
@@ -33,6 +34,7 @@ pub(crate) struct Shared {
     pub(crate) prepared: Prepared,
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
+    pub(crate) mailroom: Mailroom,
     pub(crate) params: Arc<Params>,
     /// One start of one supervisor.
     pub(crate) supervisor: Arc<str>,
@@ -121,6 +123,7 @@ async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(E
             shared.store.writer(),
             metrics.clone(),
             shared.readiness.clone(),
+            shared.mailroom.clone(),
         );
         match started.await {
             Ok(engine) => return Some((engine, boot_id)),

@@ -2,11 +2,12 @@
 //!
 //! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
 //! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
-//! [`record`] and [`replay`], [`config`], [`demo`] and [`cli`].
+//! [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
 
 pub mod service;
 
 mod fleet;
+pub mod mailroom;
 mod ownership;
 pub mod readiness;
 mod sharing;
@@ -16,6 +17,7 @@ pub mod mqtt;
 
 pub mod engine;
 
+pub mod check;
 pub mod record;
 pub mod replay;
 

@@ -32,6 +32,8 @@ pub struct Metrics {
     pub setpoints: IntCounterVec,
     /// Alarms raised, by kind.
     pub alarms: IntCounterVec,
+    /// What operators asked, by kind and by what became of it.
+    pub actions: IntCounterVec,
     /// Whiskers, by fault or else condition.
     whiskers: IntGaugeVec,
     /// 1 for each fleet that is supervised here.
@@ -95,8 +97,17 @@ impl Metrics {
                 "vibrissa_alarms_total",
                 "Alarms raised.",
                 "kind",
-                &["UNCOMPENSATED", "SETPOINT_FAILED", "SENSITIVITY_LOSS", "ERODING", "ARRAY_SHIFT", "BASELINE_DRIFT"],
+                &[
+                    "UNCOMPENSATED",
+                    "SETPOINT_FAILED",
+                    "SENSITIVITY_LOSS",
+                    "ERODING",
+                    "ARRAY_SHIFT",
+                    "BASELINE_DRIFT",
+                    "PROPOSED",
+                ],
             )?,
+            actions: counters_by(r, "vibrissa_actions_total", "What operators asked, answered.", &["kind", "state"])?,
             whiskers: gauges(r, "vibrissa_whiskers", "Whiskers, by fault or else condition.", &["fleet", "health"])?,
             lease_held: gauges(r, "vibrissa_lease_held", "1 for each fleet that is supervised here.", &["fleet"])?,
             lease_epoch: gauges(
@@ -181,7 +192,11 @@ fn counter(registry: &Registry, name: &str, help: &str) -> prometheus::Result<In
 }
 
 fn counters(registry: &Registry, name: &str, help: &str, label: &str) -> prometheus::Result<IntCounterVec> {
-    let metric = IntCounterVec::new(Opts::new(name, help), &[label])?;
+    counters_by(registry, name, help, &[label])
+}
+
+fn counters_by(registry: &Registry, name: &str, help: &str, labels: &[&str]) -> prometheus::Result<IntCounterVec> {
+    let metric = IntCounterVec::new(Opts::new(name, help), labels)?;
     registry.register(Box::new(metric.clone()))?;
     Ok(metric)
 }

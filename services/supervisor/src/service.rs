@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::Context;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Duration, timeout};
 use tracing::{error, warn};
@@ -16,7 +16,8 @@ use crate::broker::Broker;
 use crate::engine::wall_clock;
 use crate::fleet::Shared;
 use crate::http::App;
-use crate::http::access::Access;
+use crate::http::access::{Access, AccessOptions};
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -46,6 +47,8 @@ pub struct ServiceOptions {
     pub mqtt_port: u16,
     /// Where HTTP listens; port 0 takes any free one.
     pub http: SocketAddr,
+    /// Who is let in there, besides those whose tokens the database has.
+    pub access: AccessOptions,
     /// The core's parameters.
     pub params: Params,
 }
@@ -62,6 +65,8 @@ pub struct Service {
     pub metrics: Metrics,
     /// What keeps it from its work.
     pub readiness: Readiness,
+    /// What those who ask for actions share with the fleets.
+    pub mailroom: Mailroom,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
     ownership: JoinHandle<()>,
@@ -98,6 +103,7 @@ impl Service {
         let prepared = mqtt::prepare(&broker)?;
         let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
+        let mailroom = Mailroom::default();
         let params = Arc::new(options.params);
         let shared = Shared {
             store: store.clone(),
@@ -105,6 +111,7 @@ impl Service {
             prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
+            mailroom: mailroom.clone(),
             params: params.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
@@ -116,16 +123,28 @@ impl Service {
         };
         let ownership = Ownership::new(supervisor, shared, is_prepared);
         let (stop, stopped) = watch::channel(false);
+        let access = Access::new(&options.access, options.http.ip());
+        if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
+            anyhow::bail!(
+                "HTTP would listen on {}, beyond this machine, and nobody could be let in: make a token first with \
+                 `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
+                options.http
+            );
+        }
         let app = App {
             store: store.clone(),
             metrics: metrics.clone(),
             readiness: readiness.clone(),
-            access: Access::new(options.http.ip().is_loopback()),
+            access,
+            mailroom: mailroom.clone(),
             params,
+            followers: Arc::new(Semaphore::new(crate::http::FOLLOWERS_MAX)),
+            stop: stopped.clone(),
         };
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
+        tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
-        Ok(Self { broker, http, store, metrics, readiness, embedded, stop, ownership, http_task })
+        Ok(Self { broker, http, store, metrics, readiness, mailroom, embedded, stop, ownership, http_task })
     }
 
     /// Stops in order: fleets are finished and given back, then everything else ends.
@@ -142,6 +161,21 @@ impl Service {
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(broker) = self.embedded {
             broker.stop().await;
+        }
+    }
+}
+
+/// How long what live pages follow is kept.
+const CHANGES_KEPT: Duration = Duration::from_secs(86_400);
+/// How often the rest is removed.
+const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
+
+/// Removes changes that nobody can have waited for, until the service stops.
+async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
+    while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
+        let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
+        if let Err(problem) = store.forget_changes(before_us).await {
+            warn!(%problem, "old changes stay for now");
         }
     }
 }

@@ -40,6 +40,7 @@ impl Running {
     pub(crate) async fn start(broker: BrokerAddress) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let service = Service::start(ServiceOptions {
+            access: vibrissa::http::access::AccessOptions::default(),
             name: "s".to_owned(),
             fleets: vec![Name::new("lab").unwrap()],
             database: DatabaseAddress::Sqlite(database(&folder)),

@@ -8,6 +8,7 @@ mod false_alarms;
 mod faults;
 mod health;
 mod leak;
+mod operator;
 mod policy;
 mod purity;
 mod replaced;

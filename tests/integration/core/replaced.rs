@@ -1,9 +1,9 @@
 //! A new whisker in the place of an old one, and new layouts.
 
 use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::effect::{Command, Condition, Effect, EndReason, Reason};
-use vibrissa_core::robot::event::{ArraySheet, Factsheet};
-use vibrissa_core::robot::{Event, Params};
+use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, EndReason, Fault, Reason};
+use vibrissa_core::robot::event::{ArraySheet, Factsheet, Link};
+use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::units::Millimetre;
 use vibrissa_evaluation::World;
 use vibrissa_protocol::ArrayType;
@@ -63,11 +63,15 @@ fn tell(world: &mut World, factsheet: &Factsheet) {
     world.step(&Event::Factsheet { boot_id: &boot_id, factsheet });
 }
 
+fn replace(world: &mut World, array: &str, whisker: u16) {
+    world.step(&Event::Operator(&OperatorAction::Replaced(Place { array, whisker })));
+}
+
 #[test]
 fn a_replaced_whisker_is_learned_anew_and_its_compensator_returns_to_nominal() {
     let mut world = served();
     let other = world.core.compensations().iter().find(|one| one.target() == 3).unwrap().id();
-    world.step(&Event::Replaced { array: "left", whisker: 0 });
+    replace(&mut world, "left", 0);
     assert_eq!(ended(&world), [EndReason::Replaced]);
     let release = &commands(&world)[..];
     let nominal = world.core.whisker(1).unwrap().sheet.pressure;
@@ -85,7 +89,7 @@ fn a_replaced_whisker_is_learned_anew_and_its_compensator_returns_to_nominal() {
 #[test]
 fn whom_a_replaced_compensator_served_is_decided_anew_and_served_again_once_the_new_one_is_learned() {
     let mut world = served();
-    world.step(&Event::Replaced { array: "left", whisker: 1 });
+    replace(&mut world, "left", 1);
     assert_eq!(ended(&world), [EndReason::Replaced]);
     assert_eq!(pairs(&world), [(3, 3)], "nobody else can serve 0");
     assert_eq!(condition(&world, 0), Condition::Trimmed);
@@ -100,7 +104,7 @@ fn whom_a_replaced_compensator_served_is_decided_anew_and_served_again_once_the_
 #[test]
 fn a_whisker_that_serves_itself_is_released_when_it_is_replaced() {
     let mut world = served();
-    world.step(&Event::Replaced { array: "left", whisker: 3 });
+    replace(&mut world, "left", 3);
     assert_eq!(ended(&world), [EndReason::Replaced]);
     let released = commands(&world);
     assert_eq!(released.iter().map(|one| (one.whisker, one.reason)).collect::<Vec<_>>(), [(3, Reason::Release)]);
@@ -114,8 +118,8 @@ fn a_whisker_that_serves_itself_is_released_when_it_is_replaced() {
 fn an_unknown_whisker_that_is_replaced_changes_nothing() {
     let mut world = served();
     let before = world.core.clone();
-    world.step(&Event::Replaced { array: "left", whisker: 99 });
-    world.step(&Event::Replaced { array: "right", whisker: 0 });
+    replace(&mut world, "left", 99);
+    replace(&mut world, "right", 0);
     assert_eq!(world.effects, []);
     assert_eq!(world.core, before);
 }
@@ -204,4 +208,23 @@ fn two_that_are_no_neighbours_any_more_do_not_serve_each_other() {
         _ => None,
     });
     assert_eq!(decided, [(0, None)]);
+}
+
+#[test]
+fn alarms_of_a_whisker_that_is_gone_are_cleared_by_its_name() {
+    let mut world = served();
+    let boot_id = world.core.connection_state().0.expect("born").to_owned();
+    world.step(&Event::Connection { boot_id: &boot_id, link: Link::Broken });
+    world.effects.clear();
+    let factsheet = told(&world, |array| {
+        array.whiskers.pop();
+        array.whiskers[3].neighbours = vec![2];
+    });
+    tell(&mut world, &factsheet);
+    let gone = world.picked(|effect| match effect {
+        Effect::Gone { array, number, alarms } => Some((array.clone(), *number, alarms.clone())),
+        _ => None,
+    });
+    assert_eq!(gone, [("left".to_owned(), 4, vec![AlarmKind::Fault(Fault::Stale)])]);
+    assert_eq!(world.picked(|effect| matches!(effect, Effect::AlarmCleared { .. }).then_some(())), []);
 }

@@ -1,9 +1,10 @@
 //! What is written is read back, the same from both databases.
 
 use serde_json::{Value, json};
-use vibrissa::store::Batch;
+use vibrissa::store::actions::{Asked, NewAction};
 use vibrissa::store::batch::{
-    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow, SetpointRow,
+    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, PolicyRow, Record, RefinementRow, ResponseRow,
+    SetpointRow,
 };
 use vibrissa::store::list::{Filter, Value as FilterValue};
 use vibrissa::store::lists::compensations::{
@@ -11,6 +12,8 @@ use vibrissa::store::lists::compensations::{
 };
 use vibrissa::store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
 use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa::store::{Batch, Lease, Store, Writer};
+use vibrissa_tests::actions::{asks, asks_of};
 
 use crate::rows::{self, Numbered, contacts};
 use crate::{Fresh, fleet, supervisor};
@@ -59,6 +62,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         target_length_mm: 70.0,
         target_pressure_mpa: 0.1,
         decided_us: 7,
+        approval: "AUTOMATIC",
         candidates: vec![candidate(0, true, None), candidate(1, false, Some("COSTS_MORE"))],
     };
     let setpoint = SetpointRow {
@@ -136,8 +140,57 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         look(200, "REFINED", Some(0.041)),
         look(400, "HELD_UNPREDICTABLE", None),
         Record::Alarm { whisker_id, raised_us: 14, kind: "UNCOMPENSATED" },
+        Record::Alarm { whisker_id, raised_us: 14, kind: "PROPOSED" },
+        Record::AlarmCleared { whisker_id, cleared_us: 15, kind: "PROPOSED" },
+        Record::Approved { compensation_id },
         Record::Ended { compensation_id, ended_us: 15, end_reason: "REASSIGNED" },
     ]
+}
+
+/// Actions that are asked, answered and read back, and a policy that is replaced by the next one.
+async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Value) {
+    let keyed = NewAction { idempotency_key: Some("k".to_owned()), ..asks_of("HOLD", "{}", Some(1)) };
+    assert_eq!(store.ask(&keyed).await.unwrap(), Asked::New(1));
+    assert_eq!(store.ask(&asks("POLICY", "{}")).await.unwrap(), Asked::New(2));
+    // Without a key nothing is the same.
+    assert!(matches!(store.ask(&asks("POLICY", "{}")).await.unwrap(), Asked::New(_)));
+    let elsewhere = NewAction { fleet: Some("g".to_owned()), ..asks("POLICY", "{}") };
+    assert!(matches!(store.ask(&elsewhere).await.unwrap(), Asked::New(_)));
+    let known = store.action(1).await.unwrap().unwrap();
+    assert_eq!(store.ask(&keyed).await.unwrap(), Asked::Again(known.clone()));
+    let other = NewAction { whisker: Some(0), ..keyed };
+    assert_eq!(store.ask(&other).await.unwrap(), Asked::Different(known.clone()));
+    let pending = writer.pending(lease, 2).await.unwrap();
+    assert_eq!(pending.iter().map(|one| one.action_id).collect::<Vec<_>>(), [1, 2]);
+    assert_eq!(pending[0], known);
+    assert_eq!((writer.policy(lease).await.unwrap(), store.action(99).await.unwrap()), (None, None));
+    let version = |version| PolicyRow {
+        fleet: "f".to_owned(),
+        version,
+        mode: "ADVISE",
+        objective: "MEAN",
+        longer_for_shorter: "LAST_RESORT",
+        predicted_error_max: 0.5,
+        own_role_cost: 0.25,
+        change_margin: 0.0625 * version as f64,
+        changed_us: 16,
+        changed_by: "ann".to_owned(),
+        reason: None,
+        action_id: 2,
+    };
+    let problem = Some("HELD: released first".to_owned());
+    let records = vec![
+        Record::Answer { action_id: 1, state: "REFUSED", problem, done_us: 17 },
+        Record::Policy(Box::new(version(1))),
+        Record::Policy(Box::new(version(2))),
+    ];
+    writer.commit(lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    let (mut asked, policy) = (store.action(1).await.unwrap().unwrap(), writer.policy(lease).await.unwrap());
+    assert_eq!(asked.refusal(), Some(("HELD", "released first")));
+    assert_eq!(policy, store.policy("f").await.unwrap());
+    assert_eq!(writer.pending(lease, 10).await.unwrap().len(), 2);
+    (asked.asked_us, asked.expires_us) = (0, 0);
+    (json!(asked), json!(policy))
 }
 
 /// Everything that can be read, as JSON.
@@ -156,6 +209,7 @@ async fn written_and_read(database: &Fresh) -> Value {
     assert_eq!(again, numbered.whisker_ids);
 
     let store = &database.store;
+    let (asked, policy) = mail(store, &mut writer, &lease).await;
     let of_it = || Filter::Is("compensation_id", FilterValue::Whole(numbered.robot_id << 32));
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
     let stored = writer.robots(&lease).await.unwrap();
@@ -166,6 +220,7 @@ async fn written_and_read(database: &Fresh) -> Value {
             robot.whisker_states,
             robot.whisker_ids.len(),
             robot.boots.len(),
+            robot.held,
             robot.numbers.next_trim,
             robot.numbers.next_compensation
         ])
@@ -186,6 +241,8 @@ async fn written_and_read(database: &Fresh) -> Value {
         "health": store.health_changes().await.unwrap(),
         "setpoints": store.setpoint_history().await.unwrap(),
         "robots": stored.collect::<Vec<_>>(),
+        "asked": asked,
+        "policy": policy,
     })
 }
 
@@ -214,7 +271,12 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["candidates"][0]["predicted_error_by_ratio"], json!([0.1, 0.2]));
     assert_eq!(lite["bins"].as_array().unwrap().len(), 2);
     assert_eq!(lite["setpoints"].as_array().unwrap().len(), 3);
-    assert_eq!(lite["robots"][0][5], 5, "numbers go on");
+    assert_eq!((&lite["robots"][0][5], &lite["robots"][0][6]), (&json!(true), &json!(5)), "held, and numbers go on");
+    assert_eq!(
+        (&lite["asked"]["state"], &lite["asked"]["problem"]),
+        (&json!("REFUSED"), &json!("HELD: released first"))
+    );
+    assert_eq!((&lite["policy"]["version"], &lite["policy"]["change_margin"]), (&json!(2), &json!(0.125)));
     for list in ["trims", "lengths", "health"] {
         assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
     }

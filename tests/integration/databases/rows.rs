@@ -67,6 +67,7 @@ fn states(numbered: &Numbered) -> Batch {
         leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
         erosion_mm_per_contact: (index == 0).then_some(Interval { mean: 0.005, low: 0.004, high: 0.006 }),
         contacts_left: if index == 0 { [Some(1000.0), Some(800.0), None] } else { [None; 3] },
+        held: index == 1,
         state: numbered.robot.whisker_to_bytes(index).unwrap(),
     };
     Batch {
@@ -75,6 +76,7 @@ fn states(numbered: &Numbered) -> Batch {
             robot_id: numbered.robot_id,
             boot_id: Some("b1".to_owned()),
             connection: "ONLINE",
+            held: true,
             updated_us: 1_795_248_000_000_000,
             state: numbered.robot.to_bytes().unwrap(),
         }],

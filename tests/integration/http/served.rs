@@ -1,12 +1,14 @@
 //! HTTP over a database of the test's own, without a broker.
 
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use tokio::sync::watch;
-use vibrissa::http::{App, access::Access, serve};
+use tokio::sync::{Semaphore, watch};
+use vibrissa::http::access::{Access, AccessOptions};
+use vibrissa::http::{App, serve};
+use vibrissa::mailroom::Mailroom;
 use vibrissa::metrics::Metrics;
 use vibrissa::readiness::Readiness;
 use vibrissa::store::{DatabaseAddress, Store};
@@ -46,14 +48,17 @@ impl Served {
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();
         let written = rows::write(&store).await;
+        let (stop, stopped) = watch::channel(false);
         let app = App {
             store: store.clone(),
             metrics: Metrics::new().unwrap(),
             readiness: Readiness::default(),
-            access: Access::new(true),
+            access: Access::new(&AccessOptions::default(), Ipv4Addr::LOCALHOST.into()),
+            followers: Arc::new(Semaphore::new(1)),
+            stop: stopped.clone(),
             params: Arc::new(Params::nguyen_2021(Formulation::Published)),
+            mailroom: Mailroom::default(),
         };
-        let (stop, stopped) = watch::channel(false);
         let (http, _) = serve(([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap();
         Self { store, http, written, _stop: stop, _server: server, _folder: folder }
     }

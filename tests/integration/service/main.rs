@@ -11,9 +11,11 @@ mod program;
 mod running;
 mod web;
 
+mod actions;
 mod bad_input;
 mod config;
 mod http;
+mod quickstart;
 mod replaced;
 mod restart;
 mod setpoints;

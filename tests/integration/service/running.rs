@@ -50,6 +50,7 @@ impl Running {
         let path = database_in(&folder);
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
+            access: vibrissa::http::access::AccessOptions::default(),
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),

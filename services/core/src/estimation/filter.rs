@@ -165,6 +165,15 @@ impl LengthFilter {
         Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
     }
 
+    /// The same length, as certain as it is, with nothing known of offset and baseline.
+    #[must_use]
+    pub fn learned_anew(&self, params: &FilterParams) -> Self {
+        let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
+        anew.mean[LENGTH] = self.mean[LENGTH];
+        anew.covariance[LENGTH][LENGTH] = self.covariance[LENGTH][LENGTH];
+        anew
+    }
+
     /// Present length with its standard deviation.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {

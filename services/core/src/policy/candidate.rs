@@ -31,9 +31,22 @@ pub enum LongerForShorter {
     Allowed,
 }
 
+/// Who says that a compensation begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// The decision: it begins at once.
+    #[default]
+    Automatic,
+    /// An operator: a decision proposes, and nothing is sent before it is approved. What was approved is refined
+    /// without asking again, and is not given up for a better assignment: only what breaks it ends it.
+    Advise,
+}
+
 /// The policy's parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolicyParams {
+    /// Who says that a compensation begins. What was proposed stays proposed when this becomes automatic.
+    pub mode: Mode,
     /// What the setpoint is solved for.
     pub objective: Objective,
     /// When a longer whisker may stand in for a shorter one.
@@ -50,6 +63,7 @@ pub struct PolicyParams {
 impl Default for PolicyParams {
     fn default() -> Self {
         Self {
+            mode: Mode::Automatic,
             objective: Objective::Tip,
             longer_for_shorter: LongerForShorter::LastResort,
             predicted_error_max: 0.5,
@@ -80,6 +94,8 @@ pub enum Ineligible {
     Leaking,
     /// Its last setpoint failed for good.
     SetpointFailed,
+    /// An operator holds it.
+    Held,
 }
 
 /// Why a candidate was not chosen.
@@ -99,6 +115,8 @@ pub enum Refused {
     CutIntoChamber,
     /// Another candidate costs less, or this one serves better elsewhere in the array.
     CostsMore,
+    /// An operator has refused it for this target.
+    Operator,
 }
 
 /// A whisker as the policy sees it, fit to be asked.

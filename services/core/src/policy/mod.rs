@@ -7,4 +7,4 @@ pub mod assignment;
 pub mod candidate;
 
 pub use assignment::{Offer, assign};
-pub use candidate::{Case, Fitness, Ineligible, LongerForShorter, PolicyParams, Proposal, Refused, propose};
+pub use candidate::{Case, Fitness, Ineligible, LongerForShorter, Mode, PolicyParams, Proposal, Refused, propose};

@@ -1,7 +1,7 @@
 //! Setpoints: one at a time per whisker, sent until answered, superseded or expired.
 
 use super::Robot;
-use super::effect::{AlarmKind, Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
+use super::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{Link, Rejection, SetpointReport};
 use super::params::Params;
 use super::whisker::{Desired, InFlight};
@@ -11,8 +11,12 @@ use crate::units::{Megapascal, Micros};
 const SAME_MPA: f64 = 1e-5;
 
 impl Robot {
-    /// What a whisker shall hold from now on.
+    /// What a whisker shall hold from now on. One that is held has only an operator's wishes; what it shall hold
+    /// otherwise follows from the compensations when it is released.
     pub(super) fn desire(&mut self, index: WhiskerIndex, desired: Desired) {
+        if self.holds(index) && desired.reason != Reason::Operator {
+            return;
+        }
         let whisker = &mut self.whiskers[index];
         whisker.desired = Some(desired);
         whisker.attempts = 0;
@@ -29,10 +33,16 @@ impl Robot {
     /// Sends what is due: a new setpoint where the desired one is not held, or an unanswered one again.
     pub(super) fn reconcile(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         self.expire(index, effects);
+        let held = self.holds(index);
         let whisker = &mut self.whiskers[index];
         let Some(desired) = &whisker.desired else { return };
+        let by_hand = desired.reason == Reason::Operator;
+        if held && !by_hand {
+            return;
+        }
         if let Some(flight) = &mut whisker.command {
-            let same = (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
+            let same = (flight.command.reason == Reason::Operator) == by_hand
+                && (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
                 && flight.command.compensation == desired.compensation;
             if same {
                 if now >= flight.resend_at && flight.state == CommandState::Pending {
@@ -43,7 +53,7 @@ impl Robot {
                 return;
             }
         } else if (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA {
-            if desired.reason == Reason::Release {
+            if desired.reason == Reason::Release || by_hand {
                 whisker.desired = None;
                 whisker.changed = true;
                 return;
@@ -55,10 +65,23 @@ impl Robot {
         self.send(params, now, index, effects);
     }
 
+    /// Whether a setpoint can reach it: it is connected, and its clock is known, by which setpoints expire.
+    pub(super) fn can_be_told(&self) -> bool {
+        self.link == Link::Online && self.boot_id.is_some() && self.robot_time.is_some()
+    }
+
+    /// Manual setpoints that were not answered: they are not sent later.
+    pub(super) fn forget_manual(&mut self) {
+        for whisker in &mut self.whiskers {
+            whisker.changed |= whisker.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+        }
+    }
+
     fn send(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let (Some(boot_id), Some(robot_time), Link::Online) = (&self.boot_id, self.robot_time, self.link) else {
+        if !self.can_be_told() {
             return;
-        };
+        }
+        let (Some(boot_id), Some(robot_time)) = (&self.boot_id, self.robot_time) else { return };
         let whisker = &mut self.whiskers[index];
         let Some(desired) = whisker.desired.clone() else { return };
         if whisker.given_up || now < whisker.not_before {
@@ -73,8 +96,7 @@ impl Robot {
         let key = CommandKey { epoch: self.epoch, version: self.next_version };
         self.next_version += 1;
         // The factsheet's limit and the paper's are kept here too, whatever was asked for.
-        let highest_mpa = whisker.sheet.pressure_max.mpa().min(Megapascal::EXAMINED_MAX.mpa());
-        let pressure = Megapascal::known(desired.pressure.mpa().min(highest_mpa));
+        let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
         let way_mpa = (pressure.mpa() - whisker.air.setpoint.mpa()).abs();
         let slewing = Micros::from_s(way_mpa / params.command.slew_mpa_per_s);
         let command = Command {
@@ -116,11 +138,9 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.given_up = true;
         whisker.changed = true;
-        let desired = whisker.desired.take();
-        effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::SetpointFailed });
-        if let Some(compensation) = desired.and_then(|desired| desired.compensation) {
-            self.end(compensation, EndReason::SetpointFailed, effects);
-        }
+        whisker.desired = None;
+        // Also what is only proposed: it could not be carried out.
+        self.end_as_compensator(index, EndReason::SetpointFailed, |_| true, effects);
     }
 
     /// What a robot says of a setpoint.
@@ -179,6 +199,10 @@ impl Robot {
         whisker.pressure_set(flight.command.pressure, params);
         whisker.air.measured = Some(reached);
         whisker.attempts = 0;
+        if flight.command.reason == Reason::Operator {
+            // Once, and no more: what the robot does later is its own.
+            whisker.desired.take_if(|desired| desired.reason == Reason::Operator);
+        }
         if let Some(compensation) =
             self.compensations.iter_mut().find(|one| Some(one.id) == flight.command.compensation)
         {
@@ -213,6 +237,7 @@ impl Robot {
 
     /// Setpoints that were under way to a boot that is no more.
     pub(super) fn abandon_commands(&mut self, effects: &mut Vec<Effect>) {
+        self.forget_manual();
         for whisker in &mut self.whiskers {
             whisker.given_up = false;
             whisker.attempts = 0;

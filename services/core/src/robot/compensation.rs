@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::Robot;
-use super::effect::{AlarmKind, CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
+use super::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
 use super::event::ArrayKind;
 use super::params::Params;
 use super::prediction::cases_for_each;
 use super::refinement::Refining;
 use super::whisker::Whisker;
 use crate::estimation::ResponseBins;
-use crate::policy::{Case, Fitness, Ineligible, Offer, Proposal, Refused, assign, propose};
+use crate::policy::{Case, Fitness, Ineligible, Mode, Offer, Proposal, Refused, assign, propose};
 use crate::units::{Megapascal, Micros, Millimetre};
 
 /// A compensation in force.
@@ -36,6 +36,8 @@ pub struct Compensation {
     /// Standard deviation of `length` as it was decided on, mm.
     pub(super) length_sd_mm: f64,
     pub(super) refining: Refining,
+    /// It waits for an operator's approval: it holds its place in the assignment, and nothing was sent for it.
+    pub(super) proposed: bool,
 }
 
 impl Compensation {
@@ -56,6 +58,12 @@ impl Compensation {
     pub fn compensator(&self) -> WhiskerIndex {
         self.compensator as usize
     }
+
+    /// Whether it waits for an operator's approval: no setpoint was sent for it.
+    #[must_use]
+    pub fn is_proposed(&self) -> bool {
+        self.proposed
+    }
 }
 
 /// One candidate with what it proposes.
@@ -65,10 +73,15 @@ struct Asked {
     /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
     standing: Option<(Case, f64)>,
     proposal: Result<Proposal, Ineligible>,
+    /// It serves in a compensation that is not to be changed by a decision.
+    reserved: bool,
 }
 
 impl Asked {
     fn cost(&self, params: &Params) -> Option<f64> {
+        if self.reserved {
+            return None;
+        }
         match (self.standing, self.proposal) {
             (Some((case, error)), _) => Some(params.policy.cost(case, error, true)),
             (None, Ok(proposal)) => Some(params.policy.cost(proposal.case, proposal.predicted_error()?, false)),
@@ -78,6 +91,16 @@ impl Asked {
 }
 
 impl Robot {
+    /// The parameters are others.
+    pub(super) fn policy_changed(&mut self) {
+        for whisker in self.whiskers.iter_mut().filter(|one| !one.refused_servers.is_empty()) {
+            whisker.refused_servers.clear();
+            whisker.changed = true;
+        }
+        self.undecided = true;
+        self.changed = true;
+    }
+
     /// Decides anew wherever something has changed that a decision rests on.
     pub(super) fn decide(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         if !std::mem::take(&mut self.undecided) {
@@ -99,7 +122,8 @@ impl Robot {
         let mut over = Vec::new();
         for one in &self.compensations {
             let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
-            if target.undecided {
+            // A held target is not decided on: what serves it is better than nothing until it is.
+            if target.undecided && !self.holds(one.target()) {
                 over.push((one.id, EndReason::TargetTrimmedAgain));
             } else if compensator.is_unfit_to_go_on(one.case) {
                 over.push((one.id, EndReason::CompensatorBroken));
@@ -118,7 +142,8 @@ impl Robot {
         self.undecided = true;
         self.whiskers[ended.target()].undecided = true;
         effects.push(Effect::Ended { compensation: id, reason });
-        if reason != EndReason::SetpointFailed {
+        // Nothing was sent for a proposed one.
+        if reason != EndReason::SetpointFailed && !ended.proposed {
             self.release(ended.compensator());
         }
     }
@@ -126,6 +151,7 @@ impl Robot {
     fn decide_array(&mut self, params: &Params, array: u16, effects: &mut Vec<Effect>) {
         let targets: Vec<usize> = (0..self.whiskers.len())
             .filter(|&index| self.whiskers[index].array == array && self.is_target(index))
+            .filter(|&index| !self.holds(index) && !self.serving(index).any(|one| self.is_fixed(params, one)))
             .collect();
         if targets.is_empty() {
             return;
@@ -152,9 +178,19 @@ impl Robot {
         one.condition == Condition::Trimmed || one.undecided || self.server(index).is_some()
     }
 
+    /// Whether decisions leave it as it is: its target is held, or it runs where compensations must be approved, and is
+    /// not given up for one that nobody has approved.
+    fn is_fixed(&self, params: &Params, one: &Compensation) -> bool {
+        self.holds(one.target()) || (params.policy.mode == Mode::Advise && !one.proposed)
+    }
+
+    fn serving(&self, target: WhiskerIndex) -> impl Iterator<Item = &Compensation> {
+        self.compensations.iter().filter(move |one| one.target() == target)
+    }
+
     /// The compensation that serves it, and by whom.
     fn server(&self, target: WhiskerIndex) -> Option<(u32, WhiskerIndex)> {
-        self.compensations.iter().find(|one| one.target() == target).map(|one| (one.id, one.compensator()))
+        self.serving(target).next().map(|one| (one.id, one.compensator()))
     }
 
     /// Whether there is anything to say: not if it is still served by the same whisker, or still by none.
@@ -180,18 +216,24 @@ impl Robot {
             .filter(|running| running.target() == target && running.compensator() == compensator)
             .map(|running| (running.case, running.predicted_error))
             .next();
-        let proposal = match one.ineligible(target == compensator) {
+        let held = self.holds(compensator).then_some(Ineligible::Held);
+        let proposal = match one.ineligible(target == compensator).or(held) {
             Some(reason) => Err(reason),
             None => match (broken.model(params), one.model(params)) {
                 (Some(target_model), Some(model)) => {
                     let is_self = target == compensator;
                     let fitness = one.fitness(model, is_self);
-                    Ok(propose(&params.policy, target_model, broken.target(), broken.whole_offset(), &fitness, is_self))
+                    let asked = (broken.target(), broken.whole_offset());
+                    let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
+                    let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
+                    Ok(Proposal { refused: proposal.refused.or(by_operator), ..proposal })
                 }
                 (_, _) => Err(Ineligible::Learning),
             },
         };
-        Asked { target, compensator, standing, proposal }
+        let mut running = self.compensations.iter();
+        let reserved = running.any(|one| one.compensator() == compensator && self.is_fixed(params, one));
+        Asked { target, compensator, standing, proposal, reserved }
     }
 
     /// Carries out what was chosen for one target that nobody serves.
@@ -218,11 +260,12 @@ impl Robot {
             target_length: whole.length,
             target_pressure: whole.pressure,
             chosen: candidates.iter().position(|one| Some(one.whisker) == chosen),
+            proposed: chosen.is_some() && params.policy.mode == Mode::Advise,
             candidates,
         })));
         match of_target.iter().find(|one| Some(one.compensator) == chosen) {
-            Some(one) => self.begin(compensation, one),
-            None => effects.push(Effect::Alarm { whisker: target, kind: AlarmKind::Uncompensated }),
+            Some(one) => self.begin(params, compensation, one),
+            None => self.whiskers[target].unserved = true,
         }
     }
 
@@ -261,7 +304,8 @@ impl Robot {
         }
     }
 
-    fn begin(&mut self, id: u32, chosen: &Asked) {
+    /// A compensation begins, or is proposed.
+    fn begin(&mut self, params: &Params, id: u32, chosen: &Asked) {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
@@ -279,9 +323,13 @@ impl Robot {
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
             refining: Refining::new(setpoint.gain.by_ratio),
+            proposed: params.policy.mode == Mode::Advise,
         };
         self.changed = true;
-        self.desire(chosen.compensator, begun.desired(Reason::Compensation(case)));
+        self.whiskers[chosen.target].unserved = false;
+        if !begun.proposed {
+            self.desire(chosen.compensator, begun.desired(Reason::Compensation(case)));
+        }
         self.compensations.push(begun);
     }
 }

@@ -1,7 +1,7 @@
 //! A batch of contacts, and what the detector's verdicts make of a whisker.
 
 use super::Robot;
-use super::effect::{AlarmKind, Condition, ContactRecord, Effect, Trim, WhiskerIndex};
+use super::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use super::event::Contact;
 use super::params::Params;
 use super::whisker::PendingTrim;
@@ -71,7 +71,7 @@ impl Robot {
             Verdict::Changed(change) => self.changed(params, index, &change, effects),
             Verdict::Shared(change) => self.shared_shift(params, index, &change, effects),
         }
-        self.watch_baseline(params, index, effects);
+        self.watch_baseline(params, index);
         self.settle_trim(params, index, effects);
     }
 
@@ -84,7 +84,7 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
             }
             // It could be a cut after all: people are told, though no air is moved.
-            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::ArrayShift });
+            self.whiskers[index].shift_told = true;
             return;
         }
         let length_before_mm = whisker.filter.length().length.mm();
@@ -93,7 +93,6 @@ impl Robot {
                 // Not a length: the estimate stays, and the offset is learned anew.
                 whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
-                effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::SensitivityLoss });
             }
             // What it has lost it may get back; that is no cut, and people were told to look at it.
             Kind::Shorter if whisker.condition == Condition::SensitivityLoss => whisker.jump(change),
@@ -113,36 +112,29 @@ impl Robot {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
                     self.set_condition(index, Condition::Eroding, effects);
-                    effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::Eroding });
                 }
             }
             Kind::Drifting => {
                 whisker.jump(change);
                 whisker.drifting = true;
+                whisker.drift_told = true;
                 if whisker.condition == Condition::Suspected {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
-                self.tell_of_drift(index, effects);
             }
         }
     }
 
     /// A baseline that was followed all the way is told of too, once it is far off.
-    fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let whisker = &self.whiskers[index];
+    fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex) {
+        let whisker = &mut self.whiskers[index];
         // While something is suspected, the baseline may stand for something else.
         if !whisker.detector.is_calm() || whisker.pending_trim.is_some() {
             return;
         }
         let (baseline_strain, sd_strain) = whisker.filter.baseline_strain();
         if baseline_strain.abs() - 2.0 * sd_strain > params.health.baseline_strain_max {
-            self.tell_of_drift(index, effects);
-        }
-    }
-
-    fn tell_of_drift(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        if !std::mem::replace(&mut self.whiskers[index].drift_told, true) {
-            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::BaselineDrift });
+            whisker.drift_told = true;
         }
     }
 
@@ -158,9 +150,16 @@ impl Robot {
             pending.contacts_since_confirmed += 1;
             return;
         }
-        let pending = *pending;
-        whisker.pending_trim = None;
+        self.call_trim(index, effects);
+    }
+
+    /// Calls a confirmed cut a trim, with the length as it is estimated now.
+    pub(super) fn call_trim(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        let Some(pending) = whisker.pending_trim.take() else { return };
+        let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
+        whisker.refused_servers.clear();
         self.undecided = true;
         let id = self.next_trim;
         self.next_trim += 1;
@@ -180,6 +179,8 @@ impl Robot {
         let from = std::mem::replace(&mut whisker.condition, to);
         if from != to {
             self.undecided = true;
+            // Only who is trimmed needs to be served.
+            whisker.unserved = false;
             effects.push(Effect::Condition { whisker: index, from, to });
         }
     }

@@ -71,12 +71,33 @@ pub enum Effect {
     Error(Box<CompensationError>),
     /// Record a look at a setpoint, whether it was refined or not.
     Refined(Box<Refinement>),
-    /// Tell people.
+    /// Record that a proposed compensation was approved.
+    Approved {
+        /// Which.
+        compensation: u32,
+    },
+    /// Tell people. It stands until it is cleared, and is not raised again before.
     Alarm {
         /// About which whisker.
         whisker: WhiskerIndex,
         /// What.
         kind: AlarmKind,
+    },
+    /// Tell people that the cause of an alarm is over.
+    AlarmCleared {
+        /// About which whisker.
+        whisker: WhiskerIndex,
+        /// What.
+        kind: AlarmKind,
+    },
+    /// A whisker is not on the robot any more: these alarms are cleared, and no index names it.
+    Gone {
+        /// Its array, by name.
+        array: String,
+        /// Its number.
+        number: u16,
+        /// The alarms that stood.
+        alarms: Vec<AlarmKind>,
     },
     /// Ask the robot for its factsheet.
     AskForFactsheet,
@@ -179,6 +200,8 @@ pub struct Decision {
     pub candidates: Vec<CandidateRecord>,
     /// Position of the chosen one in `candidates`; none if no one can serve.
     pub chosen: Option<usize>,
+    /// Whether the chosen one waits for an operator's approval.
+    pub proposed: bool,
 }
 
 /// A candidate of a decision.
@@ -221,6 +244,10 @@ pub enum EndReason {
     SetpointFailed,
     /// One of the two whiskers was replaced by a new one.
     Replaced,
+    /// It was proposed, and an operator refused it.
+    Refused,
+    /// An operator set its compensator's pressure by hand, or had it learned anew before the approval.
+    Operator,
 }
 
 /// Names a setpoint on its robot.
@@ -266,6 +293,8 @@ pub enum Reason {
     Release,
     /// A compensation goes on at another pressure, or with another gain.
     Refinement,
+    /// An operator asked for it.
+    Operator,
 }
 
 /// How far a setpoint is.
@@ -410,21 +439,26 @@ pub struct ErrorBin {
     pub sd: f64,
 }
 
-/// What people are told.
+/// What people are told. Each kind stands until what is said of it here; all of them until the whisker is gone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum AlarmKind {
-    /// A trimmed whisker that no one can compensate for.
+    /// A trimmed whisker that no one can compensate for: until it is served or proposed to be, is replaced, or is not
+    /// trimmed any more.
     Uncompensated,
-    /// A setpoint failed for good.
+    /// A setpoint failed for good: until it is tried anew, which a new boot, a new whisker and an operator do.
     SetpointFailed,
-    /// A whisker has lost sensitivity, which no trim explains.
+    /// A whisker has lost sensitivity, which no trim explains: until its condition is another.
     SensitivityLoss,
-    /// A whisker erodes.
+    /// A whisker erodes: until its condition is another.
     Eroding,
-    /// The whole array reads more or less than before: deflection mis-scaled, or temperature. Taken out.
+    /// The whole array reads more or less than before: deflection mis-scaled, or temperature. Taken out. Until the
+    /// whisker that it was told of has felt a thousand contacts with no more of it, or is learned anew.
     ArrayShift,
-    /// The gauge's baseline drifts. It is followed and taken out.
+    /// The gauge's baseline drifts. It is followed and taken out, but a gauge that has drifted goes on to be suspect:
+    /// until a person has it learned anew, or replaces the whisker.
     BaselineDrift,
-    /// A fault.
+    /// A fault: until it goes or becomes another.
     Fault(Fault),
+    /// A compensation for this whisker waits for approval: until it is approved, refused or over.
+    Proposed,
 }

@@ -2,6 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::action::OperatorAction;
 use super::effect::CommandKey;
 use crate::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
@@ -51,14 +52,12 @@ pub enum Event<'a> {
         /// By the robot's clock.
         robot_time: Micros,
     },
-    /// Somebody has put a new whisker in the place of an old one, as the factsheet describes it. One that is
-    /// not on the robot changes nothing.
-    Replaced {
-        /// Name of the array.
-        array: &'a str,
-        /// Number of the whisker.
-        whisker: u16,
-    },
+    /// An operator asks for something.
+    Operator(&'a OperatorAction<'a>),
+    /// The parameters are others than at the last event: decisions are taken anew, and what operators refused may be
+    /// proposed again. What is in force stays in force by the rules for changing an assignment, and what waits for
+    /// approval goes on waiting, also if the new policy would not ask.
+    PolicyChanged,
     /// Time has passed.
     Tick,
 }

@@ -1,7 +1,7 @@
 //! Faults: what the robot says, what its pressures show, and silence.
 
 use super::Robot;
-use super::effect::{AlarmKind, Effect, Fault, WhiskerIndex};
+use super::effect::{Effect, Fault, WhiskerIndex};
 use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
 use super::params::Params;
 use super::whisker::Whisker;
@@ -51,9 +51,6 @@ impl Robot {
         whisker.changed = true;
         effects.push(Effect::Fault { whisker: index, from, to });
         self.undecided = true;
-        if let Some(fault) = to {
-            effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::Fault(fault) });
-        }
     }
 }
 

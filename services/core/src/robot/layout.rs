@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::command::state_of;
-use super::effect::{CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
+use super::effect::{AlarmKind, CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
 use super::params::Params;
 use super::whisker::{Air, Desired, Whisker};
@@ -43,11 +43,12 @@ impl Robot {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
         let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
-        self.arrays.clear();
+        let names: Vec<String> = self.arrays.drain(..).map(|array| array.name).collect();
         for array in &factsheet.arrays {
             self.add_array(params, array, &moves, &mut old, effects);
         }
         for gone in old.into_iter().flatten() {
+            effects.extend(gone.gone(&names));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
         for one in &mut self.compensations {
@@ -149,8 +150,7 @@ impl Robot {
 
     /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it
     /// served, is let go.
-    pub(super) fn replaced(&mut self, params: &Params, array: &str, number: u16, effects: &mut Vec<Effect>) {
-        let Some(index) = self.find(array, number) else { return };
+    pub(super) fn replaced(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let concerned = self.compensations.iter().filter(|one| one.target() == index || one.compensator() == index);
         let over: Vec<u32> = concerned.map(|one| one.id).collect();
         for id in over {
@@ -187,7 +187,15 @@ impl Whisker {
         (from != to).then_some(Effect::Condition { whisker: index, from, to })
     }
 
-    /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure.
+    /// The alarms that stood for it, when it is on the robot no more; `names` are those of the arrays it was on.
+    fn gone(&self, names: &[String]) -> Option<Effect> {
+        let alarms: Vec<AlarmKind> = self.standing.kinds().collect();
+        let array = names.get(usize::from(self.array))?.clone();
+        (!alarms.is_empty()).then_some(Effect::Gone { array, number: self.sheet.number, alarms })
+    }
+
+    /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure, once it is not
+    /// held by an operator.
     fn renewed(self, sheet: WhiskerSheet, params: &Params) -> Self {
         let release = Desired { pressure: sheet.pressure, reason: Reason::Release, compensation: None, gain: None };
         let mut renewed = Self {
@@ -198,6 +206,9 @@ impl Whisker {
             // Dropped at once where that is held already.
             desired: Some(release),
             command: self.command,
+            held: self.held,
+            // For what is over to be told.
+            standing: self.standing,
             ..Self::new(self.array, sheet, params)
         };
         renewed.gauge.reported = self.gauge.reported;

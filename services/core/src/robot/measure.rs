@@ -2,7 +2,7 @@
 
 use super::Robot;
 use super::compensation::Compensation;
-use super::effect::{CompensationError, Effect, ErrorBin, Origin, Response, WhiskerIndex};
+use super::effect::{CompensationError, Condition, Effect, ErrorBin, Origin, Response, WhiskerIndex};
 use super::event::Contact;
 use super::params::Params;
 use super::whisker::Whisker;
@@ -64,7 +64,8 @@ impl Robot {
         let whisker = &self.whiskers[index];
         let running = &mut self.compensations[at];
         let held = (whisker.air.setpoint.mpa() - running.pressure.mpa()).abs() < 1e-4;
-        if !running.settled || !held {
+        // Its baseline and noise are to be known first, if it is learned anew.
+        if !running.settled || !held || whisker.condition == Condition::Learning {
             return;
         }
         let Some(model) = whisker.model(params) else { return };

@@ -7,8 +7,11 @@
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
 //! `shared` (what a whole array feels), `layout` (what is on it), `compensation` (who serves whom), `what_if`, `command`
-//! (setpoints), `measure` (Eq. 35) and [`refinement`] (the closed loop).
+//! (setpoints), `measure` (Eq. 35), [`refinement`] (the closed loop), [`action`] and `operator` (what people may do),
+//! and `alarms` (what they are told).
 
+pub mod action;
+pub mod alarms;
 mod command;
 mod compensation;
 mod contact;
@@ -19,8 +22,10 @@ mod gauge;
 mod health;
 mod layout;
 mod measure;
+mod operator;
 pub mod params;
 mod prediction;
+mod rebaseline;
 pub mod refinement;
 pub mod sequence;
 mod shared;
@@ -31,6 +36,7 @@ pub mod whisker;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+pub use action::{ActionProblem, OperatorAction, Place, Scope};
 pub use compensation::Compensation;
 pub use effect::Effect;
 pub use event::Event;
@@ -61,6 +67,8 @@ pub struct Robot {
     next_compensation: u32,
     /// Something has changed that a decision rests on.
     undecided: bool,
+    /// An operator holds all whiskers, also those that come later.
+    held: bool,
     /// Since when this program listens: silence before that is not the robot's.
     #[borsh(skip)]
     listening_since: Micros,
@@ -95,8 +103,8 @@ pub struct Numbers {
 /// A factsheet that does not come is asked for again after this.
 const FACTSHEET_ASKED_EVERY: Micros = Micros(2_000_000);
 
-/// What was made of a message as a whole.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What was made of an event as a whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     /// It was taken.
     Taken,
@@ -106,6 +114,8 @@ pub enum Outcome {
     NotYet(Admission),
     /// It comes from a boot that is no more.
     OldBoot,
+    /// What an operator asked is not done, and has changed nothing.
+    Refused(ActionProblem),
 }
 
 impl Robot {
@@ -125,6 +135,7 @@ impl Robot {
             next_trim: numbers.next_trim,
             next_compensation: numbers.next_compensation,
             undecided: false,
+            held: false,
             listening_since: Micros::default(),
             factsheet_asked: None,
             changed: true,
@@ -158,8 +169,9 @@ impl Robot {
                 self.setpoint_reported(params, now, command, report, effects);
                 Outcome::Taken
             }
-            Event::Replaced { array, whisker } => {
-                self.replaced(params, array, whisker, effects);
+            Event::Operator(action) => self.operate(params, action, effects),
+            Event::PolicyChanged => {
+                self.policy_changed();
                 Outcome::Taken
             }
             Event::Tick => {
@@ -171,6 +183,7 @@ impl Robot {
             }
         };
         self.decide(params, now, effects);
+        self.tell_alarms(effects);
         outcome
     }
 
@@ -205,6 +218,9 @@ impl Robot {
         }
         self.link = link;
         self.changed = true;
+        if link != Link::Online {
+            self.forget_manual();
+        }
         for index in 0..self.whiskers.len() {
             self.refresh_fault(params, now, index, effects);
         }

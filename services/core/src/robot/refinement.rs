@@ -73,6 +73,11 @@ impl Refining {
     pub(super) fn new(gain: Curve) -> Self {
         Self { steps: 0, due: 0, carried: Carried::default(), gain, since_gain: ResponseBins::default() }
     }
+
+    /// As if nothing had been felt yet at the present pressure with the present gain.
+    pub(super) fn felt_anew(&self) -> Self {
+        Self { steps: self.steps, ..Self::new(self.gain) }
+    }
 }
 
 /// What a look found.
@@ -105,7 +110,7 @@ impl Robot {
             Condition::Healthy | Condition::Trimmed => one.fault.is_none() && one.pending_trim.is_none(),
             Condition::Learning | Condition::Suspected | Condition::Eroding | Condition::SensitivityLoss => false,
         };
-        if contacts < due || !calm || one.command.is_some() {
+        if contacts < due || !calm || one.command.is_some() || self.holds(running.compensator()) {
             return;
         }
         self.compensations[at].refining.due = contacts.saturating_mul(2);

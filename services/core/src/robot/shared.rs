@@ -6,7 +6,7 @@
 //! large cut.
 
 use super::Robot;
-use super::effect::{AlarmKind, Condition, Effect, WhiskerIndex};
+use super::effect::{Condition, Effect, WhiskerIndex};
 use super::params::Params;
 use super::whisker::Unsteady;
 use crate::detection::{Change, Fit, Others};
@@ -106,7 +106,7 @@ impl Robot {
             }
         }
         self.changed = true;
-        effects.push(Effect::Alarm { whisker: index, kind: AlarmKind::ArrayShift });
+        self.whiskers[index].shift_told = true;
     }
 
     /// The median of what the whiskers feel, as a change of log length that would explain it.

@@ -4,12 +4,15 @@ use super::Robot;
 use super::effect::WhiskerIndex;
 use crate::units::Micros;
 
+/// Raised with every change of what is stored: bytes of two versions may have the same length.
+const STATE_VERSION: u16 = 2;
+
 impl Robot {
     /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
     /// program: then what was stored before is worth more.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
-        borsh::to_vec(self).ok()
+        borsh::to_vec(&(STATE_VERSION, self)).ok()
     }
 
     /// One whisker as bytes to be stored; none beyond the last, or if it cannot be stored.
@@ -24,7 +27,10 @@ impl Robot {
     /// # Errors
     /// The bytes are not from this version of the program.
     pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64, now: Micros) -> Result<Self, RestoreError> {
-        let mut robot: Self = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
+        let (version, mut robot): (u16, Self) = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
+        if version != STATE_VERSION {
+            return Err(RestoreError::Head);
+        }
         for (index, bytes) in whiskers.iter().enumerate() {
             robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
         }

@@ -1,5 +1,6 @@
 //! What can be seen of a robot from outside.
 
+use super::alarms::Standing;
 use super::effect::{Command, Condition, Fault, WhiskerIndex};
 use super::event::{ArrayKind, Link, WhiskerSheet};
 use super::{Compensation, Robot, Sequence};
@@ -35,7 +36,15 @@ impl Robot {
             pressure: whisker.air.measured,
             setpoint: whisker.air.setpoint,
             heard: whisker.heard,
+            held: whisker.held,
+            standing: whisker.standing,
         })
+    }
+
+    /// Whether an operator holds the whole robot.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.held
     }
 
     /// Number of whiskers; indices are below.
@@ -61,7 +70,7 @@ impl Robot {
         self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
     }
 
-    /// Compensations in force.
+    /// Compensations in force, and those that wait for approval.
     #[must_use]
     pub fn compensations(&self) -> &[Compensation] {
         &self.compensations
@@ -99,4 +108,8 @@ pub struct WhiskerView<'a> {
     pub setpoint: Megapascal,
     /// When it was last heard of, by the supervisor's clock.
     pub heard: Option<Micros>,
+    /// Whether an operator holds it, by itself; see [`Robot::is_held`] for the whole robot.
+    pub held: bool,
+    /// The alarms that stand.
+    pub standing: Standing,
 }

@@ -5,6 +5,7 @@ use super::effect::{Condition, Decision, Effect, EndReason, Reason, WhiskerIndex
 use super::event::Link;
 use super::params::Params;
 use crate::mechanics::CONTACT_RATIOS;
+use crate::policy::Mode;
 use crate::units::{Megapascal, Micros, Millimetre};
 
 /// What would be done.
@@ -52,7 +53,8 @@ pub enum WhatIfError {
 
 impl Robot {
     /// What would be done if a whisker were cut to `length` and the cut had just been found. The robot is taken
-    /// to be connected; faults count as they are. A length within the chamber is answered too: then it cannot
+    /// to be connected; faults and holds count as they are, and the policy's mode does not: setpoints are those that
+    /// would be sent once all is approved. A length within the chamber is answered too: then it cannot
     /// serve itself.
     ///
     /// # Errors
@@ -65,7 +67,10 @@ impl Robot {
         let now = copy.whiskers.iter().filter_map(|one| one.heard).max().unwrap_or_default();
         copy.robot_time.get_or_insert(Micros::default());
         let mut effects = Vec::new();
-        copy.decide(params, now, &mut effects);
+        // The decision is shown, whoever must approve it.
+        let mut automatic = params.clone();
+        automatic.policy.mode = Mode::Automatic;
+        copy.decide(&automatic, now, &mut effects);
         // What is sent again anyway has nothing to do with the cut.
         let is_new = |index: WhiskerIndex| copy.whiskers[index].desired != self.whiskers[index].desired;
         Ok(WhatIf::of(effects, is_new))
@@ -87,6 +92,7 @@ impl Robot {
             one.whole_offset.get_or_insert(one.filter.offset());
         }
         one.pending_trim = None;
+        one.refused_servers.clear();
         one.condition = Condition::Trimmed;
         one.undecided = true;
         self.undecided = true;

@@ -2,6 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::alarms::Standing;
 use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
 use super::event::{Contact, RegulatorState, WhiskerSheet};
 use super::gauge::GaugeWatch;
@@ -65,6 +66,16 @@ pub struct Whisker {
     pub(super) drift_told: bool,
     /// A trim that no decision has been made about.
     pub(super) undecided: bool,
+    /// It is trimmed, and nobody can serve it.
+    pub(super) unserved: bool,
+    /// People were told that its array has shifted, and it does not read steadily again.
+    pub(super) shift_told: bool,
+    /// An operator holds it.
+    pub(super) held: bool,
+    /// Numbers of the whiskers that an operator has refused as its compensators.
+    pub(super) refused_servers: Vec<u16>,
+    /// What people were told and what is still so.
+    pub(super) standing: Standing,
     #[borsh(skip)]
     pub(super) changed: bool,
 }
@@ -167,6 +178,11 @@ impl Whisker {
             drifting: false,
             drift_told: false,
             undecided: false,
+            unserved: false,
+            shift_told: false,
+            held: false,
+            refused_servers: Vec::new(),
+            standing: Standing::default(),
             changed: true,
             sheet,
         }
@@ -232,6 +248,7 @@ impl Whisker {
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         self.filter.learn(seen, self.wander(params));
         self.unsteady = self.unsteady.and_then(Unsteady::after_contact);
+        self.shift_told &= self.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         Felt { used, innovation: Some(*seen), verdict }
@@ -299,6 +316,12 @@ impl Whisker {
             self.detector = Detector::default();
             self.air.learned_at = setpoint;
         }
+    }
+
+    /// The highest pressure that it may be told to hold: the factsheet's limit and the paper's.
+    pub(super) fn pressure_limit(&self) -> Megapascal {
+        let (own, examined) = (self.sheet.pressure_max, Megapascal::EXAMINED_MAX);
+        if own < examined { own } else { examined }
     }
 
     /// The model of the factsheet; factsheets with unknown models are refused, so it is there.

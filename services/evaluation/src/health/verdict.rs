@@ -85,7 +85,7 @@ pub(super) fn judge(case: &Case) -> Outcome {
 fn statement(effect: &Effect) -> Option<(usize, Called)> {
     match effect {
         Effect::Trim(trim) => Some((trim.whisker, Called::Class(Class::Trim))),
-        Effect::Alarm { kind: AlarmKind::Uncompensated | AlarmKind::SetpointFailed, .. } => None,
+        Effect::Alarm { kind: AlarmKind::Uncompensated | AlarmKind::SetpointFailed | AlarmKind::Proposed, .. } => None,
         Effect::Alarm { whisker, kind } => Some((*whisker, called(kind.word()))),
         _ => None,
     }

@@ -1,14 +1,6 @@
 use super::*;
-
-const CONNECTION: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","state":"ONLINE"}"#;
-const FACTSHEET: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-2","on_supervisor_loss":"HOLD","arrays":[{"array":"left","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[1]},{"whisker":1,"x_mm":25.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":65.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[0]}]}]}"#;
-const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"left","whisker":0,"t_us":1795248000123456,"ratio":0.85,"deflection_mm":2.4,"strain":0.009671,"pressure_mpa":0.1002,"temperature_c":24.1}]}"#;
-const STATUS: &str = r#"{"boot_id":"b7","seq":77,"t_us":1795248000123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.1002,"setpoint_mpa":0.1,"regulator":"OK","gauge":"OK"}]}"#;
-const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
-const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":12,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
-const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","state":"APPLIED","t_us":1795248002123456,"pressure_mpa":0.0481}"#;
-const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
-const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":12}"#;
+use crate::document::Channel;
+use crate::document::examples::{CONNECTION, CONTACTS, FACTSHEET, RECEIPT, SETPOINT, SETPOINT_STATE, STATUS};
 
 fn topic(last: &str) -> Topic {
     Topic::parse(&format!("whisker/v1/f/r/{last}")).unwrap()
@@ -30,22 +22,14 @@ fn assert_out_of_range(refusal: &Refusal, place: &str) {
 
 #[test]
 fn golden_messages_of_the_contract_round_trip_byte_for_byte() {
-    for (last, text) in [
-        ("connection", CONNECTION),
-        ("factsheet", FACTSHEET),
-        ("contacts", CONTACTS),
-        ("status", STATUS),
-        ("receipt", RECEIPT),
-        ("setpoint", SETPOINT),
-        ("setpoint_state", SETPOINT_STATE),
-        ("request", REQUEST),
-    ] {
-        let message = decode(&topic(last), text.as_bytes()).unwrap();
-        assert_eq!(String::from_utf8(encode(&message)).unwrap(), text, "{last}");
+    for channel in Channel::ALL {
+        let address = channel.address().replace("{fleet}", "f").replace("{robot}", "r");
+        let topic = Topic::parse(&address).unwrap();
+        for (name, text) in channel.examples() {
+            let message = decode(&topic, text.as_bytes()).unwrap();
+            assert_eq!(String::from_utf8(encode(&message)).unwrap(), *text, "{address}: {name}");
+        }
     }
-    let topic = Topic::parse("whisker/v1/f/supervisor/state").unwrap();
-    let message = decode(&topic, SUPERVISOR_STATE.as_bytes()).unwrap();
-    assert_eq!(String::from_utf8(encode(&message)).unwrap(), SUPERVISOR_STATE);
 }
 
 #[test]

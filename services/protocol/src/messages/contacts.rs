@@ -1,49 +1,59 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, CONTACTS_MAX, Name, Refusal, check};
+use crate::check::{POSITIVE_MM, PRESSURE_MPA, RATIO, STRAIN, TEMPERATURE_C};
+use crate::{BootId, CONTACTS_MAX, Name, Refusal, check, schema};
 
 /// `contacts`: a batch of contacts.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contacts {
     /// The robot's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// At most [`CONTACTS_MAX`].
+    /// In the order in which they were felt.
+    #[schemars(length(max = CONTACTS_MAX))]
     pub contacts: Vec<Contact>,
 }
 
 /// What one touch of one whisker read.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contact {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
     /// When, in microseconds since 1970 UTC by the robot's clock.
+    #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
     /// The paper's contact ratio a: contact distance / present length, both without the chamber's
     /// elongation; above 0, at most 1.
+    #[schemars(transform = RATIO.in_schema())]
     pub ratio: f64,
     /// How far the contact bent the whisker, in mm; above 0.
+    #[schemars(transform = POSITIVE_MM.in_schema())]
     pub deflection_mm: f64,
     /// Mean strain over the gauge grid, in m/m; between -1 and 1.
+    #[schemars(transform = STRAIN.in_schema())]
     pub strain: f64,
     /// The chamber's measured gauge pressure in MPa.
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: f64,
     /// The whisker's temperature in degrees Celsius.
+    #[schemars(transform = TEMPERATURE_C.in_schema())]
     pub temperature_c: f64,
 }
 
 impl Contact {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("t_us", self.t_us)?;
-        check::ratio("ratio", self.ratio)?;
-        check::positive_mm("deflection_mm", self.deflection_mm)?;
-        check::strain("strain", self.strain)?;
-        check::pressure_mpa("pressure_mpa", self.pressure_mpa)?;
-        check::temperature_c("temperature_c", self.temperature_c)
+        RATIO.check("ratio", self.ratio)?;
+        POSITIVE_MM.check("deflection_mm", self.deflection_mm)?;
+        STRAIN.check("strain", self.strain)?;
+        PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
+        TEMPERATURE_C.check("temperature_c", self.temperature_c)
     }
 }
 

@@ -1,60 +1,73 @@
 use std::collections::BTreeSet;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
+use crate::check::{PLACE_MM, POSITIVE_MM, PRESSURE_MPA, TEXT_MAX_CHARS};
 use crate::name::short_text;
-use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check};
+use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check, schema};
 
 /// `factsheet`: what is on a robot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Factsheet {
     /// The robot's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
     /// When it was written.
     pub timestamp: Timestamp,
-    /// The robot's model, 1 to 64 characters.
+    /// The robot's model.
     #[serde(deserialize_with = "short_text")]
+    #[schemars(with = "String", length(min = 1, max = TEXT_MAX_CHARS))]
     pub model: String,
     /// What the robot does when the supervisor is gone.
     pub on_supervisor_loss: OnSupervisorLoss,
-    /// At most [`ARRAYS_MAX`], each of another name.
+    /// Each of another name.
+    #[schemars(length(max = ARRAYS_MAX))]
     pub arrays: Vec<ArrayFacts>,
 }
 
 /// One array.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ArrayFacts {
     /// Its name.
     pub array: Name,
     /// What it can do about a shortened whisker.
     #[serde(rename = "type")]
     pub array_type: ArrayType,
-    /// At most [`WHISKERS_MAX`], each of another number.
+    /// Each of another number.
+    #[schemars(length(max = WHISKERS_MAX))]
     pub whiskers: Vec<WhiskerFacts>,
 }
 
 /// One whisker as it was built in.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WhiskerFacts {
     /// Its number in the array.
     pub whisker: u16,
     /// Where it stands, in mm.
+    #[schemars(transform = PLACE_MM.in_schema())]
     pub x_mm: f64,
     /// Where it stands, in mm.
+    #[schemars(transform = PLACE_MM.in_schema())]
     pub y_mm: f64,
-    /// The calibration to use, such as `nguyen-2021`; 1 to 64 characters.
+    /// The calibration to use, such as `nguyen-2021`.
     #[serde(deserialize_with = "short_text")]
+    #[schemars(with = "String", length(min = 1, max = TEXT_MAX_CHARS))]
     pub model: String,
     /// Its length without the chamber's elongation, in mm.
+    #[schemars(transform = POSITIVE_MM.in_schema())]
     pub length_mm: f64,
-    /// The chamber's nominal gauge pressure in MPa.
+    /// The chamber's nominal gauge pressure in MPa; at most `pressure_max_mpa`.
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: f64,
     /// The highest pressure that the robot lets into the chamber, in MPa.
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_max_mpa: f64,
-    /// Whiskers of the same array that can take its place.
+    /// Whiskers of the same array that can take its place: numbers of others that the array has.
+    #[schemars(length(max = WHISKERS_MAX))]
     pub neighbours: Vec<u16>,
 }
 
@@ -90,11 +103,11 @@ impl ArrayFacts {
 
 impl WhiskerFacts {
     fn check(&self) -> Result<(), Refusal> {
-        check::place_mm("x_mm", self.x_mm)?;
-        check::place_mm("y_mm", self.y_mm)?;
-        check::positive_mm("length_mm", self.length_mm)?;
-        check::pressure_mpa("pressure_mpa", self.pressure_mpa)?;
-        check::pressure_mpa("pressure_max_mpa", self.pressure_max_mpa)?;
+        PLACE_MM.check("x_mm", self.x_mm)?;
+        PLACE_MM.check("y_mm", self.y_mm)?;
+        POSITIVE_MM.check("length_mm", self.length_mm)?;
+        PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
+        PRESSURE_MPA.check("pressure_max_mpa", self.pressure_max_mpa)?;
         if self.pressure_mpa > self.pressure_max_mpa {
             return Err(Refusal::OutOfRange {
                 path: "pressure_mpa".to_owned(),

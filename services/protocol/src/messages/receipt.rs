@@ -1,20 +1,24 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, HELD_MAX, Refusal, check};
+use crate::{BootId, HELD_MAX, Refusal, check, schema};
 
 /// `receipt`: how far the contacts of one boot of a robot are committed in the supervisor's database.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Receipt {
     /// The supervisor's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
     /// The robot's boot whose `contacts` it speaks of.
     pub robot_boot_id: BootId,
     /// Every contacts message of that boot with a `seq` below it is committed.
+    #[schemars(transform = schema::exact_integer)]
     pub next: u64,
-    /// Committed ones beyond a gap: first and last `seq` of each range, both included.
+    /// Committed ones beyond a gap: first and last `seq` of each range, both included, the last not below the first.
+    #[schemars(schema_with = "schema::held")]
     pub held: Vec<(u64, u64)>,
 }
 

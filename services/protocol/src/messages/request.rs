@@ -1,14 +1,16 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, Refusal, RequestKind, check};
+use crate::{BootId, Refusal, RequestKind, check, schema};
 
 /// `request`: the supervisor asks a robot to send something again.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Request {
     /// The supervisor's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
     /// What to send.
     pub request: RequestKind,

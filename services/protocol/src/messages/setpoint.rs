@@ -1,23 +1,31 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
+use crate::check::{GAIN, PRESSURE_MPA, RATIO, SLEW_MPA_PER_S};
+use crate::{
+    BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check, schema,
+};
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
 ///
 /// The pressure is not checked here: a robot answers one outside its factsheet's range with
-/// [`SetpointError::OutOfRange`] instead of leaving the supervisor without an answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// `OUT_OF_RANGE` instead of leaving the supervisor without an answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Setpoint {
     /// The supervisor's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// Names the command: the same one again is answered again and not applied again. 1 to 64 characters.
+    /// Names the command: the same one again is answered again and not applied again.
+    #[schemars(schema_with = "schema::identifier_field")]
     pub command_id: String,
     /// The supervisor's epoch; with `version` the order of setpoints for a whisker.
+    #[schemars(transform = schema::exact_integer)]
     pub epoch: u64,
     /// Grows within an epoch.
+    #[schemars(transform = schema::exact_integer)]
     pub version: u64,
     /// The robot's boot that it is meant for.
     pub robot_boot_id: BootId,
@@ -28,33 +36,41 @@ pub struct Setpoint {
     /// The gauge pressure to hold, in MPa.
     pub pressure_mpa: f64,
     /// How fast the pressure may change, in MPa/s; above 0.
+    #[schemars(transform = SLEW_MPA_PER_S.in_schema())]
     pub slew_mpa_per_s: f64,
     /// When it was issued, by the supervisor's clock.
     pub issued: Timestamp,
     /// When it ceases to be valid, in microseconds since 1970 UTC by the robot's own clock.
+    #[schemars(transform = schema::exact_integer)]
     pub expires_us: u64,
     /// Why.
     pub reason: SetpointReason,
     /// What is left to correct after the pressure: pairs of contact ratio and factor on the compensator's
     /// strain, by rising ratio, to interpolate between.
+    #[schemars(schema_with = "schema::gain")]
     pub gain: Vec<(f64, f64)>,
 }
 
 /// `setpoint_state`: what became of a setpoint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = schema::error_where_due)]
 pub struct SetpointState {
     /// The robot's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
     /// The command that it answers.
+    #[schemars(schema_with = "schema::identifier_field")]
     pub command_id: String,
     /// What became of it.
     pub state: SetpointOutcome,
     /// When, in microseconds since 1970 UTC by the robot's clock.
+    #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
     /// The chamber's measured gauge pressure in MPa; absent where there is no such chamber.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: Option<f64>,
     /// Why, with `REJECTED` and `FAILED`; absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -67,12 +83,12 @@ impl Checked for Setpoint {
         check::identifier("command_id", &self.command_id)?;
         check::integer("epoch", self.epoch)?;
         check::integer("version", self.version)?;
-        check::slew_mpa_per_s("slew_mpa_per_s", self.slew_mpa_per_s)?;
+        SLEW_MPA_PER_S.check("slew_mpa_per_s", self.slew_mpa_per_s)?;
         check::integer("expires_us", self.expires_us)?;
         check::count("gain", self.gain.len(), GAIN_POINTS_MAX)?;
         check::each("gain", &self.gain, |&(ratio, factor)| {
-            check::ratio("ratio", ratio)?;
-            check::gain("factor", factor)
+            RATIO.check("ratio", ratio)?;
+            GAIN.check("factor", factor)
         })?;
         if self.gain.is_sorted_by(|(before, _), (after, _)| before < after) {
             return Ok(());
@@ -87,21 +103,12 @@ impl Checked for SetpointState {
         check::identifier("command_id", &self.command_id)?;
         check::integer("t_us", self.t_us)?;
         if let Some(pressure_mpa) = self.pressure_mpa {
-            check::pressure_mpa("pressure_mpa", pressure_mpa)?;
+            PRESSURE_MPA.check("pressure_mpa", pressure_mpa)?;
         }
-        match (self.state, self.error) {
-            (SetpointOutcome::Rejected | SetpointOutcome::Failed, None) => Err(Refusal::Malformed {
-                path: "error".to_owned(),
-                problem: format!("missing, but {} must say why", self.state),
-            }),
-            (SetpointOutcome::Rejected | SetpointOutcome::Failed, Some(_))
-            | (
-                SetpointOutcome::Received
-                | SetpointOutcome::Applying
-                | SetpointOutcome::Applied
-                | SetpointOutcome::Superseded,
-                _,
-            ) => Ok(()),
+        if self.state.needs_error() && self.error.is_none() {
+            let problem = format!("missing, but {} must say why", self.state);
+            return Err(Refusal::Malformed { path: "error".to_owned(), problem });
         }
+        Ok(())
     }
 }

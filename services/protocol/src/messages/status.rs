@@ -1,35 +1,43 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check};
+use crate::check::PRESSURE_MPA;
+use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check, schema};
 
 /// `status`: the condition of a robot's chambers and gauges.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Status {
     /// The robot's boot.
     pub boot_id: BootId,
     /// From 0 in each boot.
+    #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
     /// When, in microseconds since 1970 UTC by the robot's clock.
+    #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
     /// One entry per whisker.
+    #[schemars(length(max = ARRAYS_MAX * WHISKERS_MAX))]
     pub whiskers: Vec<WhiskerStatus>,
     /// Contacts messages that the robot dropped in this boot because it kept too many, or lost in the
     /// restart before it; absent for zero or for a robot that does not count them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = schema::exact_integer)]
     pub contacts_dropped: Option<u64>,
 }
 
 /// The condition of one whisker's chamber and gauge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WhiskerStatus {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
     /// The chamber's measured gauge pressure in MPa.
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: f64,
     /// The pressure that the regulator is to hold, in MPa.
+    #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub setpoint_mpa: f64,
     /// The regulator's condition.
     pub regulator: Regulator,
@@ -44,8 +52,8 @@ impl Checked for Status {
         check::integer("contacts_dropped", self.contacts_dropped.unwrap_or(0))?;
         check::count("whiskers", self.whiskers.len(), ARRAYS_MAX * WHISKERS_MAX)?;
         check::each("whiskers", &self.whiskers, |whisker| {
-            check::pressure_mpa("pressure_mpa", whisker.pressure_mpa)?;
-            check::pressure_mpa("setpoint_mpa", whisker.setpoint_mpa)
+            PRESSURE_MPA.check("pressure_mpa", whisker.pressure_mpa)?;
+            PRESSURE_MPA.check("setpoint_mpa", whisker.setpoint_mpa)
         })
     }
 }

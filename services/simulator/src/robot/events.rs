@@ -4,7 +4,7 @@ use super::{Outgoing, Robot, boot_id};
 use crate::commands::Commands;
 use crate::link::FaultKind;
 use crate::plant::GaugeCondition;
-use crate::scenario::{Change, Event};
+use crate::scenario::{Change, Event, Misbehaviour};
 
 impl Robot {
     /// Sorts the scenario's events by what brings them about.
@@ -111,18 +111,29 @@ impl Robot {
         self.report_change(at_us);
     }
 
+    /// Starts again at its next poll, as if its power had been cut: without a farewell, in a new boot.
+    pub fn restart_soon(&mut self) {
+        let restart = Event { at_s: None, at_contact: None, array: None, whisker: None, change: Change::Restart };
+        self.events.push_front((0, restart));
+    }
+
     /// A restart without a farewell: a new boot that has nothing of the old one's memory.
-    fn restart(&mut self, out: &mut Vec<Outgoing>) {
+    pub(super) fn restart(&mut self, out: &mut Vec<Outgoing>) {
+        self.connected = false;
+        out.push(Outgoing::Restart);
+        if self.breaks(Misbehaviour::KeepsBootId) {
+            return;
+        }
         self.boots += 1;
         self.boot_id = boot_id(self.seed, &self.config.robot.robot, self.start_us, self.boots);
-        self.connected = false;
-        self.sequences = super::Sequences::default();
+        if !self.breaks(Misbehaviour::KeepsCounting) {
+            self.sequences = super::Sequences::default();
+        }
         self.commands = Commands::default();
         self.outbox.restart();
         self.batch.clear();
         self.batch_until_us = None;
         self.supervisor_heard_us = None;
         self.whiskers.iter_mut().for_each(super::Whisker::restart);
-        out.push(Outgoing::Restart);
     }
 }

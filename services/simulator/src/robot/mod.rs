@@ -6,6 +6,7 @@
 //! Every time is in microseconds since 1970 UTC by the robot's clock.
 
 mod events;
+mod misbehaviour;
 mod outgoing;
 mod setpoints;
 mod timers;
@@ -25,7 +26,7 @@ use crate::link::Link;
 use crate::outbox::Outbox;
 use crate::random::{Purpose, boot_text, stream};
 use crate::regulator::{SUPPLY_MPA, TICK_US};
-use crate::scenario::{Behaviour, Event, Noise, RobotScenario, Scenario};
+use crate::scenario::{Behaviour, Event, Misbehaviour, Noise, RobotScenario, Scenario};
 use outgoing::Sequences;
 use timers::Contacts;
 
@@ -112,7 +113,7 @@ impl Robot {
             places,
             supply_mpa: SUPPLY_MPA,
             commands: Commands::default(),
-            outbox: Outbox::new(config.behaviour.kept_messages),
+            outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
             batch_until_us: None,
@@ -140,7 +141,9 @@ impl Robot {
         self.link.reconnected();
         self.outbox.reconnected();
         self.birth(now_us, &mut out);
-        self.factsheet(now_us, &mut out);
+        if !self.breaks(Misbehaviour::NoFactsheetAtBirth) {
+            self.factsheet(now_us, &mut out);
+        }
         self.status(now_us, &mut out);
         out
     }
@@ -173,15 +176,20 @@ impl Robot {
     pub fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
         let Ok(message) = decode(&topic.of(&self.config.fleet, &self.config.robot.robot), payload) else {
-            self.refused += 1;
+            self.stumble(&mut out);
             return out;
         };
+        if self.overlooks(&message, payload) {
+            return out;
+        }
         self.supervisor_heard_us = Some(now_us);
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
             Message::Request(request) => match request.request {
+                RequestKind::Factsheet if self.breaks(Misbehaviour::IgnoresFactsheetRequest) => {}
                 RequestKind::Factsheet => self.factsheet(now_us, &mut out),
+                RequestKind::Status if self.breaks(Misbehaviour::IgnoresStatusRequest) => {}
                 RequestKind::Status => self.status(now_us, &mut out),
             },
             // A robot does not subscribe to what robots send.
@@ -196,8 +204,8 @@ impl Robot {
     }
 
     fn receipt(&mut self, receipt: &Receipt) {
-        if receipt.robot_boot_id == self.boot_id {
-            self.outbox.receipt(receipt);
+        if receipt.robot_boot_id == self.boot_id || self.breaks(Misbehaviour::TakesAnyReceipt) {
+            self.outbox.receipt(&self.receipt_as_read(receipt));
         }
     }
 
@@ -205,6 +213,12 @@ impl Robot {
     pub fn rest(&mut self) {
         self.contacts.stop();
         self.batch_until_us = self.batch_until_us.map(|_| 0);
+    }
+
+    /// Whether its connection stands.
+    #[must_use]
+    pub fn is_connected(&self) -> bool {
+        self.connected
     }
 
     /// Its fleet.

@@ -6,7 +6,7 @@ use vibrissa_protocol::{
 
 use super::Robot;
 use crate::journal::JournalEntry;
-use crate::scenario::{ArrayScenario, Breach, WhiskerScenario};
+use crate::scenario::{ArrayScenario, Misbehaviour, WhiskerScenario};
 
 /// The calibration that the factsheet names: the built-in one, which each whisker misses a little.
 const WHISKER_MODEL: &str = "nguyen-2021";
@@ -52,7 +52,11 @@ impl Robot {
     /// The last will for the next connection: the same boot id as its birth.
     #[must_use]
     pub fn will(&self, now_us: u64) -> Vec<u8> {
-        encode(&self.connection(self.sequences.connection + 1, now_us, ConnectionState::ConnectionBroken))
+        let mut will = self.connection(self.sequences.connection + 1, now_us, ConnectionState::ConnectionBroken);
+        if self.breaks(Misbehaviour::WillOfAnotherBoot) {
+            will.boot_id = super::boot_id(self.seed, self.name(), self.start_us, u64::MAX);
+        }
+        encode(&will)
     }
 
     pub(super) fn birth(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
@@ -97,6 +101,9 @@ impl Robot {
         for whisker in &mut self.whiskers {
             whisker.reported = whisker.condition();
         }
+        if self.breaks(Misbehaviour::SkipsNumbers) && self.sequences.status % 3 == 2 {
+            self.sequences.status += 1;
+        }
         let dropped = self.outbox.dropped();
         let status = Status {
             boot_id: self.boot_id.clone(),
@@ -106,8 +113,8 @@ impl Robot {
             contacts_dropped: (dropped > 0).then_some(dropped),
         };
         self.status_sent_us = now_us;
-        self.status_at_us = now_us + (self.config.behaviour.status_every_s * 1e6) as u64;
-        self.publish(RobotTopic::Status, encode(&status), out);
+        self.status_at_us = now_us + (self.status_every_s() * 1e6) as u64;
+        self.publish(RobotTopic::Status, self.status_as_sent(status), out);
     }
 
     /// Sends the contacts that wait, as one message, and keeps it until it is receipted.
@@ -121,7 +128,7 @@ impl Robot {
         let message = Contacts { boot_id: self.boot_id.clone(), seq, contacts };
         let payload = encode(&message);
         self.journal.write(|| JournalEntry::Felt(message));
-        if self.config.behaviour.breach != Some(Breach::SendsOnce) {
+        if !self.breaks(Misbehaviour::SendsOnce) {
             self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
         }
         if self.connected {
@@ -132,7 +139,8 @@ impl Robot {
     }
 
     pub(super) fn resend(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
-        for payload in self.outbox.resend(now_us) {
+        let payloads = self.outbox.resend(now_us);
+        for payload in self.resent_as_sent(payloads) {
             self.publish(RobotTopic::Contacts, payload, out);
         }
     }

@@ -4,11 +4,12 @@ use vibrissa_protocol::{
     BootId, OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
 };
 
+use super::misbehaviour::{AT_ONCE_MPA_PER_S, HELD_LESS_MPA};
 use super::whisker::Applying;
 use super::{Outgoing, Robot};
 use crate::commands::{Addressee, Answer, Verdict};
 use crate::journal::{HeardSetpoint, JournalEntry};
-use crate::scenario::Breach;
+use crate::scenario::Misbehaviour;
 
 /// How fast a robot changes a pressure of its own accord.
 pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
@@ -19,15 +20,19 @@ impl Robot {
         let addressee = at
             .and_then(|at| self.whiskers.get_mut(at))
             .map(|whisker| Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut whisker.seen });
-        let verdict = match self.config.behaviour.breach {
-            Some(Breach::TakesAnySetpoint) if addressee.is_some() => Verdict::Take,
-            Some(_) | None => self.commands.judge(setpoint, &self.boot_id, now_us, addressee),
-        };
+        let fault = self.config.behaviour.misbehaviour;
+        let verdict = self.commands.judge(setpoint, &self.boot_id, now_us, addressee, fault);
         self.journal.write(|| JournalEntry::Heard(heard(setpoint, &self.boot_id, now_us)));
         let id = setpoint.command_id.as_str();
         match (verdict, at) {
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now_us, out),
+            (Verdict::Again(_), _) if self.breaks(Misbehaviour::SilentOnRepeats) => {}
+            (Verdict::Again(_), Some(at)) if self.breaks(Misbehaviour::AppliesRepeats) => {
+                self.take(setpoint, at, now_us, out);
+            }
             (Verdict::Again(answer), _) => self.answer(id, at, answer, now_us, out),
+            (Verdict::Reject(SetpointError::UnknownWhisker), _)
+                if self.breaks(Misbehaviour::SilentOnUnknownWhisker) => {}
             (Verdict::Reject(error), _) => self.reject(id, at, error, now_us, out),
             // Only a setpoint for a whisker that exists is taken.
             (Verdict::Take, None) => self.reject(id, at, SetpointError::UnknownWhisker, now_us, out),
@@ -36,16 +41,26 @@ impl Robot {
 
     fn take(&mut self, setpoint: &Setpoint, at: usize, now_us: u64, out: &mut Vec<Outgoing>) {
         let id = setpoint.command_id.as_str();
-        self.answer(id, Some(at), plain(SetpointOutcome::Received), now_us, out);
-        if let Some(replaced) = self.whiskers[at].applying.take() {
+        let is_short = self.breaks(Misbehaviour::SaysOnlyTheEnd);
+        if !is_short {
+            self.answer(id, Some(at), plain(SetpointOutcome::Received), now_us, out);
+        }
+        if let Some(replaced) = self.whiskers[at].applying.take()
+            && !self.breaks(Misbehaviour::NeverSuperseded)
+        {
             self.answer(&replaced.command_id, Some(at), plain(SetpointOutcome::Superseded), now_us, out);
         }
+        let less_mpa = if self.breaks(Misbehaviour::HoldsLess) { HELD_LESS_MPA } else { 0.0 };
+        let at_once = self.breaks(Misbehaviour::IgnoresSlew);
+        let slew_mpa_per_s = if at_once { AT_ONCE_MPA_PER_S } else { setpoint.slew_mpa_per_s };
         let whisker = &mut self.whiskers[at];
-        whisker.regulator.set(setpoint.pressure_mpa, setpoint.slew_mpa_per_s);
+        whisker.regulator.set((setpoint.pressure_mpa - less_mpa).max(0.0), slew_mpa_per_s);
         self.journal.write(|| JournalEntry::Applied(heard(setpoint, &self.boot_id, now_us)));
         let fails_at_us = now_us + whisker.regulator.patience_us();
         whisker.applying = Some(Applying { command_id: id.to_owned(), fails_at_us });
-        self.answer(id, Some(at), plain(SetpointOutcome::Applying), now_us, out);
+        if !is_short {
+            self.answer(id, Some(at), plain(SetpointOutcome::Applying), now_us, out);
+        }
     }
 
     fn reject(&mut self, id: &str, at: Option<usize>, error: SetpointError, now_us: u64, out: &mut Vec<Outgoing>) {

@@ -141,7 +141,8 @@ impl Robot {
         if whisker.is_silent(at_us) {
             return;
         }
-        self.batch.push(Contact {
+        let number = whisker.plant.contacts();
+        let contact = Contact {
             array: whisker.array().clone(),
             whisker: whisker.number(),
             t_us: at_us,
@@ -150,7 +151,8 @@ impl Robot {
             strain: reading.strain,
             pressure_mpa: whisker.regulator.reading_mpa(),
             temperature_c: reading.temperature_c,
-        });
+        };
+        self.batch.push(self.contact_as_sent(contact, number));
         if self.batch.len() >= self.config.behaviour.contacts_per_message {
             self.flush(at_us, out);
         } else if self.batch_until_us.is_none() {

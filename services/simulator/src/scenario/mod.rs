@@ -2,12 +2,14 @@
 
 mod check;
 mod event;
+mod misbehaviour;
 
 use serde::Deserialize;
 use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
 
 pub use check::BadScenario;
 pub use event::{Change, Event};
+pub use misbehaviour::Misbehaviour;
 
 /// A whole simulation.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -55,17 +57,7 @@ pub struct Behaviour {
     #[serde(skip)]
     pub journal: bool,
     /// A rule of the contract that the robots break, so that a test can see that it notices.
-    #[serde(skip)]
-    pub breach: Option<Breach>,
-}
-
-/// A rule of the contract that is broken on purpose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Breach {
-    /// Contacts are sent once and forgotten.
-    SendsOnce,
-    /// Any setpoint for a whisker that is there is applied: late, repeated, or of an older epoch.
-    TakesAnySetpoint,
+    pub misbehaviour: Option<Misbehaviour>,
 }
 
 impl Default for Behaviour {
@@ -79,7 +71,7 @@ impl Default for Behaviour {
             supervisor_lost_after_s: 60.0,
             notices_faults: true,
             journal: false,
-            breach: None,
+            misbehaviour: None,
         }
     }
 }

@@ -26,18 +26,21 @@ const FILE: &str = "config";
 
 impl Args for ConfigArgs {
     fn augment_args(command: Command) -> Command {
-        let file = Arg::new(FILE)
-            .long("config")
-            .env("VIBRISSA_CONFIG")
-            .value_name("FILE")
-            .value_parser(clap::value_parser!(PathBuf))
-            .help("The configuration file, TOML; no file is read by itself");
-        command.arg(file).args(Key::ALL.iter().map(|&key| flag(key)))
+        command.arg(file()).args(Key::ALL.iter().map(|&key| flag(key)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
         Self::augment_args(command)
     }
+}
+
+fn file() -> Arg {
+    Arg::new(FILE)
+        .long("config")
+        .env("VIBRISSA_CONFIG")
+        .value_name("FILE")
+        .value_parser(clap::value_parser!(PathBuf))
+        .help("The configuration file, TOML; no file is read by itself")
 }
 
 fn flag(key: Key) -> Arg {
@@ -56,14 +59,7 @@ fn flag(key: Key) -> Arg {
 
 impl FromArgMatches for ConfigArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        let given = |key: Key| {
-            let texts = matches.get_many::<String>(key.path())?;
-            Some((key, texts.cloned().collect()))
-        };
-        Ok(Self {
-            file: matches.get_one::<PathBuf>(FILE).cloned(),
-            flags: Key::ALL.iter().copied().filter_map(given).collect(),
-        })
+        Ok(Self::of(matches, Key::ALL))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -72,7 +68,56 @@ impl FromArgMatches for ConfigArgs {
     }
 }
 
+/// The part of it that names the database, for commands whose own flags would clash with the rest.
+#[derive(Debug, Clone)]
+pub struct DatabaseArgs(ConfigArgs);
+
+/// Its keys.
+const DATABASE_KEYS: [Key; 2] = [Key::DatabaseUrl, Key::DatabasePasswordFile];
+
+impl Args for DatabaseArgs {
+    fn augment_args(command: Command) -> Command {
+        command.arg(file()).args(DATABASE_KEYS.map(flag))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for DatabaseArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        Ok(Self(ConfigArgs::of(matches, &DATABASE_KEYS)))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl DatabaseArgs {
+    /// The configuration; what is odd about it is told on standard error.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn read(&self) -> Result<Config, Problems> {
+        self.0.read()
+    }
+}
+
 impl ConfigArgs {
+    fn of(matches: &ArgMatches, keys: &[Key]) -> Self {
+        let given = |key: Key| {
+            let texts = matches.get_many::<String>(key.path())?;
+            Some((key, texts.cloned().collect()))
+        };
+        Self {
+            file: matches.get_one::<PathBuf>(FILE).cloned(),
+            flags: keys.iter().copied().filter_map(given).collect(),
+        }
+    }
+
     /// The configuration; what is odd about it is told on standard error.
     ///
     /// # Errors

@@ -109,7 +109,19 @@ keys! {
     MqttClientKeyFile: "mqtt.client_key_file", Kind::File, None,
         "The private key of that certificate, PEM";
     HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
-        "Where HTTP listens; port 0 takes any free one";
+        "Where HTTP listens; port 0 takes any free one. Beyond loopback a token is asked for";
+    HttpTokenFile: "http.token_file", Kind::File, None,
+        "A file with a token of at least 32 characters that has every right: for programs that set a supervisor up";
+    HttpOidcIssuer: "http.oidc_issuer", Kind::Text, None,
+        "An OpenID provider whose tokens are taken: its issuer, https://...";
+    HttpOidcAudience: "http.oidc_audience", Kind::Text, None,
+        "The audience that its tokens must name";
+    HttpOidcJwksUrl: "http.oidc_jwks_url", Kind::Text, None,
+        "Where its keys are; asked of the issuer if left out";
+    HttpOidcRoleClaim: "http.oidc_role_claim", Kind::Text, Some(r#""vibrissa_role""#),
+        "The claim with the role: viewer, operator, engineer or admin, or a list with one of them";
+    HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
+        "The claim with the fleets: a list of names, or * for all";
     ModelFormulation: "model.formulation", Kind::Text, Some(r#""published""#),
         "How the paper's equations are read: published (as printed) or consistent (as its Table 2 would have it)";
     PolicyObjective: "policy.objective", Kind::Text, Some(r#""tip""#),

@@ -11,6 +11,7 @@ pub mod problem;
 pub mod show;
 
 mod database;
+mod http;
 mod mqtt;
 mod policy;
 mod reader;
@@ -34,6 +35,7 @@ pub use problem::{Origin, Problem, Problems};
 use self::layers::Layers;
 use self::reader::Reader;
 use crate::calibration_file::{self, CalibrationFileError};
+use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
 use crate::service::ServiceOptions;
 use crate::store::DatabaseAddress;
@@ -60,6 +62,8 @@ pub struct Config {
     pub mqtt_port: u16,
     /// Where HTTP listens.
     pub http: SocketAddr,
+    /// Who is let in there, besides those whose tokens the database has.
+    pub access: AccessOptions,
     /// How the paper's equations are read.
     pub formulation: Formulation,
     /// What a setpoint is solved for.
@@ -118,6 +122,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let http = reader.parsed(Key::HttpListen, |text| {
         text.parse().map_err(|_| format!("must be an address and a port such as 127.0.0.1:8080, not {text:?}"))
     });
+    let access = http::access(reader);
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
     let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
     let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
@@ -135,6 +140,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         broker,
         mqtt_port: mqtt_port?,
         http: http?,
+        access: access?,
         formulation: formulation?,
         objective: objective?.into(),
         longer_for_shorter: longer_for_shorter?.into(),
@@ -223,6 +229,7 @@ impl From<Config> for ServiceOptions {
             broker: config.broker,
             mqtt_port: config.mqtt_port,
             http: config.http,
+            access: config.access,
             params,
         }
     }

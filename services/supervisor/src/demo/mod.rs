@@ -16,6 +16,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::Fleet;
 
+use crate::http::access::AccessOptions;
 use crate::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use crate::store::DatabaseAddress;
 use crate::store::Store;
@@ -48,6 +49,7 @@ pub struct DemoOptions {
 pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let database = fresh_database(&options.folder)?;
     let service = Service::start(ServiceOptions {
+        access: AccessOptions::default(),
         name: "demo".to_owned(),
         fleets: vec![Name::new(scenario::FLEET)?],
         database: DatabaseAddress::Sqlite(database.clone()),

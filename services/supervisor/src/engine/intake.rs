@@ -161,7 +161,7 @@ impl Engine {
                 return;
             }
             Some(Outcome::Duplicate) => self.metrics.duplicates.inc(),
-            Some(Outcome::Taken | Outcome::OldBoot) | None => {}
+            Some(Outcome::Taken | Outcome::OldBoot | Outcome::Refused(_)) | None => {}
         }
         let given_up = self.given_up(name, boot_id) - given_up_before;
         if given_up > 0 {

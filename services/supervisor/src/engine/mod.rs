@@ -5,6 +5,7 @@
 //! is published is therefore always committed; what is not committed is sent again by the robots.
 
 mod intake;
+pub mod mail;
 mod outage;
 mod publication;
 mod record;
@@ -16,18 +17,20 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
-use tokio::sync::mpsc;
+use tokio::sync::{Notify, mpsc};
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
 use tracing::{error, info};
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::{Event, Outcome, Params, Robot};
+use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Robot, Scope};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
 use crate::fault::{self, Fault};
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
+use crate::store::batch::Record;
 use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
 use vibrissa_edge::words::Word;
 
@@ -93,6 +96,13 @@ pub struct Engine {
     publications: Vec<Publication>,
     touched: BTreeSet<Name>,
     receipts_due: BTreeSet<(Name, String)>,
+    mailroom: Mailroom,
+    /// Rings when something was asked of the fleet at this supervisor.
+    bell: Arc<Notify>,
+    /// Actions whose answers are in the batch.
+    answered: Vec<i64>,
+    /// The version of the policy in force; 0 while it is the configuration's.
+    policy_version: i64,
 }
 
 /// The time now, by the supervisor's clock.
@@ -114,16 +124,24 @@ impl Engine {
         mut writer: Writer,
         metrics: Metrics,
         readiness: Readiness,
+        mailroom: Mailroom,
     ) -> Result<Self, StoreError> {
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
-        let mut robots = BTreeMap::new();
+        let policy = writer.policy(&lease).await?;
+        let params = mail::with_policy(params, policy.as_ref());
+        let params = mail::with_calibrations(params, &writer.calibrations(&lease).await?);
+        let (mut robots, mut batch) = (BTreeMap::new(), Batch::default());
         for stored in writer.robots(&lease).await? {
             if let Ok(name) = Name::robot(&stored.robot) {
-                robots.insert(name, take_up(stored, epoch));
+                robots.insert(name, take_up(stored, epoch, &params, &mut batch));
             }
         }
         info!(%fleet, epoch, robots = robots.len(), "supervising");
         Ok(Self {
+            bell: mailroom.bell(&fleet),
+            mailroom,
+            answered: Vec::new(),
+            policy_version: policy.map_or(0, |policy| policy.version),
             fleet,
             boot_id,
             lease,
@@ -134,7 +152,7 @@ impl Engine {
             readiness,
             handled: Micros::default(),
             robots,
-            batch: Batch::default(),
+            batch,
             effects: Vec::new(),
             publications: Vec::new(),
             touched: BTreeSet::new(),
@@ -149,6 +167,7 @@ impl Engine {
         let mut receipts = interval(RECEIPTS);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
         receipts.set_missed_tick_behavior(MissedTickBehavior::Skip);
+        let bell = self.bell.clone();
         loop {
             let done = tokio::select! {
                 first = inbox.recv() => match first {
@@ -157,6 +176,12 @@ impl Engine {
                 },
                 _ = ticks.tick() => {
                     self.tick(&inbox);
+                    // Asked at another supervisor, perhaps.
+                    self.open_mail(self.now(&inbox)).await;
+                    Ok(())
+                }
+                () = bell.notified() => {
+                    self.open_mail(self.now(&inbox)).await;
                     Ok(())
                 }
                 _ = receipts.tick() => {
@@ -220,9 +245,14 @@ impl Engine {
         Some(outcome)
     }
 
-    /// Tells the core what time it is: not later than what it has yet to hear.
+    /// The time for the core: not later than what it has yet to hear.
+    fn now(&self, inbox: &Inbox) -> Micros {
+        if inbox.is_empty() { wall_clock() } else { self.handled }
+    }
+
+    /// Tells the core what time it is.
     fn tick(&mut self, inbox: &Inbox) {
-        let now = if inbox.is_empty() { wall_clock() } else { self.handled };
+        let now = self.now(inbox);
         let shed = self.metrics.shed.get();
         if self.metrics.broker_connected.get() == 0 || shed != self.shed {
             self.listen_anew();
@@ -264,6 +294,10 @@ impl Engine {
         }
         self.end_of(&outage);
         self.batch = Batch::default();
+        self.mailroom.answered(self.answered.drain(..));
+        if !self.batch.records.is_empty() {
+            self.mailroom.changed();
+        }
         Ok(())
     }
 
@@ -282,15 +316,22 @@ impl Engine {
     }
 }
 
-/// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew.
-fn take_up(stored: StoredRobot, epoch: u64) -> Known {
+/// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew, without the
+/// alarms that stood, and all of it is held if anything of it was.
+fn take_up(stored: StoredRobot, epoch: u64, params: &Params, batch: &mut Batch) -> Known {
     let restored =
         stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch, wall_clock()));
     let (robot, whisker_ids) = match restored {
         Some(Ok(robot)) => (robot, stored.whisker_ids),
         Some(Err(problem)) => {
             error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
-            (Robot::new(epoch, stored.numbers), Vec::new())
+            let now = wall_clock();
+            batch.records.push(Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 });
+            let mut robot = Robot::new(epoch, stored.numbers);
+            if stored.held {
+                robot.step(params, now, &Event::Operator(&OperatorAction::Hold(Scope::Robot)), &mut Vec::new());
+            }
+            (robot, Vec::new())
         }
         None => (Robot::new(epoch, stored.numbers), Vec::new()),
     };

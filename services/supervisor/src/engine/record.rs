@@ -146,6 +146,21 @@ impl Engine {
                     kind: kind.word(),
                 });
             }
+            Effect::Approved { compensation } => {
+                self.batch.records.push(Record::Approved { compensation_id: wide_id(robot_id, compensation) })
+            }
+            Effect::AlarmCleared { whisker, kind } => {
+                info!(robot = %name, whisker, alarm = kind.word(), "alarm cleared");
+                self.batch.records.push(Record::AlarmCleared {
+                    whisker_id: whisker_id(whisker),
+                    cleared_us: recorded_us,
+                    kind: kind.word(),
+                });
+            }
+            Effect::Gone { array, number, .. } => {
+                let whisker = i64::from(number);
+                self.batch.records.push(Record::Gone { robot_id, array, whisker, cleared_us: recorded_us });
+            }
             Effect::AskForFactsheet => self.publish_request(name, protocol::RequestKind::Factsheet),
         }
     }
@@ -168,6 +183,7 @@ impl Engine {
                     robot_id: known.robot_id,
                     boot_id: boot_id.map(str::to_owned),
                     connection: link.word(),
+                    held: known.robot.is_held(),
                     updated_us: now_us,
                     state,
                 });
@@ -191,6 +207,7 @@ impl Engine {
                     setpoint_mpa: view.setpoint.mpa(),
                     contacts: view.contacts as i64,
                     heard_us: view.heard.map(|heard| heard.0 as i64),
+                    held: view.held,
                     leak_per_s: view.leak_per_s.map(known_interval),
                     erosion_mm_per_contact: view.erosion.map(|erosion| known_interval(erosion.mm_per_contact)),
                     contacts_left: view.erosion.map_or([None; 3], |erosion| {
@@ -232,6 +249,7 @@ fn decision_row(robot_id: i64, decided_us: i64, decision: &Decision, whisker_id:
         target_length_mm: decision.target_length.mm(),
         target_pressure_mpa: decision.target_pressure.mpa(),
         decided_us,
+        approval: if decision.proposed { "PROPOSED" } else { "AUTOMATIC" },
         candidates: candidates.collect(),
     }
 }

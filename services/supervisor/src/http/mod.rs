@@ -6,6 +6,7 @@
 
 pub mod access;
 pub mod api;
+pub mod asking;
 pub mod document;
 pub mod extract;
 mod health;
@@ -24,12 +25,13 @@ use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::Json;
 use axum::routing::get;
 use tokio::net::TcpListener;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 use vibrissa_core::robot::Params;
 
+use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
 use crate::store::Store;
@@ -46,9 +48,18 @@ pub struct App {
     pub readiness: Readiness,
     /// Who is let in.
     pub access: Access,
-    /// What decisions rest on.
+    /// Places for those who follow live.
+    pub followers: Arc<Semaphore>,
+    /// Becomes true when the service stops.
+    pub stop: watch::Receiver<bool>,
+    /// The core's parameters, as the configuration has them.
     pub params: Arc<Params>,
+    /// Where engines are asked for actions.
+    pub mailroom: Mailroom,
 }
+
+/// How many may follow live at once.
+pub const FOLLOWERS_MAX: usize = 100;
 
 /// Bytes of a body at the most, unless a route takes more.
 const BODY_BYTES_MAX: usize = 64 * 1024;

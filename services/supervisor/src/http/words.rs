@@ -14,6 +14,7 @@ macro_rules! words {
         }
     };
 }
+pub(super) use words;
 
 words! {
     /// Mechanical condition of a whisker.
@@ -96,6 +97,8 @@ words! {
     pub enum AlarmKindWord {
         /// A trimmed whisker that no one can serve.
         Uncompensated = "UNCOMPENSATED",
+        /// A compensation that waits for approval.
+        Proposed = "PROPOSED",
         /// A setpoint that was given up.
         SetpointFailed = "SETPOINT_FAILED",
         /// A whisker that feels less, which no trim explains.
@@ -122,5 +125,33 @@ words! {
         Regulator = "REGULATOR",
         /// Too little air.
         SupplyLow = "SUPPLY_LOW",
+    }
+}
+
+words! {
+    /// What there is to do about an alarm.
+    pub enum AlarmStateWord {
+        /// To look at it.
+        Unacknowledged = "UNACKNOWLEDGED",
+        /// Somebody has seen it.
+        Acknowledged = "ACKNOWLEDGED",
+        /// It shall be quiet for a while.
+        Shelved = "SHELVED",
+        /// Its cause is over.
+        Cleared = "CLEARED",
+    }
+}
+
+words! {
+    /// Who has said that a compensation begins.
+    pub enum ApprovalWord {
+        /// Nobody was asked.
+        Automatic = "AUTOMATIC",
+        /// It waits for somebody's word.
+        Proposed = "PROPOSED",
+        /// An operator said yes.
+        Approved = "APPROVED",
+        /// An operator said no.
+        Refused = "REFUSED",
     }
 }

@@ -3,7 +3,7 @@
 //! Nothing rests on the broker's sessions: each connection starts clean under a name of its own, and
 //! subscribes anew, so that retained births and factsheets come again.
 //!
-//! [`tap`] is a third, for recordings. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
+//! [`tap`] is a third, for recordings, and [`Talk`] a fourth, to test a robot with. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
 
 mod address;
 mod tls;
@@ -15,6 +15,8 @@ mod inbox;
 mod publish;
 
 mod tap;
+
+mod talk;
 
 mod dial;
 mod link;
@@ -33,6 +35,7 @@ pub use inbox::Inbox;
 pub use link::LinkState;
 pub use publish::publish;
 pub use receive::receive;
+pub use talk::{Said, Talk};
 pub use tap::tap;
 pub use tls::{PrepareError, Prepared, prepare};
 

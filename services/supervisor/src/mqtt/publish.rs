@@ -125,6 +125,7 @@ fn options_of(publication: &Publication) -> PublishOptions {
     }
 }
 
-fn is_failure(ack: &PubAck) -> bool {
+/// Whether the broker did not take a publication.
+pub(super) fn is_failure(ack: &PubAck) -> bool {
     !matches!(ack.reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers)
 }

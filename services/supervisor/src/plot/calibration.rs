@@ -15,10 +15,24 @@ const STEPS: u32 = 50;
 /// Draws k2 against the pressure, and below it the elongation if it was measured.
 ///
 /// # Errors
-/// The file cannot be written.
+/// It cannot be drawn, or the file not written.
 pub fn draw(path: &Path, name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<()> {
+    Ok(std::fs::write(path, svg(name, rows, fit)?)?)
+}
+
+/// The same as a text.
+///
+/// # Errors
+/// It cannot be drawn.
+pub fn svg(name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<String> {
+    let mut text = String::new();
+    onto(&mut text, name, rows, fit)?;
+    Ok(text)
+}
+
+fn onto(text: &mut String, name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<()> {
     let height = if fit.elongation_gain_mm.is_some() { 940 } else { 500 };
-    let root = SVGBackend::new(path, (860, height)).into_drawing_area();
+    let root = SVGBackend::with_string(text, (860, height)).into_drawing_area();
     root.fill(&WHITE).map_err(drawing)?;
     let highest_mpa = rows.iter().map(|row| row.pressure.mpa()).fold(Megapascal::EXAMINED_MAX.mpa(), f64::max);
     if fit.elongation_gain_mm.is_some() {

@@ -285,7 +285,8 @@ impl Known {
                 refused.push(("unknown_boot", "contacts that cannot be taken yet".to_owned()));
             }
             Outcome::Duplicate => refused.push(("duplicate", "contacts that were taken already".to_owned())),
-            Outcome::Taken | Outcome::OldBoot => {}
+            // What is refused are operators' actions, and nobody records these.
+            Outcome::Taken | Outcome::OldBoot | Outcome::Refused(_) => {}
         }
         Ok(refused)
     }

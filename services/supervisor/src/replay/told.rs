@@ -85,10 +85,23 @@ enum Told<'a> {
     Response(ResponseLine),
     Error(ErrorLine),
     Refinement(RefinementLine),
+    Approved {
+        compensation: u32,
+    },
     Alarm {
         #[serde(flatten)]
         place: Place<'a>,
         kind: &'static str,
+    },
+    AlarmCleared {
+        #[serde(flatten)]
+        place: Place<'a>,
+        kind: &'static str,
+    },
+    Gone {
+        #[serde(flatten)]
+        place: Place<'a>,
+        alarms: Vec<&'static str>,
     },
     Request {
         request: &'static str,
@@ -264,6 +277,12 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         Effect::Error(error) => Told::Error(error_line(error)),
         Effect::Refined(look) => Told::Refinement(refinement_line(look)),
         Effect::Alarm { whisker, kind } => Told::Alarm { place: place(*whisker)?, kind: kind.word() },
+        Effect::Approved { compensation } => Told::Approved { compensation: *compensation },
+        Effect::AlarmCleared { whisker, kind } => Told::AlarmCleared { place: place(*whisker)?, kind: kind.word() },
+        Effect::Gone { array, number, alarms } => Told::Gone {
+            place: Place { array, whisker: *number },
+            alarms: alarms.iter().map(|kind| kind.word()).collect(),
+        },
         Effect::AskForFactsheet => Told::Request { request: protocol::RequestKind::Factsheet.as_str() },
     })
 }

@@ -1,5 +1,7 @@
 //! What one transaction writes: plain rows, in the order in which they must be written.
 
+use super::calibrations::ActivationRow;
+
 /// Everything that a batch of messages has led to.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -45,6 +47,8 @@ pub struct RobotRow {
     pub boot_id: Option<String>,
     /// Connection in the contract's words.
     pub connection: &'static str,
+    /// Whether an operator holds all of it.
+    pub held: bool,
     /// When.
     pub updated_us: i64,
     /// The core's bytes.
@@ -74,6 +78,8 @@ pub struct WhiskerRow {
     pub contacts: i64,
     /// When it was last heard of.
     pub heard_us: Option<i64>,
+    /// Whether an operator holds it.
+    pub held: bool,
     /// Loss of its pressure, per second of itself.
     pub leak_per_s: Option<Interval>,
     /// Loss of its length, if it erodes.
@@ -186,6 +192,13 @@ pub enum Record {
     Error(Box<ErrorRow>),
     /// A look at a setpoint.
     Refinement(Box<RefinementRow>),
+    /// A calibration that is in force from now on.
+    Activation(Box<ActivationRow>),
+    /// The approval of a proposed compensation.
+    Approved {
+        /// Which.
+        compensation_id: i64,
+    },
     /// An alarm.
     Alarm {
         /// About whom.
@@ -195,6 +208,75 @@ pub enum Record {
         /// What.
         kind: &'static str,
     },
+    /// An alarm's cause is over.
+    AlarmCleared {
+        /// About whom.
+        whisker_id: i64,
+        /// When.
+        cleared_us: i64,
+        /// What.
+        kind: &'static str,
+    },
+    /// A whisker is not on the robot any more: all its alarms are cleared, and nobody holds it.
+    Gone {
+        /// The robot.
+        robot_id: i64,
+        /// Its array.
+        array: String,
+        /// Its number.
+        whisker: i64,
+        /// When.
+        cleared_us: i64,
+    },
+    /// What became of an action that an operator asked for.
+    Answer {
+        /// Which.
+        action_id: i64,
+        /// `DONE`, `REFUSED` or `EXPIRED`.
+        state: &'static str,
+        /// Why it was refused: a word, a colon, and a text for people.
+        problem: Option<String>,
+        /// When.
+        done_us: i64,
+    },
+    /// A policy that an operator has set.
+    Policy(Box<PolicyRow>),
+    /// A robot starts anew, because its stored state cannot be used: none of its alarms stands.
+    AlarmsForgotten {
+        /// The robot.
+        robot_id: i64,
+        /// When.
+        cleared_us: i64,
+    },
+}
+
+/// A policy; see the table for the columns.
+#[derive(Debug)]
+pub struct PolicyRow {
+    /// Fleet.
+    pub fleet: String,
+    /// Number, from 1.
+    pub version: i64,
+    /// Mode.
+    pub mode: &'static str,
+    /// What setpoints are solved for.
+    pub objective: &'static str,
+    /// When a longer whisker may stand in for a shorter one.
+    pub longer_for_shorter: &'static str,
+    /// Highest mean predicted error, as a ratio.
+    pub predicted_error_max: f64,
+    /// Cost of a neighbour's own role, in units of mean error.
+    pub own_role_cost: f64,
+    /// Gain that a change must have, in units of mean error.
+    pub change_margin: f64,
+    /// When.
+    pub changed_us: i64,
+    /// Who.
+    pub changed_by: String,
+    /// Why.
+    pub reason: Option<String>,
+    /// The action that asked for it.
+    pub action_id: i64,
 }
 
 /// A decision with its candidates.
@@ -212,6 +294,8 @@ pub struct DecisionRow {
     pub target_pressure_mpa: f64,
     /// When.
     pub decided_us: i64,
+    /// `PROPOSED` if it waits for approval, else `AUTOMATIC`.
+    pub approval: &'static str,
     /// Everyone who was asked.
     pub candidates: Vec<CandidateRow>,
 }

@@ -3,7 +3,7 @@
 use tokio::time::Instant;
 
 use super::database::{Either, Link, Tx};
-use super::{Batch, Lease, StoreError, failed, postgres, records, sqlite};
+use super::{Batch, Lease, StoreError, changes, failed, postgres, records, sqlite};
 
 /// Writes a batch in one transaction, unless it was written before although the answer was lost.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
@@ -18,6 +18,9 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
         for record in &batch.records {
             records::write_record(&mut tx, record).await?;
         }
+        changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, crate::engine::wall_clock().0 as i64)
+            .await
+            .map_err(failed("tell of changes"))?;
     }
     tx.commit().await.map_err(failed("commit"))?;
     lease.committed(is_new.then_some(asked));

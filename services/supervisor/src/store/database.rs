@@ -38,7 +38,7 @@ pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
 /// How to connect.
-pub(super) type Options = Either<(SqliteConnectOptions, FileLock), PgConnectOptions>;
+pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), PgConnectOptions>;
 
 impl Options {
     /// A connection of its own.
@@ -50,6 +50,16 @@ impl Options {
                 super::postgres::prepare_writer(&mut link).await?;
                 Ok(Either::Postgres(link))
             }
+        }
+    }
+}
+
+impl Pool {
+    /// Begins a transaction that writes, on one of the connections for reading: for what is rare and small.
+    pub(super) async fn begin(&self) -> sqlx::Result<Tx<'static>> {
+        match self {
+            Either::Sqlite(pool) => pool.begin_with("BEGIN IMMEDIATE").await.map(Either::Sqlite),
+            Either::Postgres(pool) => pool.begin().await.map(Either::Postgres),
         }
     }
 }
@@ -91,14 +101,16 @@ impl Pool {
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
-                    .run(pool)
-                    .await
+                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations")
+                .run(pool)
+                .await
             }
             Either::Postgres(pool) => {
-                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates", 6 "0006_access")
-                    .run(pool)
-                    .await
+                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations")
+                .run(pool)
+                .await
             }
         }
         .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })

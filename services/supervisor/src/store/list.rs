@@ -16,7 +16,7 @@ use super::{Store, StoreError, failed};
 pub struct List {
     /// What it is for, for errors: `list the whiskers`.
     pub what: &'static str,
-    /// The query, without order and limit.
+    /// The query, without order and limit; `{now_us}` in it is the moment of asking.
     pub select: &'static str,
     /// Its columns that may sort it; the first one does unless another is asked for. None may be null.
     pub sorts: &'static [Sort],
@@ -224,7 +224,9 @@ where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
-    sql.push(list.select).push(") q WHERE true");
+    // A number of ours: what lies ahead is told by the clock of the supervisor that is asked.
+    let now_us = crate::engine::wall_clock().0;
+    sql.push(list.select.replace("{now_us}", &now_us.to_string())).push(") q WHERE true");
     push_filters(&mut sql, &selection.filters);
     let (sort, id) = (selection.sort.column, list.id);
     let (after, order) = if selection.descending { (" < (", " DESC") } else { (" > (", " ASC") };

@@ -28,6 +28,8 @@ pub struct StoredRobot {
     pub whisker_states: Vec<Vec<u8>>,
     /// Numbers of its boots.
     pub boots: BTreeMap<String, i64>,
+    /// Whether an operator held it or any of its whiskers.
+    pub held: bool,
     /// The first free numbers of its trims and compensations, for when its state cannot be used.
     pub numbers: Numbers,
 }
@@ -174,6 +176,8 @@ async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Resu
 
 async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> {
     const ROBOTS: &str = "SELECT robot_id, robot, state, \
+         CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
+         THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
          FROM robots r WHERE fleet = $1";
@@ -188,6 +192,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
             robot_id: row.get("robot_id"),
             robot: row.get("robot"),
             state: row.get("state"),
+            held: row.get::<i32, _>("is_held") != 0,
             whisker_ids: Vec::new(),
             whisker_states: Vec::new(),
             boots: BTreeMap::new(),

@@ -4,8 +4,12 @@
 //! writes only what a [`Lease`] allows: [`batch`] is what is written, `commit` writes it, `load` reads back what
 //! taking up a fleet needs. `sqlite` and `postgres` hold what differs. Nothing outside this module knows SQL.
 
+pub mod actions;
 pub mod address;
+pub mod alarms;
 pub mod batch;
+pub mod calibrations;
+pub mod changes;
 mod commit;
 mod database;
 mod error;
@@ -60,6 +64,26 @@ impl Store {
             DatabaseAddress::Postgres(options) => postgres::open(options, supervisor),
         };
         Ok(Self { pool, options: Arc::new(options), name })
+    }
+
+    /// Opens the database for a moment, with its tables up to date, for a command beside the service: a file that a
+    /// supervisor works with is opened beside it, and its tables are as that supervisor needs them.
+    ///
+    /// # Errors
+    /// The database cannot be used.
+    pub async fn open_for_command(address: &DatabaseAddress) -> Result<Self, StoreError> {
+        match (Self::open(address, "vibrissa (a command)").await, address) {
+            (Ok(store), _) => {
+                store.prepare().await?;
+                Ok(store)
+            }
+            (Err(StoreError::InUse { .. }), DatabaseAddress::Sqlite(path)) => {
+                let name: Arc<str> = address.to_string().into();
+                let (pool, options) = sqlite::open_beside(path, &name).await?;
+                Ok(Self { pool, options: Arc::new(options), name })
+            }
+            (Err(problem), _) => Err(problem),
+        }
     }
 
     /// Brings the tables up to date.

@@ -56,15 +56,16 @@ fn column<'r, R, T>(rows: &'r [R], field: impl Fn(&'r R) -> T) -> Vec<T> {
 pub(super) async fn write_robots(tx: &mut PgConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     sqlx::query(
         "UPDATE robots r SET boot_id = n.boot_id, connection = n.connection, updated_us = n.updated_us, \
-         state = n.state \
-         FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[], $5::bytea[]) \
-         AS n (robot_id, boot_id, connection, updated_us, state) WHERE r.robot_id = n.robot_id",
+         state = n.state, held = n.held \
+         FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[], $5::bytea[], $6::boolean[]) \
+         AS n (robot_id, boot_id, connection, updated_us, state, held) WHERE r.robot_id = n.robot_id",
     )
     .bind(column(robots, |row| row.robot_id))
     .bind(column(robots, |row| row.boot_id.as_deref()))
     .bind(column(robots, |row| row.connection))
     .bind(column(robots, |row| row.updated_us))
     .bind(column(robots, |row| row.state.as_slice()))
+    .bind(column(robots, |row| row.held))
     .execute(tx)
     .await
     .map(drop)
@@ -80,13 +81,14 @@ pub(super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[WhiskerRow
          erosion_mm_per_contact = n.erosion_mm_per_contact, \
          erosion_low_mm_per_contact = n.erosion_low_mm_per_contact, \
          erosion_high_mm_per_contact = n.erosion_high_mm_per_contact, contacts_left = n.contacts_left, \
-         contacts_left_low = n.contacts_left_low, contacts_left_high = n.contacts_left_high, state = n.state \
+         contacts_left_low = n.contacts_left_low, contacts_left_high = n.contacts_left_high, state = n.state, \
+         held = n.held \
          FROM unnest($1::bigint[], $2::bigint[], $3::float8[], $4::float8[], $5::text[], $6::text[], $7::float8[], \
          $8::float8[], $9::bigint[], $10::bigint[], $11::float8[], $12::float8[], $13::float8[], $14::float8[], \
-         $15::float8[], $16::float8[], $17::float8[], $18::float8[], $19::float8[], $20::bytea[]) \
+         $15::float8[], $16::float8[], $17::float8[], $18::float8[], $19::float8[], $20::bytea[], $21::boolean[]) \
          AS n (whisker_id, position, length_mm, length_sd_mm, condition, fault, pressure_mpa, setpoint_mpa, contacts, \
          heard_us, leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
-         erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high, state) \
+         erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high, state, held) \
          WHERE w.whisker_id = n.whisker_id",
     )
     .bind(column(whiskers, |row| row.whisker_id))
@@ -109,6 +111,7 @@ pub(super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[WhiskerRow
     .bind(column(whiskers, |row| row.contacts_left[1]))
     .bind(column(whiskers, |row| row.contacts_left[2]))
     .bind(column(whiskers, |row| row.state.as_slice()))
+    .bind(column(whiskers, |row| row.held))
     .execute(tx)
     .await
     .map(drop)

@@ -145,4 +145,34 @@ impl Store {
         .await)
         .map_err(failed("list what became of setpoints"))
     }
+
+    /// The fleet and robot that a compensation is of; none if there is no such compensation.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn robot_of_compensation(&self, compensation_id: i64) -> Result<Option<(String, String)>, StoreError> {
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT fleet, robot FROM compensations JOIN robots USING (robot_id) WHERE compensation_id = $1",
+        )
+        .bind(compensation_id)
+        .fetch_optional(pool)
+        .await)
+        .map_err(failed("look a compensation up"))
+    }
+
+    /// Whether anything is known of a fleet.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn has_fleet(&self, fleet: &str) -> Result<bool, StoreError> {
+        let found: Option<i64> = on!(&self.pool, |pool| sqlx::query_scalar(
+            "SELECT CAST(1 AS BIGINT) WHERE EXISTS (SELECT 1 FROM leases WHERE fleet = $1) \
+             OR EXISTS (SELECT 1 FROM robots WHERE fleet = $1)",
+        )
+        .bind(fleet)
+        .fetch_optional(pool)
+        .await)
+        .map_err(failed("look a fleet up"))?;
+        Ok(found.is_some())
+    }
 }

@@ -4,7 +4,7 @@ use sqlx::QueryBuilder;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow};
 use super::database::{Tx, on};
-use super::{StoreError, failed};
+use super::{StoreError, actions, calibrations, failed};
 
 /// Takes everything off a robot; what is on it now follows.
 pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
@@ -14,11 +14,13 @@ pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::R
         .execute(&mut **tx)
         .await
         .map(drop))?;
-    on!(&mut *tx, |tx| sqlx::query("UPDATE whiskers SET position = NULL, state = NULL WHERE robot_id = $1")
-        .bind(layout.robot_id)
-        .execute(&mut **tx)
-        .await
-        .map(drop))
+    on!(&mut *tx, |tx| sqlx::query(
+        "UPDATE whiskers SET position = NULL, state = NULL, held = FALSE WHERE robot_id = $1"
+    )
+    .bind(layout.robot_id)
+    .execute(&mut **tx)
+    .await
+    .map(drop))
 }
 
 /// One of the rarer rows.
@@ -33,11 +35,24 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
                 .await
                 .map_err(failed("write what became of a setpoint"))
         }
+        Record::Answer { action_id, state, problem, done_us } => {
+            actions::write_answer(tx, (*action_id, state, problem.as_deref()), *done_us)
+                .await
+                .map_err(failed("answer an action"))
+        }
+        Record::Activation(row) => {
+            calibrations::write_activation(tx, row).await.map_err(failed("write which calibration is in force"))
+        }
+        Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
         Record::Health { .. }
         | Record::Trim { .. }
         | Record::Ended { .. }
+        | Record::Approved { .. }
         | Record::Response(_)
-        | Record::Alarm { .. } => write_simple(tx, record).await.map_err(failed("write a record")),
+        | Record::Alarm { .. }
+        | Record::AlarmCleared { .. }
+        | Record::Gone { .. }
+        | Record::AlarmsForgotten { .. } => write_simple(tx, record).await.map_err(failed("write a record")),
     }
 }
 
@@ -83,9 +98,44 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
             .await
             .map(drop))?;
         }
+        Record::Approved { compensation_id } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "UPDATE compensations SET approval = 'APPROVED' WHERE compensation_id = $1"
+            )
+            .bind(compensation_id)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
+        Record::AlarmCleared { whisker_id, cleared_us, kind } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "UPDATE alarms SET cleared_us = $1 WHERE whisker_id = $2 AND kind = $3 AND cleared_us IS NULL"
+            )
+            .bind(cleared_us)
+            .bind(whisker_id)
+            .bind(*kind)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
+        Record::Gone { robot_id, array, whisker, cleared_us } => {
+            write_gone(tx, *robot_id, array, *whisker, *cleared_us).await?;
+        }
+        Record::AlarmsForgotten { robot_id, cleared_us } => {
+            on!(&mut *tx, |tx| sqlx::query(
+                "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL \
+                 AND whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $2)"
+            )
+            .bind(cleared_us)
+            .bind(robot_id)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+        }
         Record::Ended { compensation_id, ended_us, end_reason } => {
             on!(&mut *tx, |tx| sqlx::query(
-                "UPDATE compensations SET ended_us = $1, end_reason = $2 WHERE compensation_id = $3"
+                "UPDATE compensations SET ended_us = $1, end_reason = $2, \
+                 approval = CASE WHEN $2 = 'REFUSED' THEN 'REFUSED' ELSE approval END WHERE compensation_id = $3"
             )
             .bind(ended_us)
             .bind(*end_reason)
@@ -126,9 +176,28 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
         | Record::Setpoint(_)
         | Record::SetpointState { .. }
         | Record::Error(_)
-        | Record::Refinement(_) => {}
+        | Record::Refinement(_)
+        | Record::Answer { .. }
+        | Record::Activation(_)
+        | Record::Policy(_) => {}
     }
     Ok(())
+}
+
+/// A whisker by its name, as no index names it any more.
+async fn write_gone(tx: &mut Tx<'_>, robot_id: i64, array: &str, whisker: i64, cleared_us: i64) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| sqlx::query(
+        "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL AND whisker_id IN (SELECT whisker_id \
+         FROM whiskers w JOIN arrays a ON a.array_id = w.array_id \
+         WHERE w.robot_id = $2 AND a.\"array\" = $3 AND w.whisker = $4)",
+    )
+    .bind(cleared_us)
+    .bind(robot_id)
+    .bind(array)
+    .bind(whisker)
+    .execute(&mut **tx)
+    .await
+    .map(drop))
 }
 
 async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result<()> {
@@ -136,8 +205,8 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
     on!(&mut *tx, |tx| sqlx::query(
         "INSERT INTO compensations (compensation_id, robot_id, target_whisker_id, target_length_mm, \
          target_pressure_mpa, compensator_whisker_id, compensation_case, pressure_before_mpa, pressure_mpa, \
-         predicted_error, predicted_error_low, predicted_error_high, decided_us) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+         predicted_error, predicted_error_low, predicted_error_high, decided_us, approval) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)",
     )
     .bind(decision.compensation_id)
     .bind(decision.robot_id)
@@ -152,6 +221,7 @@ async fn write_decision(tx: &mut Tx<'_>, decision: &DecisionRow) -> sqlx::Result
     .bind(chosen.and_then(|candidate| candidate.predicted_error_interval).map(|interval| interval.0))
     .bind(chosen.and_then(|candidate| candidate.predicted_error_interval).map(|interval| interval.1))
     .bind(decision.decided_us)
+    .bind(decision.approval)
     .execute(&mut **tx)
     .await
     .map(drop))?;

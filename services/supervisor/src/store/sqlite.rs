@@ -14,12 +14,21 @@ use super::{StoreError, database};
 /// Rows of one statement: 15 values each, SQLite takes 32,766.
 const CONTACTS_A_STATEMENT: usize = 1000;
 
-/// Opens or makes the file.
+/// Opens or makes the file, for a supervisor of that name alone.
 pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
         return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
     let lock = FileLock::take(path, supervisor)?;
+    connect(path, name, Some(lock)).await
+}
+
+/// Opens the file beside the supervisor that works with it.
+pub(super) async fn open_beside(path: &Path, name: &str) -> Result<(Pool, Options), StoreError> {
+    connect(path, name, None).await
+}
+
+async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Pool, Options), StoreError> {
     let options = SqliteConnectOptions::new()
         .filename(path)
         .create_if_missing(true)
@@ -40,14 +49,17 @@ pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(P
 /// Brings robots up to date.
 pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     for robot in robots {
-        sqlx::query("UPDATE robots SET boot_id = ?, connection = ?, updated_us = ?, state = ? WHERE robot_id = ?")
-            .bind(&robot.boot_id)
-            .bind(robot.connection)
-            .bind(robot.updated_us)
-            .bind(&robot.state)
-            .bind(robot.robot_id)
-            .execute(&mut *tx)
-            .await?;
+        sqlx::query(
+            "UPDATE robots SET boot_id = ?, connection = ?, held = ?, updated_us = ?, state = ? WHERE robot_id = ?",
+        )
+        .bind(&robot.boot_id)
+        .bind(robot.connection)
+        .bind(robot.held)
+        .bind(robot.updated_us)
+        .bind(&robot.state)
+        .bind(robot.robot_id)
+        .execute(&mut *tx)
+        .await?;
     }
     Ok(())
 }
@@ -57,7 +69,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
     for whisker in whiskers {
         sqlx::query(
             "UPDATE whiskers SET position = ?, length_mm = ?, length_sd_mm = ?, condition = ?, fault = ?, \
-             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, leak_per_s = ?, leak_low_per_s = ?, \
+             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, held = ?, leak_per_s = ?, leak_low_per_s = ?, \
              leak_high_per_s = ?, erosion_mm_per_contact = ?, erosion_low_mm_per_contact = ?, \
              erosion_high_mm_per_contact = ?, contacts_left = ?, contacts_left_low = ?, contacts_left_high = ?, \
              state = ? WHERE whisker_id = ?",
@@ -71,6 +83,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
         .bind(whisker.setpoint_mpa)
         .bind(whisker.contacts)
         .bind(whisker.heard_us)
+        .bind(whisker.held)
         .bind(whisker.leak_per_s.map(|one| one.mean))
         .bind(whisker.leak_per_s.map(|one| one.low))
         .bind(whisker.leak_per_s.map(|one| one.high))

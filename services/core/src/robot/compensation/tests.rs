@@ -253,6 +253,21 @@ fn an_assignment_in_force_is_kept_unless_another_gains_more_than_the_margin() {
     assert_eq!(decide(&params, &mut robot), []);
 }
 
+#[test]
+fn what_runs_is_not_given_up_for_what_nobody_has_approved() {
+    let (mut params, mut robot) = served_by_the_worse(0.1, 0.3);
+    params.policy.mode = Mode::Advise;
+    assert_eq!(decide(&params, &mut robot), []);
+    assert_eq!(pairs(&robot), [(1, 0)]);
+    // What is only proposed may be: nothing was sent for it.
+    robot.compensations[0].proposed = true;
+    robot.undecided = true;
+    let effects = decide(&params, &mut robot);
+    assert_eq!(pairs(&robot), [(1, 2)]);
+    assert!(robot.compensations[0].is_proposed(), "{effects:?}");
+    assert!(!effects.iter().any(|effect| matches!(effect, Effect::Command(_))), "{effects:?}");
+}
+
 /// Two neighbours that serve two broken ones crosswise: (target, compensator) (1, 0) and (3, 2), where 2 stands
 /// between the two.
 #[test]

@@ -2,12 +2,12 @@
 
 use super::*;
 use crate::journal::JournalEntry;
-use crate::scenario::Breach;
+use crate::scenario::Misbehaviour;
 
-fn bench(breach: Option<Breach>) -> Bench {
+fn bench(misbehaviour: Option<Misbehaviour>) -> Bench {
     Bench::connected(|scenario| {
         scenario.behaviour.journal = true;
-        scenario.behaviour.breach = breach;
+        scenario.behaviour.misbehaviour = misbehaviour;
     })
 }
 
@@ -43,8 +43,8 @@ fn nothing_is_written_unless_it_is_asked_for() {
 
 #[test]
 fn a_setpoint_again_is_heard_twice_and_applied_once_unless_the_robot_takes_any() {
-    for (breach, times) in [(None, 1), (Some(Breach::TakesAnySetpoint), 2)] {
-        let mut bench = bench(breach);
+    for (misbehaviour, times) in [(None, 1), (Some(Misbehaviour::TakesAnySetpoint), 2)] {
+        let mut bench = bench(misbehaviour);
         let setpoint = bench.setpoint(1, 0.048);
         bench.send(RobotTopic::Setpoint, &encode(&setpoint));
         let journal = bench.robot.take_journal();
@@ -56,7 +56,7 @@ fn a_setpoint_again_is_heard_twice_and_applied_once_unless_the_robot_takes_any()
 
 #[test]
 fn a_robot_that_sends_once_keeps_nothing() {
-    let mut bench = bench(Some(Breach::SendsOnce));
+    let mut bench = bench(Some(Misbehaviour::SendsOnce));
     bench.run(10.0);
     assert_eq!(bench.robot.messages_kept(), 0);
     assert!(!bench.contacts().is_empty());

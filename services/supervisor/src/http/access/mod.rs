@@ -1,8 +1,10 @@
 //! Who asks, and whether they may: tokens of our own, an identity provider's, or nobody needed on loopback.
 
+pub mod oidc;
 pub mod token;
 
 use std::collections::BTreeSet;
+use std::net::IpAddr;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
@@ -16,8 +18,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_protocol::Name;
 
+use self::oidc::{Oidc, OidcOptions};
 use super::problem::{Kind, Problem};
 use crate::engine::wall_clock;
+use crate::secret::Secret;
 use crate::store::Store;
 use crate::store::list::Filter;
 
@@ -107,11 +111,23 @@ impl Caller {
     }
 }
 
+/// Who is let in, besides those whose tokens the database has.
+#[derive(Debug, Clone, Default)]
+pub struct AccessOptions {
+    /// A token with every right.
+    pub token: Option<Secret>,
+    /// An identity provider.
+    pub oidc: Option<OidcOptions>,
+}
+
 /// The right to be let in.
 #[derive(Debug, Clone)]
 pub struct Access {
     /// Whether a request without a token is let in, as [`Caller::local`].
-    pub is_open: bool,
+    is_open: bool,
+    /// Hash of the token with every right.
+    token: Option<blake3::Hash>,
+    oidc: Option<Oidc>,
     limiter: Arc<DefaultKeyedRateLimiter<String>>,
 }
 
@@ -121,17 +137,32 @@ pub const REQUESTS_PER_S: NonZeroU32 = NonZeroU32::new(200).unwrap();
 pub const REQUESTS_BURST: NonZeroU32 = NonZeroU32::new(1000).unwrap();
 
 impl Access {
-    /// Access to a service that asks for tokens, or does not.
+    /// Access to a service that listens there: on loopback nobody is asked for a token, unless options name one.
     #[must_use]
-    pub fn new(is_open: bool) -> Self {
+    pub fn new(options: &AccessOptions, listens: IpAddr) -> Self {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
-        Self { is_open, limiter: Arc::new(RateLimiter::keyed(quota)) }
+        Self {
+            is_open: listens.is_loopback() && options.token.is_none() && options.oidc.is_none(),
+            token: options.token.as_ref().map(|token| blake3::hash(token.reveal().as_bytes())),
+            oidc: options.oidc.clone().map(Oidc::new),
+            limiter: Arc::new(RateLimiter::keyed(quota)),
+        }
+    }
+
+    /// Whether anybody can be let in at all; a database that does not answer now may know somebody.
+    pub async fn admits_anybody(&self, store: &Store, now_us: i64) -> bool {
+        self.is_open
+            || self.token.is_some()
+            || self.oidc.is_some()
+            || store.tokens().await.map_or(true, |tokens| {
+                tokens.iter().any(|token| token.revoked_us.is_none() && token.expires_us > now_us)
+            })
     }
 
     async fn caller(&self, store: &Store, headers: &HeaderMap) -> Result<Caller, Problem> {
         let Some(told) = headers.get(header::AUTHORIZATION) else {
             return if self.is_open {
-                require_local_host(headers)?;
+                require_direct(headers)?;
                 Ok(Caller::local())
             } else {
                 Err(Problem::new(Kind::Unauthenticated, "send a token: Authorization: Bearer vbr_..."))
@@ -142,6 +173,17 @@ impl Access {
         let Some(bearer) = bearer else {
             return Err(Problem::new(Kind::Unauthenticated, "the header must be Authorization: Bearer TOKEN"));
         };
+        self.bearer(store, bearer).await
+    }
+
+    async fn bearer(&self, store: &Store, bearer: &str) -> Result<Caller, Problem> {
+        // Hashes are compared in constant time.
+        if self.token.is_some_and(|known| known == blake3::hash(bearer.as_bytes())) {
+            return Ok(Caller { actor: "token_file".to_owned(), role: Role::Admin, scope: Scope::All });
+        }
+        if let Some(oidc) = self.oidc.as_ref().filter(|_| !token::is_ours(bearer)) {
+            return oidc.caller(bearer).await;
+        }
         token::caller(store, bearer, wall_clock().0 as i64)
             .await?
             .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is not known, has expired, or was revoked"))
@@ -158,8 +200,15 @@ impl Access {
 }
 
 /// Without a token only a browser or program that was pointed at this machine by name is let in: a page of
-/// another site cannot reach it through a name of its own that leads here.
-fn require_local_host(headers: &HeaderMap) -> Result<(), Problem> {
+/// another site cannot reach it through a name of its own that leads here, nor can whoever comes through a proxy.
+fn require_direct(headers: &HeaderMap) -> Result<(), Problem> {
+    if ["forwarded", "x-forwarded-for", "x-real-ip"].iter().any(|name| headers.contains_key(*name)) {
+        return Err(Problem::new(
+            Kind::Unauthenticated,
+            "the request came through a proxy, and without tokens only this machine is answered: set http.token_file \
+             or http.oidc_issuer",
+        ));
+    }
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     let name = host.rsplit_once(':').filter(|(_, port)| port.bytes().all(|byte| byte.is_ascii_digit()));
     let name = name.map_or(host, |(name, _)| name).trim_start_matches('[').trim_end_matches(']');

@@ -57,6 +57,12 @@ pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Resul
     Ok((format!("{PREFIX}{}_{}", row.token_id, URL_SAFE_NO_PAD.encode(secret)), row))
 }
 
+/// Whether it looks like one of our tokens.
+#[must_use]
+pub fn is_ours(token: &str) -> bool {
+    token.starts_with(PREFIX)
+}
+
 /// Whom a token lets in; nobody if it is not known, has expired, or was revoked.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use crate::http::extract::{Path, Query};
 use crate::http::moment::{Moment, between};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
-use crate::http::words::CaseWord;
+use crate::http::words::{ApprovalWord, CaseWord};
 use crate::store::list::{Filter, Selection, Value};
 use crate::store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSort, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
@@ -46,6 +46,8 @@ list_query! {
         /// Of this case of the paper.
         #[param(inline)]
         pub case: Option<CaseWord>,
+        /// Of this standing with operators.
+        pub approval: Option<ApprovalWord>,
         /// Only those that have not ended, or that have.
         pub active: Option<bool>,
         /// Decided from then on.
@@ -69,6 +71,7 @@ async fn list_compensations(
 ) -> Result<Json<Page<CompensationSummary>>, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("approval", query.approval);
     selection.is("fleet", query.fleet);
     selection.is("robot", query.robot);
     selection.is("\"array\"", query.array);

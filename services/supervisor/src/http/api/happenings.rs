@@ -12,7 +12,7 @@ use crate::http::extract::Query;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::http::words::{AlarmKindWord, HealthKindWord};
+use crate::http::words::{AlarmKindWord, AlarmStateWord, HealthKindWord};
 use crate::store::list::{Filter, Value};
 use crate::store::lists::happenings::{
     ALARMS, Alarm, AlarmSort, HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort,
@@ -134,6 +134,8 @@ list_query! {
         pub kind: Option<AlarmKindWord>,
         /// Only those that stand, or do not.
         pub standing: Option<bool>,
+        /// In this state.
+        pub state: Option<AlarmStateWord>,
     }
 }
 
@@ -154,6 +156,7 @@ async fn list_alarms(
     selection.is("\"array\"", query.array);
     selection.is_number("whisker", query.whisker);
     selection.is("kind", query.kind);
+    selection.is("state", query.state);
     selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
     Ok(Json(Page::of(app.store.list(&ALARMS, &selection).await?, &selection)))
 }

@@ -1,13 +1,19 @@
 //! What is served under `/v1`: a module for each kind of thing.
 
+pub mod actions;
+pub mod alarm_actions;
+pub mod audit;
+pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
 pub mod errors;
+pub mod events;
 pub mod fleets;
 pub mod happenings;
 pub mod model;
 pub mod paths;
 pub mod plots;
+pub mod policy;
 pub mod robots;
 pub mod setpoints;
 pub mod what_if;
@@ -20,9 +26,15 @@ use super::App;
 /// All routes, with what they say of themselves.
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
+        .merge(whiskers::routes())
+        .merge(actions::routes())
+        .merge(policy::routes())
+        .merge(alarm_actions::routes())
+        .merge(audit::routes())
+        .merge(calibrations::routes())
+        .merge(events::routes())
         .merge(fleets::routes())
         .merge(robots::routes())
-        .merge(whiskers::routes())
         .merge(contacts::routes())
         .merge(model::routes())
         .merge(what_if::routes())

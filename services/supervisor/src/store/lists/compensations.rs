@@ -31,6 +31,8 @@ readings! {
         /// Who serves; null if no one can.
         #[schema(minimum = 0)]
         pub compensator_whisker: Option<i64>,
+        /// Who has said that it begins: `AUTOMATIC` (nobody was asked), `PROPOSED` (it waits), `APPROVED` or `REFUSED`.
+        pub approval: String,
         /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`; null if no one can serve.
         #[serde(rename = "case")]
         pub compensation_case: Option<String>,
@@ -208,7 +210,7 @@ sorts! {
 pub static COMPENSATIONS: List = List {
     what: "list the compensations",
     select: "SELECT c.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, target_length_mm, \
-             target_pressure_mpa, k.whisker AS compensator_whisker, compensation_case, pressure_before_mpa, \
+             target_pressure_mpa, k.whisker AS compensator_whisker, approval, compensation_case, pressure_before_mpa, \
              c.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, \
              (SELECT s.pressure_mpa FROM setpoints s WHERE s.compensation_id = c.compensation_id \
               ORDER BY epoch DESC, version DESC LIMIT 1) AS held_pressure_mpa, \

@@ -13,7 +13,8 @@ macro_rules! whisker_counts {
              count(*) FILTER (WHERE fault IS NOT NULL) AS whiskers_faulty \
              FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id \
              LEFT JOIN (SELECT DISTINCT target_whisker_id AS served FROM compensations \
-              WHERE ended_us IS NULL AND compensator_whisker_id IS NOT NULL) c ON c.served = w.whisker_id \
+              WHERE ended_us IS NULL AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') c \
+              ON c.served = w.whisker_id \
              WHERE position IS NOT NULL GROUP BY ",
             $key,
             ")"
@@ -22,24 +23,21 @@ macro_rules! whisker_counts {
 }
 pub(super) use whisker_counts;
 
-/// Alarms with whether they stand: the newest of its kind about its whisker, whose cause is there still. Shifts of an
-/// array and drifts of a baseline are told once, and do not stand.
+/// Alarms with whether they stand, and until when those of their kind about their whisker shall be quiet.
 macro_rules! alarms {
     () => {
-        "(SELECT a.alarm_id, a.whisker_id, a.raised_us, a.kind, CASE WHEN position IS NOT NULL \
-         AND NOT EXISTS (SELECT 1 FROM alarms n \
-          WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind AND n.alarm_id > a.alarm_id) \
-         AND (w.fault = a.kind OR w.condition = a.kind \
-          OR a.kind = 'UNCOMPENSATED' AND w.condition = 'TRIMMED' AND NOT EXISTS (SELECT 1 FROM compensations c \
-           WHERE c.target_whisker_id = a.whisker_id AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL) \
-          OR a.kind = 'SETPOINT_FAILED' AND (SELECT s.state FROM setpoints s WHERE s.whisker_id = a.whisker_id \
-           ORDER BY s.issued_us DESC, s.version DESC LIMIT 1) IN ('FAILED', 'REJECTED', 'EXPIRED')) \
-         THEN true ELSE false END AS standing FROM alarms a JOIN whiskers w ON w.whisker_id = a.whisker_id)"
+        "(SELECT a.alarm_id, a.whisker_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, a.acknowledged_by, \
+         a.acknowledged_reason, CASE WHEN a.cleared_us IS NULL THEN true ELSE false END AS standing, \
+         CASE WHEN h.until_us > {now_us} THEN h.until_us END AS shelved_until_us, \
+         CASE WHEN h.until_us > {now_us} THEN h.shelved_by END AS shelved_by, \
+         CASE WHEN h.until_us > {now_us} THEN h.reason END AS shelved_reason \
+         FROM alarms a LEFT JOIN alarm_shelves h ON h.alarm_shelf_id = (SELECT max(alarm_shelf_id) FROM alarm_shelves n \
+          WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind))"
     };
 }
 pub(super) use alarms;
 
-/// Standing alarms, counted by a column of robots or whiskers.
+/// Alarms that stand and are not shelved, counted by a column of robots or whiskers.
 macro_rules! alarm_counts {
     ($key:literal) => {
         concat!(
@@ -48,10 +46,25 @@ macro_rules! alarm_counts {
             ", count(*) AS alarms FROM ",
             $crate::store::lists::counts::alarms!(),
             " s JOIN whiskers w ON w.whisker_id = s.whisker_id JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE standing GROUP BY ",
+             WHERE standing AND shelved_until_us IS NULL GROUP BY ",
             $key,
             ")"
         )
     };
 }
 pub(super) use alarm_counts;
+
+/// Compensations that wait for approval, counted by a column of robots.
+macro_rules! proposal_counts {
+    ($key:literal) => {
+        concat!(
+            "(SELECT ",
+            $key,
+            ", count(*) AS proposals FROM compensations c JOIN robots r ON r.robot_id = c.robot_id \
+             WHERE approval = 'PROPOSED' AND ended_us IS NULL GROUP BY ",
+            $key,
+            ")"
+        )
+    };
+}
+pub(super) use proposal_counts;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, whisker_counts};
+use super::counts::{alarm_counts, proposal_counts, whisker_counts};
 use super::sorts;
 use crate::store::Store;
 use crate::store::list::List;
@@ -85,7 +85,7 @@ macro_rules! fleets {
                  coalesce(whiskers_healthy, 0) AS whiskers_healthy, \
                  coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
                  coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
-                 coalesce(whiskers_faulty, 0) AS whiskers_faulty, CAST(0 AS BIGINT) AS proposals, \
+                 coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(proposals, 0) AS proposals, \
                  coalesce(alarms, 0) AS alarms \
                  FROM (SELECT fleet FROM leases UNION SELECT fleet FROM robots) f LEFT JOIN leases l USING (fleet) \
                  LEFT JOIN (SELECT fleet, count(*) AS robots, \
@@ -96,7 +96,9 @@ macro_rules! fleets {
                 " w USING (fleet) \
                  LEFT JOIN ",
                 alarm_counts!("fleet"),
-                " a USING (fleet)) q"
+                " a USING (fleet) LEFT JOIN ",
+                proposal_counts!("fleet"),
+                " o USING (fleet)) q"
             ),
             sorts: FleetSort::SORTS,
             id: "fleet_id",

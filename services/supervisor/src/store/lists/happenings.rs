@@ -81,13 +81,28 @@ readings! {
         #[schema(minimum = 0)]
         pub whisker: i64,
         /// What: `UNCOMPENSATED`, `SETPOINT_FAILED`, `SENSITIVITY_LOSS`, `ERODING`, `ARRAY_SHIFT`, `BASELINE_DRIFT`, or
-        /// a fault.
+        /// `PROPOSED`, or a fault.
         pub kind: String,
         /// When.
         pub raised_at: Time,
-        /// Whether it is the newest of its kind about the whisker, and its cause is there still. `ARRAY_SHIFT` and
-        /// `BASELINE_DRIFT` are told once and do not stand.
+        /// Whether its cause is there still.
         pub standing: bool,
+        /// When its cause was over.
+        pub cleared_at: Option<Time>,
+        /// When it was acknowledged.
+        pub acknowledged_at: Option<Time>,
+        /// By whom.
+        pub acknowledged_by: Option<String>,
+        /// Why, or what was done.
+        pub acknowledged_reason: Option<String>,
+        /// Until when it, and others of its kind about this whisker, shall be quiet; null if they shall not.
+        pub shelved_until: Option<Time>,
+        /// Who has shelved it.
+        pub shelved_by: Option<String>,
+        /// Why.
+        pub shelved_reason: Option<String>,
+        /// What there is to do: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
+        pub state: String,
     }
 }
 
@@ -147,7 +162,11 @@ pub static HEALTH_CHANGES: List = List {
 pub static ALARMS: List = List {
     what: "list the alarms",
     select: concat!(
-        "SELECT s.alarm_id, fleet, robot, \"array\", w.whisker, s.kind, s.raised_us AS raised_at, standing FROM ",
+        "SELECT s.alarm_id, fleet, robot, \"array\", w.whisker, s.kind, s.raised_us AS raised_at, standing, \
+         cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, acknowledged_by, acknowledged_reason, \
+         shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
+         CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
+         WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state FROM ",
         alarms!(),
         " s JOIN whiskers w ON w.whisker_id = s.whisker_id JOIN arrays y ON y.array_id = w.array_id \
          JOIN robots r ON r.robot_id = w.robot_id"

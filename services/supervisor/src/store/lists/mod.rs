@@ -1,5 +1,7 @@
 //! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
 
+pub mod actions;
+pub mod calibrations;
 pub mod compensations;
 mod counts;
 pub mod errors;

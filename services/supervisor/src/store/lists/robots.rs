@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, whisker_counts};
+use super::counts::{alarm_counts, proposal_counts, whisker_counts};
 use super::sorts;
 use crate::store::list::List;
 use crate::store::readings::readings;
@@ -43,11 +43,16 @@ readings! {
         /// Those with a fault.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
-        /// Alarms that stand.
+        /// Alarms that stand and are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// How much there is to look at: alarms, faulty and uncompensated whiskers, added up; one more if it is not
-        /// connected.
+        /// Decisions that wait for somebody's word.
+        #[schema(minimum = 0)]
+        pub proposals: i64,
+        /// Whether an operator holds it: nothing moves its whiskers but by hand.
+        pub held: bool,
+        /// How much there is to look at: alarms, faulty and uncompensated whiskers, proposals, added up; one more if it is
+        /// not connected.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
@@ -121,7 +126,8 @@ pub static ROBOTS: List = List {
          coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
-         coalesce(alarms, 0) + coalesce(whiskers_faulty, 0) + coalesce(whiskers_uncompensated, 0) \
+         coalesce(proposals, 0) AS proposals, r.held, \
+         coalesce(alarms, 0) + coalesce(proposals, 0) + coalesce(whiskers_faulty, 0) + coalesce(whiskers_uncompensated, 0) \
          + CASE WHEN connection = 'ONLINE' THEN 0 ELSE 1 END AS attention FROM robots r \
          LEFT JOIN (SELECT robot_id, count(DISTINCT array_id) AS arrays FROM whiskers WHERE position IS NOT NULL \
           GROUP BY robot_id) n ON n.robot_id = r.robot_id \
@@ -129,7 +135,9 @@ pub static ROBOTS: List = List {
         whisker_counts!("w.robot_id"),
         " w ON w.robot_id = r.robot_id LEFT JOIN ",
         alarm_counts!("w.robot_id"),
-        " a ON a.robot_id = r.robot_id"
+        " a ON a.robot_id = r.robot_id LEFT JOIN ",
+        proposal_counts!("r.robot_id"),
+        " o ON o.robot_id = r.robot_id"
     ),
     sorts: RobotSort::SORTS,
     id: "robot_id",

@@ -72,6 +72,8 @@ readings! {
         pub contacts_left_low: Option<f64>,
         /// Upper bound; null if it may not erode at all.
         pub contacts_left_high: Option<f64>,
+        /// Whether an operator holds it, or its robot: nothing moves it but by hand.
+        pub held: bool,
         /// The compensation that serves it.
         pub compensated_by: Option<i64>,
         /// The compensation that it serves in.
@@ -97,13 +99,13 @@ pub static WHISKERS: List = List {
     select: "SELECT w.whisker_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
              length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
-             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, \
+             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
              leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
              erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL) AS compensated_by, \
+              AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') AS compensated_by, \
              (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL) AS serves_in \
+              AND c.ended_us IS NULL AND approval <> 'PROPOSED') AS serves_in \
              FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \
              WHERE position IS NOT NULL",
     sorts: WhiskerSort::SORTS,

@@ -1,0 +1,163 @@
+//! Carries out what operators ask.
+
+use super::action::{ActionProblem, OperatorAction, Place, Scope};
+use super::effect::{Effect, EndReason, Reason, WhiskerIndex};
+use super::params::Params;
+use super::whisker::Desired;
+use super::{Outcome, Robot};
+use crate::units::Megapascal;
+
+impl Robot {
+    /// Does it, or says why not; what is refused has changed nothing.
+    pub(super) fn operate(
+        &mut self,
+        params: &Params,
+        action: &OperatorAction<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Outcome {
+        let done = match *action {
+            OperatorAction::Approve { compensation } => self.approve(compensation, effects),
+            OperatorAction::Refuse { compensation } => self.refuse(compensation, effects),
+            OperatorAction::Setpoint { whisker, pressure_mpa } => self.set_by_hand(whisker, pressure_mpa, effects),
+            OperatorAction::Hold(scope) => self.hold(scope),
+            OperatorAction::Release(scope) => self.end_hold(scope),
+            OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
+            OperatorAction::Rebaseline(place) => self.at(place).map(|index| self.rebaseline(params, index, effects)),
+        };
+        done.map_or_else(Outcome::Refused, |()| Outcome::Taken)
+    }
+
+    fn at(&self, place: Place<'_>) -> Result<WhiskerIndex, ActionProblem> {
+        self.find(place.array, place.whisker).ok_or(ActionProblem::UnknownWhisker)
+    }
+
+    /// Whether no automatic setpoint may go to a whisker.
+    pub(super) fn holds(&self, index: WhiskerIndex) -> bool {
+        self.held || self.whiskers[index].held
+    }
+
+    fn approve(&mut self, id: u32, effects: &mut Vec<Effect>) -> Result<(), ActionProblem> {
+        let at = self.proposed(id)?;
+        let compensator = self.compensations[at].compensator();
+        if self.holds(compensator) {
+            return Err(ActionProblem::Held);
+        }
+        let approved = &mut self.compensations[at];
+        approved.proposed = false;
+        let desired = approved.desired(Reason::Compensation(approved.case));
+        self.changed = true;
+        // For the setpoint to be sent at once.
+        self.undecided = true;
+        self.desire(compensator, desired);
+        effects.push(Effect::Approved { compensation: id });
+        Ok(())
+    }
+
+    fn refuse(&mut self, id: u32, effects: &mut Vec<Effect>) -> Result<(), ActionProblem> {
+        let at = self.proposed(id)?;
+        let (target, compensator) = (self.compensations[at].target(), self.compensations[at].compensator());
+        let number = self.whiskers[compensator].sheet.number;
+        self.whiskers[target].refused_servers.push(number);
+        self.end(id, EndReason::Refused, effects);
+        Ok(())
+    }
+
+    fn proposed(&self, id: u32) -> Result<usize, ActionProblem> {
+        let waits = self.compensations.iter().position(|one| one.id == id && one.proposed);
+        waits.ok_or(ActionProblem::NotProposed)
+    }
+
+    fn set_by_hand(
+        &mut self,
+        place: Place<'_>,
+        pressure_mpa: f64,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), ActionProblem> {
+        let index = self.at(place)?;
+        let highest = self.whiskers[index].pressure_limit();
+        let in_range = Megapascal::new(pressure_mpa).ok().filter(|pressure| *pressure <= highest);
+        let pressure = in_range.ok_or(ActionProblem::PressureOutOfRange { asked_mpa: pressure_mpa, highest })?;
+        if !self.can_be_told() {
+            return Err(ActionProblem::RobotOffline);
+        }
+        self.end_as_compensator(index, EndReason::Operator, |_| true, effects);
+        let whisker = &mut self.whiskers[index];
+        whisker.held = true;
+        whisker.given_up = false;
+        self.undecided = true;
+        self.desire(index, Desired { pressure, reason: Reason::Operator, compensation: None, gain: None });
+        Ok(())
+    }
+
+    fn hold(&mut self, scope: Scope<'_>) -> Result<(), ActionProblem> {
+        match scope {
+            Scope::Robot => {
+                self.held = true;
+                self.changed = true;
+            }
+            Scope::Whisker(place) => {
+                let index = self.at(place)?;
+                self.whiskers[index].held = true;
+                self.whiskers[index].changed = true;
+            }
+        }
+        // Others may have to serve instead of it, where it was not asked yet.
+        self.undecided = true;
+        Ok(())
+    }
+
+    fn end_hold(&mut self, scope: Scope<'_>) -> Result<(), ActionProblem> {
+        match scope {
+            Scope::Robot => {
+                self.held = false;
+                self.changed = true;
+            }
+            Scope::Whisker(_) if self.held => return Err(ActionProblem::RobotHeld),
+            Scope::Whisker(place) => {
+                let index = self.at(place)?;
+                self.whiskers[index].held = false;
+                self.whiskers[index].changed = true;
+            }
+        }
+        let released = match scope {
+            Scope::Robot => 0..self.whiskers.len(),
+            Scope::Whisker(place) => self.at(place).map(|index| index..index + 1)?,
+        };
+        for index in released {
+            if !self.whiskers[index].held {
+                self.back_to_automatic(index);
+            }
+        }
+        self.undecided = true;
+        Ok(())
+    }
+
+    /// What a whisker that was held shall hold from now on.
+    fn back_to_automatic(&mut self, index: WhiskerIndex) {
+        let running = self.compensations.iter().find(|one| one.compensator() == index && !one.proposed);
+        let running = running.map(|one| one.desired(Reason::Compensation(one.case)));
+        let whisker = &mut self.whiskers[index];
+        whisker.given_up = false;
+        let wanted = whisker.desired.take();
+        match running {
+            // As it was wanted before: it may be a refinement.
+            Some(own) => self.desire(index, wanted.filter(|one| one.compensation == own.compensation).unwrap_or(own)),
+            None => self.release(index),
+        }
+    }
+
+    /// Ends the compensations that a whisker serves in, of those that `which` names.
+    pub(super) fn end_as_compensator(
+        &mut self,
+        index: WhiskerIndex,
+        reason: EndReason,
+        which: impl Fn(&super::Compensation) -> bool,
+        effects: &mut Vec<Effect>,
+    ) {
+        let served = self.compensations.iter().filter(|one| one.compensator() == index && which(one));
+        let over: Vec<u32> = served.map(|one| one.id).collect();
+        for id in over {
+            self.end(id, reason, effects);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! A whisker whose readings are learned anew, because they changed and the whisker did not: its gauge was glued anew, say,
+//! or its model is another.
+//!
+//! - The length estimate is taken as it is, as certain as it is. A cut that is confirmed but not called yet is called,
+//!   with that length: it would be forgotten otherwise.
+//! - Offset, noise scale, baseline, detector, the gauge's and the array's suspicions, the response while whole and the
+//!   chamber's own calibration were all learned through the old gauge or model: they begin as for a new whisker.
+//! - The condition is LEARNING, as in any cold start, but TRIMMED stays TRIMMED, or nobody would serve it. What was called
+//!   a loss of sensitivity or an erosion is over by the person's word; where it goes on, it is found again.
+//! - A compensation goes on at its pressure and with its gain: the chamber has not changed. What was measured of it
+//!   through the old gauge is dropped, and its reference is the model, as nothing measured is left to compare with.
+//! - One that only waits for approval was decided on what is not known any more, if this whisker would serve: it ends,
+//!   and is decided anew.
+
+use super::Robot;
+use super::effect::{Condition, Effect, EndReason, WhiskerIndex};
+use super::params::Params;
+use super::whisker::Whisker;
+use crate::detection::Detector;
+use crate::estimation::{NoiseScale, OwnCalibration, ResponseBins, Waiting};
+
+impl Robot {
+    /// The whisker is learned anew at its present length.
+    pub(super) fn rebaseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        self.call_trim(index, effects);
+        self.end_as_compensator(index, EndReason::Operator, |one| one.is_proposed(), effects);
+        let whisker = &mut self.whiskers[index];
+        whisker.forget_readings(params);
+        if whisker.condition != Condition::Trimmed {
+            self.set_condition(index, Condition::Learning, effects);
+        }
+        for running in self.compensations.iter_mut().filter(|one| one.compensator() == index) {
+            running.after = ResponseBins::default();
+            running.before = running.before.is_some().then(ResponseBins::default);
+            running.refining = running.refining.felt_anew();
+            self.changed = true;
+        }
+        self.undecided = true;
+    }
+}
+
+impl Whisker {
+    fn forget_readings(&mut self, params: &Params) {
+        self.filter = self.filter.learned_anew(&params.filter);
+        self.noise = NoiseScale::default();
+        self.detector = Detector::default();
+        self.contacts = 0;
+        self.whole = ResponseBins::default();
+        self.whole_waiting = Waiting::default();
+        self.whole_offset = None;
+        self.own = OwnCalibration::default();
+        let reported = std::mem::take(&mut self.gauge).reported;
+        self.gauge.reported = reported;
+        self.erosion = None;
+        self.told_since_alarm = 0.0;
+        self.unsteady = None;
+        self.shift_told = false;
+        self.drifting = false;
+        self.drift_told = false;
+        self.air.learned_at = self.air.setpoint;
+        self.changed = true;
+    }
+}

@@ -1,0 +1,189 @@
+//! The AsyncAPI 3.0 document. It describes the robot: what the robot sends, the supervisor receives.
+
+use std::collections::BTreeMap;
+
+use schemars::Schema;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::schemas::{component_name, components, parsed};
+use super::{BEYOND_SCHEMAS, CONTRACT_VERSION, Channel};
+use crate::{Name, PAYLOAD_MAX_BYTES, RobotTopic};
+
+/// The version of the MQTT bindings.
+const BINDING_VERSION: &str = "0.2.0";
+
+/// The whole document, in the order in which it is read.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Document {
+    asyncapi: &'static str,
+    info: Value,
+    default_content_type: &'static str,
+    servers: Value,
+    channels: BTreeMap<&'static str, Value>,
+    operations: BTreeMap<String, Value>,
+    components: Components,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Components {
+    messages: BTreeMap<&'static str, Value>,
+    parameters: Value,
+    security_schemes: Value,
+    schemas: BTreeMap<String, Schema>,
+}
+
+impl Document {
+    pub(super) fn new() -> Self {
+        let of_each = |make: fn(Channel) -> Value| Channel::ALL.iter().map(|&one| (one.name(), make(one))).collect();
+        Self {
+            asyncapi: "3.0.0",
+            info: info(),
+            default_content_type: "application/json",
+            servers: servers(),
+            channels: of_each(channel),
+            operations: Channel::ALL.iter().map(|&one| operation(one)).collect(),
+            components: Components {
+                messages: of_each(message),
+                parameters: parameters(),
+                security_schemes: json!({
+                    "password": {
+                        "type": "userPassword",
+                        "description": "Where the broker has users: a robot's is FLEET/ROBOT, and may publish and \
+                                        subscribe below its own level only.",
+                    }
+                }),
+                schemas: components(),
+            },
+        }
+    }
+}
+
+fn info() -> Value {
+    let beyond: Vec<String> = BEYOND_SCHEMAS.iter().map(|one| format!("- {one}")).collect();
+    let description = format!(
+        "What a robot with soft whiskers says and hears over MQTT 5. **This document describes the robot**: where it \
+         says `send`, the robot publishes and the supervisor subscribes; where it says `receive`, the supervisor \
+         publishes and the robot subscribes.\n\n\
+         Every message carries `boot_id`, new at each start of its sender, and `seq`, from 0 per boot and topic and \
+         without gaps: both name it, and a second message of one name changes nothing. Fields that a receiver does \
+         not know are ignored; a missing or wrong one refuses that message and nothing else. A payload has at most \
+         {PAYLOAD_MAX_BYTES} bytes.\n\n\
+         Beyond its schema a message is refused for:\n\n{}\n\n\
+         The rules that a robot keeps over time, such as sending again what no receipt covers, are told with the \
+         messages they are about.",
+        beyond.join("\n")
+    );
+    json!({
+        "title": "Soft whiskers: the robot",
+        "version": CONTRACT_VERSION,
+        "description": description,
+        "license": { "name": "MIT OR Apache-2.0" },
+    })
+}
+
+fn servers() -> Value {
+    let server = |protocol: &str, port: &str, summary: &str, security: bool| {
+        let mut server = json!({
+            "host": "{host}",
+            "protocol": protocol,
+            "protocolVersion": "5.0",
+            "summary": summary,
+            "variables": { "host": {
+                "description": format!("Name or address of the broker, and its port: {port} by custom."),
+                "default": format!("localhost:{port}"),
+            } },
+            "bindings": { "mqtt": {
+                "cleanSession": true,
+                "lastWill": {
+                    "topic": Channel::Robot(RobotTopic::Connection).address(),
+                    "qos": Channel::Robot(RobotTopic::Connection).qos(),
+                    "retain": Channel::Robot(RobotTopic::Connection).is_retained(),
+                    "message": super::examples::CONNECTION_WILL,
+                },
+                "bindingVersion": BINDING_VERSION,
+            } },
+        });
+        if security {
+            server["security"] = json!([{ "$ref": "#/components/securitySchemes/password" }]);
+        }
+        server
+    };
+    json!({
+        "plain": server("mqtt", "1883", "In plain text, such as the supervisor's own broker.", false),
+        "tls": server("secure-mqtt", "8883", "A broker with TLS and users.", true),
+    })
+}
+
+fn parameters() -> Value {
+    json!({
+        "fleet": {
+            "description": format!("The robot's fleet: {}.", Name::pattern()),
+            "examples": ["lab"],
+            "x-pattern": Name::pattern(),
+        },
+        "robot": {
+            "description": format!("The robot: {}; {} is no robot's name.", Name::pattern(), Name::RESERVED),
+            "examples": ["crawler-1"],
+            "x-pattern": Name::robot_pattern(),
+        },
+    })
+}
+
+fn channel(channel: Channel) -> Value {
+    let address = channel.address();
+    let used = ["fleet", "robot"].into_iter().filter(|name| address.contains(&format!("{{{name}}}")));
+    let parameters: Map<String, Value> =
+        used.map(|name| (name.to_owned(), json!({ "$ref": format!("#/components/parameters/{name}") }))).collect();
+    json!({
+        "address": address,
+        "description": channel.purpose(),
+        "parameters": parameters,
+        "messages": { channel.name(): { "$ref": format!("#/components/messages/{}", channel.name()) } },
+    })
+}
+
+fn operation(channel: Channel) -> (String, Value) {
+    let name = channel.name();
+    let (action, summary) = if channel.is_from_robot() {
+        ("send", "The robot publishes; the supervisor subscribes, with + in the place of the robot.")
+    } else {
+        ("receive", "The supervisor publishes; the robot subscribes.")
+    };
+    let mut mqtt = json!({
+        "qos": channel.qos(), "retain": channel.is_retained(), "bindingVersion": BINDING_VERSION,
+    });
+    let mut operation = json!({
+        "action": action,
+        "channel": { "$ref": format!("#/channels/{name}") },
+        "summary": summary,
+        "messages": [{ "$ref": format!("#/channels/{name}/messages/{name}") }],
+    });
+    if channel == Channel::Robot(RobotTopic::Setpoint) {
+        // As long as the setpoint itself may be taken, which is the supervisor's to choose.
+        mqtt["messageExpiryInterval"] = json!({ "type": "integer", "minimum": 1 });
+        operation["reply"] = json!({ "channel": { "$ref": "#/channels/setpoint_state" } });
+    }
+    operation["bindings"] = json!({ "mqtt": mqtt });
+    (format!("{action}_{name}"), operation)
+}
+
+fn message(channel: Channel) -> Value {
+    let example = |(name, text): &(&str, &str)| json!({ "name": name, "payload": parsed(text) });
+    let mut message = json!({
+        "name": channel.name(),
+        "title": component_name(channel),
+        "summary": channel.purpose(),
+        "payload": { "$ref": format!("#/components/schemas/{}", component_name(channel)) },
+        "examples": channel.examples().iter().map(example).collect::<Vec<_>>(),
+    });
+    if matches!(channel, Channel::Robot(RobotTopic::Setpoint | RobotTopic::SetpointState)) {
+        message["correlationId"] = json!({
+            "description": "The command, and what became of it.",
+            "location": "$message.payload#/command_id",
+        });
+    }
+    message
+}

@@ -1,0 +1,72 @@
+//! The messages' schemas: JSON Schema 2020-12 for files of their own, draft 7 inside the AsyncAPI document,
+//! whose schemas are a superset of that draft.
+
+use std::collections::BTreeMap;
+
+use schemars::generate::SchemaSettings;
+use schemars::{Schema, SchemaGenerator};
+use serde_json::Value;
+
+use super::Channel;
+use crate::messages::{Connection, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status};
+use crate::{RobotTopic, SupervisorState, schema};
+
+/// The schema of a channel's message, in JSON Schema 2020-12, with its examples.
+#[must_use]
+pub fn json_schema(channel: Channel) -> Schema {
+    let generator = SchemaSettings::draft2020_12().with_transform(schema::without_number_formats).into_generator();
+    let mut schema = root(channel, generator);
+    let examples: Vec<Value> = channel.examples().iter().map(|(_, text)| parsed(text)).collect();
+    schema.insert("examples".to_owned(), Value::Array(examples));
+    schema
+}
+
+/// An example's value.
+pub(super) fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).expect("a test decodes every example")
+}
+
+fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
+    match channel {
+        Channel::Robot(RobotTopic::Connection) => generator.into_root_schema_for::<Connection>(),
+        Channel::Robot(RobotTopic::Factsheet) => generator.into_root_schema_for::<Factsheet>(),
+        Channel::Robot(RobotTopic::Contacts) => generator.into_root_schema_for::<Contacts>(),
+        Channel::Robot(RobotTopic::Status) => generator.into_root_schema_for::<Status>(),
+        Channel::Robot(RobotTopic::Receipt) => generator.into_root_schema_for::<Receipt>(),
+        Channel::Robot(RobotTopic::Setpoint) => generator.into_root_schema_for::<Setpoint>(),
+        Channel::Robot(RobotTopic::SetpointState) => generator.into_root_schema_for::<SetpointState>(),
+        Channel::Robot(RobotTopic::Request) => generator.into_root_schema_for::<Request>(),
+        Channel::SupervisorState => generator.into_root_schema_for::<SupervisorState>(),
+    }
+}
+
+/// The name of the component that describes a channel's payload.
+pub(super) fn component_name(channel: Channel) -> String {
+    title(&root(channel, SchemaGenerator::default()))
+}
+
+fn title(schema: &Schema) -> String {
+    schema.get("title").and_then(Value::as_str).expect("a root schema has its type's name").to_owned()
+}
+
+/// Every component: messages and what they are made of, by name.
+pub(super) fn components() -> BTreeMap<String, Schema> {
+    let settings = || {
+        SchemaSettings::draft07().with(|settings| {
+            settings.definitions_path = "/components/schemas".into();
+            settings.meta_schema = None;
+        })
+    };
+    let mut all = BTreeMap::new();
+    for channel in Channel::ALL {
+        let mut schema = root(channel, settings().with_transform(schema::without_number_formats).into_generator());
+        let parts = schema.remove("components").and_then(|mut found| found.get_mut("schemas").map(Value::take));
+        if let Some(Value::Object(parts)) = parts {
+            for (name, part) in parts {
+                all.insert(name, Schema::try_from(part).expect("a part of a schema is a schema"));
+            }
+        }
+        all.insert(title(&schema), schema);
+    }
+    all
+}

@@ -1,0 +1,138 @@
+//! How a robot breaks the contract, if its scenario wants it to: messages on their way out and in are changed here, and
+//! nowhere else but where a rule is kept.
+
+use vibrissa_protocol::{Contact, Contacts, Message, Receipt, RobotTopic, Status, WhiskerStatus, decode, encode};
+
+use super::{Outgoing, Robot};
+use crate::outbox::Outbox;
+use crate::scenario::{Behaviour, Misbehaviour};
+
+/// How far [`Misbehaviour::HoldsLess`] stays below.
+pub(super) const HELD_LESS_MPA: f64 = 0.008;
+/// A slew that no valve keeps up with.
+pub(super) const AT_ONCE_MPA_PER_S: f64 = 10.0;
+/// A whisker that no scenario has.
+const NO_WHISKER: u16 = 60_000;
+const HOUR_US: u64 = 3_600_000_000;
+
+/// Where it keeps what it has sent.
+pub(super) fn outbox(behaviour: &Behaviour) -> Outbox {
+    let is_steady = behaviour.misbehaviour == Some(Misbehaviour::NoBackoff);
+    Outbox::new(behaviour.kept_messages, is_steady)
+}
+
+impl Robot {
+    /// Whether it has that fault.
+    pub(super) fn breaks(&self, fault: Misbehaviour) -> bool {
+        self.config.behaviour.misbehaviour == Some(fault)
+    }
+
+    /// Its fault, if it has one.
+    #[must_use]
+    pub fn misbehaviour(&self) -> Option<Misbehaviour> {
+        self.config.behaviour.misbehaviour
+    }
+
+    /// Seconds from one status to the next.
+    pub(super) fn status_every_s(&self) -> f64 {
+        match self.misbehaviour() {
+            Some(Misbehaviour::StatusSeldom) => 25.0,
+            Some(Misbehaviour::StatusOften) => 0.1,
+            Some(_) | None => self.config.behaviour.status_every_s,
+        }
+    }
+
+    /// What becomes of a status on its way out.
+    pub(super) fn status_as_sent(&self, mut status: Status) -> Vec<u8> {
+        let is_third = status.seq % 3 == 2;
+        if self.breaks(Misbehaviour::StatusLeavesOut) {
+            status.whiskers.pop();
+        }
+        if self.breaks(Misbehaviour::TimeBack) && is_third {
+            status.t_us -= 1_500_000;
+        }
+        for (entry, whisker) in status.whiskers.iter_mut().zip(&self.whiskers) {
+            self.falsify(entry, whisker.facts().pressure_mpa);
+        }
+        let payload = encode(&status);
+        if self.breaks(Misbehaviour::MalformedStatus) && is_third {
+            let text = String::from_utf8_lossy(&payload).replacen("\"t_us\"", "\"time\"", 1);
+            return text.into_bytes();
+        }
+        payload
+    }
+
+    fn falsify(&self, entry: &mut WhiskerStatus, nominal_mpa: f64) {
+        if self.breaks(Misbehaviour::HoldsLess) {
+            entry.setpoint_mpa += HELD_LESS_MPA;
+        }
+        if self.breaks(Misbehaviour::StatusStaysNominal) {
+            entry.setpoint_mpa = nominal_mpa;
+        }
+    }
+
+    /// What becomes of a contact before it is put into its message; `number` counts the whisker's contacts.
+    pub(super) fn contact_as_sent(&self, mut contact: Contact, number: u64) -> Contact {
+        let is_fifth = number % 5 == 4;
+        if self.breaks(Misbehaviour::ContactsAhead) {
+            contact.t_us += HOUR_US;
+        }
+        if self.breaks(Misbehaviour::RatioAboveOne) && is_fifth {
+            contact.ratio = 1.2;
+        }
+        if self.breaks(Misbehaviour::UnknownWhiskerTouched) && is_fifth {
+            contact.whisker = NO_WHISKER;
+        }
+        contact
+    }
+
+    /// What of a receipt the robot sees.
+    pub(super) fn receipt_as_read(&self, receipt: &Receipt) -> Receipt {
+        let mut read = receipt.clone();
+        match self.misbehaviour() {
+            Some(Misbehaviour::IgnoresNext) => read.next = 0,
+            Some(Misbehaviour::IgnoresHeld) => read.held.clear(),
+            Some(Misbehaviour::ForgetsGap) => {
+                let end = read.held.iter().map(|&(_, last)| last + 1).max();
+                read.next = read.next.max(end.unwrap_or(0));
+            }
+            Some(_) | None => {}
+        }
+        read
+    }
+
+    /// What becomes of messages that are sent again.
+    pub(super) fn resent_as_sent(&self, mut payloads: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        if self.breaks(Misbehaviour::ResendsNewestFirst) {
+            payloads.reverse();
+        }
+        if self.breaks(Misbehaviour::ResendsAltered) {
+            return payloads.into_iter().map(|payload| self.altered(payload)).collect();
+        }
+        payloads
+    }
+
+    fn altered(&self, payload: Vec<u8>) -> Vec<u8> {
+        match decode(&RobotTopic::Contacts.of(self.fleet(), self.name()), &payload) {
+            Ok(Message::Contacts(Contacts { boot_id, seq, mut contacts })) => {
+                contacts.iter_mut().for_each(|contact| contact.strain *= 0.9);
+                encode(&Contacts { boot_id, seq, contacts })
+            }
+            Ok(_) | Err(_) => payload,
+        }
+    }
+
+    /// Whether a message that was read is not taken all the same.
+    pub(super) fn overlooks(&self, message: &Message, payload: &[u8]) -> bool {
+        // What is written anew has only the fields that the contract knows.
+        self.breaks(Misbehaviour::RefusesUnknownFields) && encode(message).len() < payload.len()
+    }
+
+    /// What a message that cannot be read does.
+    pub(super) fn stumble(&mut self, out: &mut Vec<Outgoing>) {
+        self.refused += 1;
+        if self.breaks(Misbehaviour::RestartsOnMalformed) {
+            self.restart(out);
+        }
+    }
+}

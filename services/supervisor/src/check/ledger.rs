@@ -1,0 +1,219 @@
+//! Which contacts messages came, how often, and which are receipted: who sends what again, and in what order.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use bytes::Bytes;
+use vibrissa_protocol::{BootId, Rule};
+
+use super::report::Findings;
+
+/// What covers a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cover {
+    /// A receipt's `next`.
+    Next,
+    /// A receipt's `held`.
+    Held,
+}
+
+/// One message, by its number.
+#[derive(Debug)]
+struct Sent {
+    payload: Bytes,
+    /// When it came, each time.
+    times: Vec<Instant>,
+    /// Its place among all arrivals, the last time.
+    last: u64,
+    covered: Option<(Instant, Cover)>,
+}
+
+/// The contacts messages of the robot's present boot.
+#[derive(Debug, Default)]
+pub(super) struct Ledger {
+    boot: Option<BootId>,
+    sent: BTreeMap<u64, Sent>,
+    arrivals: u64,
+    /// Messages with quality of service 1: their sender relies on the broker.
+    pub(super) at_least_once: u64,
+    /// Whether the order of what comes again is looked at: only while nothing is receipted.
+    pub(super) judges_order: bool,
+    /// Messages that came again while it was.
+    ordered: u64,
+}
+
+impl Ledger {
+    /// A message came.
+    pub(super) fn arrive(
+        &mut self,
+        (boot, seq): (&BootId, u64),
+        payload: &Bytes,
+        at: Instant,
+        grace: Duration,
+        findings: &mut Findings,
+    ) {
+        if self.boot.as_ref() != Some(boot) {
+            *self = Self { boot: Some(boot.clone()), ..Self::default() };
+        }
+        self.arrivals += 1;
+        let order = self.arrivals;
+        let overtaken = self.overtaken(seq);
+        let Some(known) = self.sent.get_mut(&seq) else {
+            let first = Sent { payload: payload.clone(), times: vec![at], last: order, covered: None };
+            self.sent.insert(seq, first);
+            return;
+        };
+        known.times.push(at);
+        known.last = order;
+        let is_same = is_same(&known.payload, payload);
+        findings.judge(Rule::ResendSame, is_same, format!("contacts {seq} came again, {}", same_text(is_same)));
+        if let Some((since, cover)) = known.covered {
+            if at > since + grace {
+                let (rule, how) = match cover {
+                    Cover::Next => (Rule::ReceiptNext, "lies below the next"),
+                    Cover::Held => (Rule::ReceiptHeld, "lies in a held range"),
+                };
+                let after_s = (at - since).as_secs_f64();
+                findings
+                    .fail(rule, format!("contacts {seq} came again {after_s:.1} s after it was receipted: it {how}"));
+            }
+        } else if self.judges_order {
+            self.ordered += 1;
+            if let Some(older) = overtaken {
+                let seen = format!("contacts {seq} came again before {older}, which has waited longer");
+                findings.fail(Rule::ResendOldestFirst, seen);
+            } else if self.ordered > 1 {
+                findings.pass(Rule::ResendOldestFirst, format!("{} messages came again in order", self.ordered));
+            }
+        }
+    }
+
+    /// An uncovered message with a lower number that has waited longer than that one.
+    fn overtaken(&self, seq: u64) -> Option<u64> {
+        let last = self.sent.get(&seq)?.last;
+        let older = self.sent.range(..seq).find(|(_, sent)| sent.covered.is_none() && sent.last < last);
+        older.map(|(&seq, _)| seq)
+    }
+
+    /// A receipt goes out that covers everything below `next`, and those.
+    pub(super) fn cover(&mut self, next: u64, held: &[u64], at: Instant) {
+        for (&seq, sent) in &mut self.sent {
+            let cover = match seq {
+                _ if seq < next => Cover::Next,
+                _ if held.contains(&seq) => Cover::Held,
+                _ => continue,
+            };
+            sent.covered.get_or_insert((at, cover));
+        }
+    }
+
+    /// Numbers that are not covered, lowest first.
+    pub(super) fn uncovered(&self) -> Vec<u64> {
+        self.sent.iter().filter(|(_, sent)| sent.covered.is_none()).map(|(&seq, _)| seq).collect()
+    }
+
+    /// The number after the highest.
+    pub(super) fn end(&self) -> u64 {
+        self.sent.last_key_value().map_or(0, |(&seq, _)| seq + 1)
+    }
+
+    /// Numbers from there on that never came.
+    pub(super) fn missing(&self, from: u64) -> Vec<u64> {
+        (from..self.end()).filter(|seq| !self.sent.contains_key(seq)).collect()
+    }
+
+    /// When a message came, each time.
+    pub(super) fn times(&self, seq: u64) -> &[Instant] {
+        self.sent.get(&seq).map_or(&[], |sent| &sent.times)
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.sent.len()
+    }
+}
+
+/// Whether two messages say the same, however they are written.
+fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let read = |bytes: &[u8]| serde_json::from_slice::<serde_json::Value>(bytes).ok();
+    one == other || read(one).is_some_and(|one| Some(one) == read(other))
+}
+
+fn same_text(is_same: bool) -> &'static str {
+    if is_same { "with the same content" } else { "with another content" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::report::Outcome;
+    use super::*;
+
+    /// A robot's messages, half a second apart.
+    struct Robot {
+        ledger: Ledger,
+        findings: Findings,
+        at: Instant,
+    }
+
+    impl Robot {
+        fn new(seqs: &[u64]) -> Self {
+            let ledger = Ledger { judges_order: true, ..Ledger::default() };
+            let mut robot = Self { ledger, findings: Findings::default(), at: Instant::now() };
+            robot.sends(seqs);
+            robot
+        }
+
+        fn sends(&mut self, seqs: &[u64]) {
+            for seq in seqs {
+                self.says(*seq, format!("{{\"seq\":{seq}}}"));
+            }
+        }
+
+        fn says(&mut self, seq: u64, text: String) {
+            self.at += Duration::from_millis(500);
+            let (boot, grace) = (BootId::new("b").unwrap(), Duration::from_millis(400));
+            self.ledger.arrive((&boot, seq), &Bytes::from(text), self.at, grace, &mut self.findings);
+            self.ledger.judges_order = true;
+        }
+
+        fn outcome(self, rule: Rule) -> Outcome {
+            let (findings, _) = self.findings.close("");
+            findings.iter().find(|finding| finding.rule == rule).unwrap().outcome
+        }
+    }
+
+    #[test]
+    fn what_comes_again_in_order_passes_also_when_new_ones_come_between() {
+        let mut robot = Robot::new(&[0, 1, 2]);
+        robot.sends(&[0, 1, 3, 2, 0, 1, 2, 3]);
+        assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Pass);
+    }
+
+    #[test]
+    fn a_newer_one_before_an_older_one_that_waits_longer_fails() {
+        let mut robot = Robot::new(&[0, 1, 2]);
+        robot.sends(&[2, 1, 0]);
+        assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Fail);
+    }
+
+    #[test]
+    fn what_is_receipted_may_come_once_more_if_it_was_under_way() {
+        for (grace, expected) in [(Duration::from_millis(200), Outcome::Skipped), (Duration::ZERO, Outcome::Fail)] {
+            let mut robot = Robot::new(&[0, 1, 2]);
+            robot.ledger.cover(1, &[2], robot.at + grace);
+            robot.sends(&[2]);
+            assert_eq!(robot.ledger.uncovered(), [1]);
+            assert_eq!(robot.outcome(Rule::ReceiptHeld), expected);
+        }
+    }
+
+    #[test]
+    fn content_is_compared_as_json() {
+        let mut robot = Robot::new(&[0]);
+        robot.says(0, "{ \"seq\": 0 }".to_owned());
+        robot.sends(&[1]);
+        assert_eq!(robot.ledger.missing(0), [0_u64; 0]);
+        robot.says(1, "{\"seq\":1,\"more\":true}".to_owned());
+        assert_eq!(robot.outcome(Rule::ResendSame), Outcome::Fail);
+    }
+}

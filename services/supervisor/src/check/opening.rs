@@ -1,0 +1,177 @@
+//! The beginning: who is there, what the broker retains, and how the robot talks while nobody asks it anything.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use vibrissa_protocol::{ConnectionState, RequestKind, Rule, Status};
+
+use super::bench::{Bench, Trial};
+use super::log::whiskers;
+use super::report::seconds;
+
+/// Statuses that are watched for their pace.
+const WATCHED: usize = 4;
+/// A pause between statuses that is too short to tell an answer to a request from the next of them.
+const TOO_QUICK: Duration = Duration::from_millis(400);
+/// How far the pressure is moved.
+const STEP_MPA: f64 = 0.01;
+
+impl Bench {
+    /// Takes what is retained.
+    ///
+    /// # Errors
+    /// A supervisor owns the fleet, or the robot is not there.
+    pub(super) async fn open(&mut self) -> anyhow::Result<()> {
+        let limit = self.timings().retained;
+        // The first that come are what is retained; a supervisor's word, if there is one, among them.
+        self.listen(limit).await.context("the fleet cannot be checked while a supervisor owns it: stop it first")?;
+        self.heard.is_live = true;
+        let (fleet, robot) = (self.options.fleet.clone(), self.options.robot.clone());
+        match self.heard.connection {
+            Some(ConnectionState::Online) => {}
+            Some(state @ (ConnectionState::Offline | ConnectionState::ConnectionBroken)) => {
+                bail!("robot {fleet}/{robot} is not connected: its last word is {state}");
+            }
+            None => {
+                let patience = self.timings().status.1;
+                if self.until(patience, |heard| (!heard.log.is_empty()).then_some(())).await?.is_none() {
+                    let seconds = seconds(patience);
+                    bail!("nothing was heard of {fleet}/{robot} for {seconds}: is it on, and are these its names?");
+                }
+                self.fail(Rule::Birth, "the robot talks, but the broker retains no ONLINE of it");
+            }
+        }
+        self.open_factsheet().await
+    }
+
+    async fn open_factsheet(&mut self) -> anyhow::Result<()> {
+        if self.heard.factsheet.is_some() {
+            self.pass(Rule::FactsheetAfterBirth, "the broker retains one");
+            return Ok(());
+        }
+        let mark = self.mark();
+        self.request(RequestKind::Factsheet).await?;
+        let limit = self.timings().answer;
+        self.until(limit, |heard| heard.factsheet.is_some().then_some(())).await?;
+        // One that is not retained may have followed the birth all the same.
+        let came = self.heard.log[mark..].iter().find(|entry| super::is_factsheet(&entry.message));
+        match came {
+            Some(entry) if !entry.retained => {}
+            Some(_) => self.fail(Rule::FactsheetAfterBirth, "the robot is connected, and sent none until it was asked"),
+            None => self.fail(Rule::FactsheetAfterBirth, "there is none, not even when it is asked for"),
+        }
+        Ok(())
+    }
+
+    /// Watches statuses that nobody has asked for, and how pressures may be tried.
+    pub(super) async fn watch(&mut self) -> anyhow::Result<()> {
+        let (shortest, longest) = self.timings().status;
+        let (begun, mark) = (Instant::now(), self.mark());
+        let mut last = begun;
+        // A little longer than allowed: a network may delay one.
+        let patience = longest + longest / 10;
+        loop {
+            let seen = self.heard.statuses(mark).count();
+            if seen >= WATCHED && begun.elapsed() >= 3 * shortest {
+                break;
+            }
+            let next = self.until(patience, |heard| heard.statuses(mark).nth(seen).map(|(_, at)| at)).await?;
+            let Some(at) = next else {
+                self.fail(Rule::StatusPeriod, format!("no status for {}", seconds(last.elapsed())));
+                return Ok(());
+            };
+            last = at;
+        }
+        let times: Vec<Instant> = self.heard.statuses(mark).map(|(_, at)| at).collect();
+        let mean = mean_gap(&times).unwrap_or_default();
+        let is_calm = {
+            let mut conditions = self.heard.statuses(mark).map(|(status, _)| conditions(status));
+            let first = conditions.next();
+            conditions.all(|one| Some(one) == first)
+        };
+        let is_too_often = is_calm && mean < shortest.mul_f64(0.8);
+        let seen = format!("one every {} on average, {} of them", seconds(mean), times.len());
+        self.judge(Rule::StatusPeriod, !is_too_often, seen);
+        Ok(())
+    }
+
+    /// Asks for a factsheet and for statuses.
+    pub(super) async fn ask(&mut self) -> anyhow::Result<()> {
+        let (limit, mark, asked) = (self.timings().answer, self.mark(), Instant::now());
+        self.request(RequestKind::Factsheet).await?;
+        let is_there = |heard: &super::listener::Listener| {
+            heard.log[mark..].iter().any(|entry| super::is_factsheet(&entry.message)).then_some(())
+        };
+        let came = self.until(limit, is_there).await?;
+        let seen = came.map_or("none came".to_owned(), |()| format!("came after {}", seconds(asked.elapsed())));
+        self.judge(Rule::FactsheetOnRequest, came.is_some(), seen);
+        self.ask_status().await
+    }
+
+    /// Asks right after a status: what then comes early is the answer.
+    async fn ask_status(&mut self) -> anyhow::Result<()> {
+        const ASKED: usize = 3;
+        let times: Vec<Instant> = self.heard.statuses(0).map(|(_, at)| at).collect();
+        let period = mean_gap(&times).unwrap_or(2 * self.timings().status.1);
+        if period < TOO_QUICK {
+            self.skip(&[Rule::StatusOnRequest], "statuses come so often that an answer cannot be told from the next");
+            return Ok(());
+        }
+        let window = self.timings().answer.min(period / 2);
+        let mut answered = 0;
+        for _ in 0..ASKED {
+            let mark = self.mark();
+            let patience = (2 * period).min(self.timings().status.1);
+            self.until(patience, |heard| heard.statuses(mark).next().map(drop)).await?;
+            let mark = self.mark();
+            self.request(RequestKind::Status).await?;
+            answered += usize::from(self.until(window, |heard| heard.statuses(mark).next().map(drop)).await?.is_some());
+        }
+        let seen = format!("{answered} of {ASKED} requests were answered within {}", seconds(window));
+        self.judge(Rule::StatusOnRequest, answered + 1 >= ASKED, seen);
+        Ok(())
+    }
+
+    /// Chooses the whisker and the pressures for setpoints; none if there is no whisker.
+    ///
+    /// # Errors
+    /// The whisker that was asked for is not on the factsheet.
+    pub(super) async fn choose(&mut self) -> anyhow::Result<()> {
+        let Some(factsheet) = self.heard.factsheet.clone() else { return Ok(()) };
+        let wanted = self.options.whisker.clone();
+        let chosen = whiskers(&factsheet)
+            .find(|&(array, whisker)| wanted.as_ref().is_none_or(|wanted| (&wanted.0, wanted.1) == (array, whisker)));
+        let Some((array, whisker)) = chosen else {
+            return match wanted {
+                Some((array, whisker)) => bail!("whisker {array}/{whisker} is not on the factsheet"),
+                None => Ok(()),
+            };
+        };
+        let facts = factsheet.arrays.iter().filter(|one| one.array == *array).flat_map(|one| &one.whiskers);
+        let Some(facts) = facts.clone().find(|one| one.whisker == whisker) else { return Ok(()) };
+        let mut trial = Trial {
+            array: array.clone(),
+            whisker,
+            home_mpa: facts.pressure_mpa,
+            away_mpa: facts.pressure_mpa,
+            max_mpa: facts.pressure_max_mpa,
+        };
+        if let Some(status) = self.fresh_status(&trial).await? {
+            trial.home_mpa = status.setpoint_mpa;
+        }
+        let up_mpa = (trial.max_mpa - trial.home_mpa).clamp(0.0, STEP_MPA);
+        let down_mpa = trial.home_mpa.clamp(0.0, STEP_MPA);
+        trial.away_mpa = if up_mpa >= down_mpa { trial.home_mpa + up_mpa } else { trial.home_mpa - down_mpa };
+        self.trial = Some(trial);
+        Ok(())
+    }
+}
+
+fn conditions(status: &Status) -> Vec<(vibrissa_protocol::Regulator, vibrissa_protocol::Gauge)> {
+    status.whiskers.iter().map(|one| (one.regulator, one.gauge)).collect()
+}
+
+fn mean_gap(times: &[Instant]) -> Option<Duration> {
+    let gaps = u32::try_from(times.len().checked_sub(1)?).ok().filter(|&gaps| gaps > 0)?;
+    Some((*times.last()? - *times.first()?) / gaps)
+}

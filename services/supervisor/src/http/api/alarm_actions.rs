@@ -1,0 +1,147 @@
+//! What people say to alarms.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde::Deserialize;
+use serde_json::json;
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Timestamp;
+
+use crate::engine::wall_clock;
+use crate::http::App;
+use crate::http::asking::{Asker, Why, answered, number_of, reason};
+use crate::http::extract::{Body, OptionalBody, Path};
+use crate::http::problem::{Kind, Problem};
+use crate::store::alarms::{AlarmSubject, Said};
+use crate::store::lists::actions::ActionRow;
+use crate::store::time::Time;
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(acknowledge)).routes(routes!(shelve)).routes(routes!(unshelve))
+}
+
+/// An alarm is quiet this long at the most, microseconds: what is quiet for ever is forgotten.
+const SHELF_US_MAX: i64 = 30 * 86_400 * 1_000_000;
+
+/// An alarm.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct AlarmPath {
+    /// Number.
+    #[param(minimum = 0)]
+    pub alarm_id: i64,
+}
+
+/// Until when, and why.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = Shelf)]
+pub struct ShelfBody {
+    /// RFC 3339 in UTC; at most 30 days from now.
+    #[schema(value_type = String, format = DateTime, example = "2026-11-22T08:00:00Z")]
+    pub until: Timestamp,
+    /// Why, in your words.
+    #[schema(min_length = 1, max_length = 1000)]
+    pub reason: String,
+}
+
+async fn subject(app: &App, at: &AlarmPath, asker: &Asker) -> Result<AlarmSubject, Problem> {
+    let found = app.store.alarm_subject(at.alarm_id).await?;
+    let found = found.filter(|subject| asker.caller.scope.covers(&subject.fleet));
+    found.ok_or_else(|| Problem::not_found(format_args!("alarm {}", at.alarm_id)))
+}
+
+async fn say(
+    app: &App,
+    at: &AlarmPath,
+    (asker, subject): (Asker, AlarmSubject),
+    said: Said,
+    why: Option<String>,
+) -> Result<Response, Problem> {
+    let (kind, parameters) = match said {
+        Said::Acknowledged => ("ALARM_ACKNOWLEDGE", json!({})),
+        Said::Shelved { until_us } => ("ALARM_SHELVE", json!({ "until": Time(until_us) })),
+        Said::Unshelved => ("ALARM_UNSHELVE", json!({})),
+    };
+    let mut action = asker.action(kind, &parameters, reason(why)?);
+    action.fleet = Some(subject.fleet.clone());
+    action.robot = Some(subject.robot.clone());
+    action.array = Some(subject.array.clone());
+    action.whisker = Some(subject.whisker);
+    action.alarm_id = Some(at.alarm_id);
+    let action_id = number_of(app.store.say_to_alarm(&subject, said, &action).await?)?;
+    app.mailroom.changed();
+    answered(app, action_id, StatusCode::OK).await
+}
+
+/// Say that an alarm was seen.
+#[utoipa::path(
+    post, path = "/v1/alarms/{alarm_id}/acknowledge", tag = "alarms",
+    params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses((status = 200, description = "It is acknowledged", body = ActionRow)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn acknowledge(
+    State(app): State<App>,
+    Path(at): Path<AlarmPath>,
+    asker: Asker,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    let subject = subject(&app, &at, &asker).await?;
+    if let (Some(by), None) = (&subject.acknowledged_by, &asker.idempotency_key) {
+        return Err(Problem::new(Kind::Refused, format!("{by} has acknowledged it already")));
+    }
+    say(&app, &at, (asker, subject), Said::Acknowledged, why.reason).await
+}
+
+/// Let an alarm, and others of its kind about the same whisker, be quiet until a time.
+#[utoipa::path(
+    post, path = "/v1/alarms/{alarm_id}/shelve", tag = "alarms",
+    params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = ShelfBody,
+    responses((status = 200, description = "It is shelved", body = ActionRow)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn shelve(
+    State(app): State<App>,
+    Path(at): Path<AlarmPath>,
+    asker: Asker,
+    Body(shelf): Body<ShelfBody>,
+) -> Result<Response, Problem> {
+    let subject = subject(&app, &at, &asker).await?;
+    let now_us = wall_clock().0 as i64;
+    let until_us = i64::try_from(shelf.until.0).unwrap_or(i64::MAX);
+    if until_us <= now_us || until_us - now_us > SHELF_US_MAX {
+        return Err(Problem::invalid("until", "must lie ahead, at most 30 days from now"));
+    }
+    if shelf.reason.trim().is_empty() {
+        return Err(Problem::invalid("reason", "must say why: whoever comes next wants to know"));
+    }
+    say(&app, &at, (asker, subject), Said::Shelved { until_us }, Some(shelf.reason)).await
+}
+
+/// Let shelved alarms be loud again.
+#[utoipa::path(
+    post, path = "/v1/alarms/{alarm_id}/unshelve", tag = "alarms",
+    params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses((status = 200, description = "It is not shelved any more", body = ActionRow)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn unshelve(
+    State(app): State<App>,
+    Path(at): Path<AlarmPath>,
+    asker: Asker,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    let subject = subject(&app, &at, &asker).await?;
+    let is_shelved = subject.shelved_until_us.is_some_and(|until_us| until_us > wall_clock().0 as i64);
+    if !is_shelved && asker.idempotency_key.is_none() {
+        return Err(Problem::new(Kind::Refused, "it is not shelved"));
+    }
+    say(&app, &at, (asker, subject), Said::Unshelved, why.reason).await
+}

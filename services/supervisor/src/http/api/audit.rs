@@ -1,0 +1,93 @@
+//! The audit log: everything that people have asked for.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use serde::Deserialize;
+use utoipa::IntoParams;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::{Path, Query};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::words;
+use crate::store::list::{Filter, Value};
+use crate::store::lists::actions::{ACTIONS, ActionRow, ActionSort};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_audit)).routes(routes!(get_action))
+}
+
+words! {
+    /// What became of an action.
+    pub enum ActionState {
+        /// It waits.
+        Pending = "PENDING",
+        /// It was done.
+        Done = "DONE",
+        /// It was refused.
+        Refused = "REFUSED",
+        /// It was not done in time, and will not be.
+        Expired = "EXPIRED",
+    }
+}
+
+list_query! {
+    /// Which entries.
+    pub struct AuditQuery by ActionSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// About this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// What became of it.
+        pub state: Option<ActionState>,
+    }
+}
+
+/// Everything that was asked, with who, why, and what became of it.
+#[utoipa::path(
+    get, path = "/v1/audit", tag = "audit", params(AuditQuery),
+    responses((status = 200, description = "A page of the log", body = Page<ActionRow>))
+)]
+async fn list_audit(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<AuditQuery>,
+) -> Result<Json<Page<ActionRow>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("state", query.state);
+    Ok(Json(Page::of(app.store.list(&ACTIONS, &selection).await?, &selection)))
+}
+
+/// An action.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct ActionPath {
+    /// Number.
+    #[param(minimum = 0)]
+    pub action_id: i64,
+}
+
+/// One action: whether it is done.
+#[utoipa::path(
+    get, path = "/v1/actions/{action_id}", tag = "audit", params(ActionPath),
+    responses((status = 200, description = "The action", body = ActionRow))
+)]
+async fn get_action(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<ActionPath>,
+) -> Result<Json<ActionRow>, Problem> {
+    let mut filters = vec![Filter::Is("action_id", Value::Whole(at.action_id))];
+    filters.extend(caller.scope.filter("fleet"));
+    let found = app.store.first(&ACTIONS, filters).await?;
+    found.map(Json).ok_or_else(|| Problem::not_found(format_args!("action {}", at.action_id)))
+}

@@ -1,0 +1,369 @@
+//! Calibrations: measurements are uploaded, their fit is looked at, and a version is put in force.
+
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Json, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geometry, Parameter, fit_calibration};
+use vibrissa_core::units::{Megapascal, Millimetre, Strain};
+use vibrissa_protocol::Name;
+
+use crate::calibration_file::{CalibrationFile, GeometrySection};
+use crate::engine::mail::CALIBRATION;
+use crate::http::App;
+use crate::http::asking::{Asker, Why, ask, number_of, reason};
+use crate::http::extract::{Body, OptionalBody, Path, Query};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::{Kind, Problem};
+use crate::plot;
+use crate::store::actions::Asked;
+use crate::store::calibrations::NewCalibration;
+use crate::store::list::{Filter, Value};
+use crate::store::lists::actions::ActionRow;
+use crate::store::lists::calibrations::{
+    CALIBRATION_TEXTS, CALIBRATIONS, CalibrationRow, CalibrationSort, CalibrationText,
+};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(list_calibrations, upload))
+        .routes(routes!(get_calibration))
+        .routes(routes!(draw_calibration))
+        .routes(routes!(activate))
+}
+
+/// Rows of measurements at the most.
+const ROWS_MAX: usize = 500;
+
+/// Measurements of a whisker under pressure, without contact.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Measurements {
+    /// The name that factsheets use for the model.
+    #[schema(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub model: Name,
+    /// Young's modulus of the rubber: strains alone fix only its product with k2.
+    #[schema(exclusive_minimum = 0.0, maximum = 1000.0)]
+    pub youngs_modulus_mpa: f64,
+    /// The whisker's shape; the paper's (Table 1) if it is left out.
+    pub geometry: Option<GeometrySection>,
+    /// At least four with a strain above zero pressure, at three pressures or more.
+    #[schema(min_items = 1, max_items = 500)]
+    pub rows: Vec<MeasuredRow>,
+    /// Why, in your words.
+    #[schema(max_length = 1000)]
+    pub reason: Option<String>,
+}
+
+/// One reading.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredRow {
+    /// Pressure in the chamber.
+    #[schema(minimum = 0.0, maximum = 1.0)]
+    pub pressure_mpa: f64,
+    /// Axial strain of the gauge, m/m.
+    pub strain: Option<f64>,
+    /// Elongation of the chamber at the tip.
+    pub elongation_mm: Option<f64>,
+}
+
+/// A fitted number with its uncertainty.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct FittedNumber {
+    /// Best estimate.
+    pub value: f64,
+    /// Standard error, to first order.
+    pub standard_error: f64,
+    /// Lower bound of the 95 % interval.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
+}
+
+impl From<&Parameter> for FittedNumber {
+    fn from(number: &Parameter) -> Self {
+        let Parameter { value, standard_error, low, high } = *number;
+        Self { value, standard_error, low, high }
+    }
+}
+
+/// What came of measurements: k2(Q) = c + a exp(-b Q), elongation = G Q / (k2(Q) E).
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct CalibrationFit {
+    /// k2 that high pressures tend to.
+    pub c: FittedNumber,
+    /// Excess of k2 at zero pressure.
+    pub a: FittedNumber,
+    /// Rate of softening per MPa.
+    pub b_per_mpa: FittedNumber,
+    /// Elongation gain G in mm; null if no elongation was measured, then it is the shape's (Eq. 24).
+    pub elongation_gain_mm: Option<FittedNumber>,
+    /// Scatter of one strain reading about the fit, as a ratio.
+    pub strain_scatter: f64,
+    /// Scatter of one elongation about the fit, as a ratio.
+    pub elongation_scatter: Option<f64>,
+    /// Each row against the fit, in the rows' order.
+    pub residuals: Vec<RowFit>,
+}
+
+/// A row against the fit.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub struct RowFit {
+    /// k2 of this row (Eq. 33), if it has a strain above zero pressure.
+    pub k2: Option<f64>,
+    /// ln k2, measured - fitted.
+    pub k2_residual: Option<f64>,
+    /// ln elongation, measured - fitted.
+    pub elongation_residual: Option<f64>,
+}
+
+impl From<&Fit> for CalibrationFit {
+    fn from(fit: &Fit) -> Self {
+        let row = |row: &vibrissa_core::mechanics::RowResidual| RowFit {
+            k2: row.k2,
+            k2_residual: row.k2_residual,
+            elongation_residual: row.elongation_residual,
+        };
+        Self {
+            c: (&fit.c).into(),
+            a: (&fit.a).into(),
+            b_per_mpa: (&fit.b_per_mpa).into(),
+            elongation_gain_mm: fit.elongation_gain_mm.as_ref().map(Into::into),
+            strain_scatter: fit.residual_sd,
+            elongation_scatter: fit.elongation_residual_sd,
+            residuals: fit.residuals.iter().map(row).collect(),
+        }
+    }
+}
+
+/// A calibration with what it rests on.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct CalibrationDetail {
+    /// As in the list.
+    #[serde(flatten)]
+    pub calibration: CalibrationRow,
+    /// The numbers, as in a calibration file.
+    pub numbers: CalibrationFile,
+    /// What came of the measurements.
+    pub fit: CalibrationFit,
+    /// What was measured.
+    pub measurements: Measurements,
+}
+
+/// Holds measurements against what they must be; each problem names its field.
+fn measured(told: &Measurements) -> Result<(Geometry, Vec<Measured>), Problem> {
+    if told.rows.len() > ROWS_MAX {
+        return Err(Problem::invalid("rows", format!("must have at most {ROWS_MAX} rows")));
+    }
+    if !(told.youngs_modulus_mpa > 0.0 && told.youngs_modulus_mpa <= 1000.0) {
+        return Err(Problem::invalid("youngs_modulus_mpa", "must be above 0 and at most 1000"));
+    }
+    let bad = |row: usize, field: &str, problem: &dyn std::fmt::Display| {
+        Problem::invalid(format!("rows[{row}].{field}"), problem.to_string())
+    };
+    let mut rows = Vec::with_capacity(told.rows.len());
+    for (at, row) in told.rows.iter().enumerate() {
+        rows.push(Measured {
+            pressure: Megapascal::new(row.pressure_mpa).map_err(|problem| bad(at, "pressure_mpa", &problem))?,
+            axial_strain: row.strain.map(Strain::new).transpose().map_err(|problem| bad(at, "strain", &problem))?,
+            elongation: row
+                .elongation_mm
+                .map(Millimetre::new)
+                .transpose()
+                .map_err(|problem| bad(at, "elongation_mm", &problem))?,
+        });
+    }
+    Ok((told.geometry.map_or_else(Geometry::nguyen_2021, Into::into), rows))
+}
+
+fn fitted(told: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem> {
+    let (geometry, rows) = measured(told)?;
+    let fit = fit_calibration(&geometry, told.youngs_modulus_mpa, &rows).map_err(|problem| {
+        let field = match problem {
+            FitError::StrainNotPositive { row, .. } => format!("rows[{}].strain", row - 1),
+            FitError::ElongationNotPositive { row, .. } => format!("rows[{}].elongation_mm", row - 1),
+            FitError::NothingAboveZeroPressure
+            | FitError::TooFewStrains { .. }
+            | FitError::TooFewPressures { .. }
+            | FitError::OneElongation
+            | FitError::NotDetermined { .. }
+            | FitError::Model(_) => "rows".to_owned(),
+        };
+        Problem::invalid(field, problem.to_string())
+    })?;
+    Ok((geometry, rows, fit))
+}
+
+/// Upload measurements: they are fitted and kept as the model's next version, which is in force nowhere yet.
+#[utoipa::path(
+    post, path = "/v1/calibrations", tag = "calibrations",
+    params(("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Measurements,
+    responses((status = 201, description = "It is kept", body = CalibrationDetail)),
+    extensions(("x-required-role" = json!("ENGINEER")))
+)]
+async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measurements>) -> Result<Response, Problem> {
+    let why = reason(told.reason.clone())?;
+    let worked = tokio::task::spawn_blocking(move || fitted(&told).map(|(geometry, _, fit)| (told, geometry, fit)));
+    let (told, geometry, fit) = worked.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
+    let file = CalibrationFile::new(&told.model, &geometry, &fit.calibration);
+    let new = NewCalibration {
+        model: told.model.to_string(),
+        measurements: text(&told)?,
+        fit: text(&CalibrationFit::from(&fit))?,
+        calibration: text(&file)?,
+    };
+    let action = asker.action("CALIBRATION_UPLOAD", &json!({ "model": told.model, "calibration": file }), why);
+    let (asked, calibration_id) = app.store.add_calibration(&new, &action).await?;
+    let id = match (asked, calibration_id) {
+        (_, Some(id)) => id,
+        // What was kept under the key before.
+        (Asked::Again(kept), None) => kept_by(&app, &new.model, &kept.actor, kept.asked_us).await?,
+        (asked, None) => number_of(asked)?,
+    };
+    let place = [(header::LOCATION, format!("/v1/calibrations/{id}"))];
+    Ok((StatusCode::CREATED, place, Json(detail(&app, id).await?)).into_response())
+}
+
+fn text(value: &impl Serialize) -> Result<String, Problem> {
+    serde_json::to_string(value).map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))
+}
+
+async fn kept_by(app: &App, model: &str, actor: &str, uploaded_us: i64) -> Result<i64, Problem> {
+    let filters = vec![
+        Filter::Is("model", Value::Text(model.to_owned())),
+        Filter::Is("uploaded_by", Value::Text(actor.to_owned())),
+        Filter::Is("uploaded_at", Value::Whole(uploaded_us)),
+    ];
+    let found: Option<CalibrationRow> = app.store.first(&CALIBRATIONS, filters).await?;
+    found.map(|row| row.calibration_id).ok_or_else(|| Problem::not_found("calibration under that key"))
+}
+
+/// A calibration.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct CalibrationPath {
+    /// Number.
+    #[param(minimum = 0)]
+    pub calibration_id: i64,
+}
+
+async fn texts(app: &App, id: i64) -> Result<CalibrationText, Problem> {
+    let found = app.store.first(&CALIBRATION_TEXTS, vec![Filter::Is("calibration_id", Value::Whole(id))]).await?;
+    found.ok_or_else(|| Problem::not_found(format_args!("calibration {id}")))
+}
+
+fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Problem> {
+    serde_json::from_str(text)
+        .map_err(|problem| Problem::new(Kind::Internal, format!("a stored calibration: {problem}")))
+}
+
+async fn detail(app: &App, id: i64) -> Result<CalibrationDetail, Problem> {
+    let row: Option<CalibrationRow> =
+        app.store.first(&CALIBRATIONS, vec![Filter::Is("calibration_id", Value::Whole(id))]).await?;
+    let calibration = row.ok_or_else(|| Problem::not_found(format_args!("calibration {id}")))?;
+    let texts = texts(app, id).await?;
+    Ok(CalibrationDetail {
+        calibration,
+        numbers: read(&texts.calibration)?,
+        fit: read(&texts.fit)?,
+        measurements: read(&texts.measurements)?,
+    })
+}
+
+list_query! {
+    /// Which calibrations.
+    pub struct CalibrationsQuery by CalibrationSort {
+        /// Of this model.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub model: Option<Name>,
+    }
+}
+
+/// The calibrations that were uploaded, with where they are in force.
+#[utoipa::path(
+    get, path = "/v1/calibrations", tag = "calibrations", params(CalibrationsQuery),
+    responses((status = 200, description = "A page of calibrations", body = Page<CalibrationRow>))
+)]
+async fn list_calibrations(
+    State(app): State<App>,
+    Query(query): Query<CalibrationsQuery>,
+) -> Result<Json<Page<CalibrationRow>>, Problem> {
+    let mut selection = query.page()?;
+    selection.is("model", query.model);
+    Ok(Json(Page::of(app.store.list(&CALIBRATIONS, &selection).await?, &selection)))
+}
+
+/// One calibration: its numbers, the fit, and the measurements behind it.
+#[utoipa::path(
+    get, path = "/v1/calibrations/{calibration_id}", tag = "calibrations", params(CalibrationPath),
+    responses((status = 200, description = "The calibration", body = CalibrationDetail))
+)]
+async fn get_calibration(
+    State(app): State<App>,
+    Path(at): Path<CalibrationPath>,
+) -> Result<Json<CalibrationDetail>, Problem> {
+    detail(&app, at.calibration_id).await.map(Json)
+}
+
+/// Measurements and fit, drawn.
+#[utoipa::path(
+    get, path = "/v1/calibrations/{calibration_id}/plot.svg", tag = "calibrations", params(CalibrationPath),
+    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+)]
+async fn draw_calibration(State(app): State<App>, Path(at): Path<CalibrationPath>) -> Result<Response, Problem> {
+    let told: Measurements = read(&texts(&app, at.calibration_id).await?.measurements)?;
+    let drawn = tokio::task::spawn_blocking(move || {
+        let (_, rows, fit) = fitted(&told)?;
+        plot::calibration::svg(told.model.as_str(), &rows, &fit)
+            .map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))
+    });
+    let svg = drawn.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
+    Ok(([(header::CONTENT_TYPE, "image/svg+xml")], svg).into_response())
+}
+
+/// Where a calibration shall be in force.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct ActivationPath {
+    /// Fleet.
+    #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub fleet: Name,
+    /// Number.
+    #[param(minimum = 0)]
+    pub calibration_id: i64,
+}
+
+/// Put a calibration in force in a fleet.
+///
+/// Whiskers of its model are learned anew from then on, at the lengths that are estimated now.
+#[utoipa::path(
+    post, path = "/v1/fleets/{fleet}/calibrations/{calibration_id}/activate", tag = "calibrations",
+    params(ActivationPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses(
+        (status = 200, description = "It is in force", body = ActionRow),
+        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+    ),
+    extensions(("x-required-role" = json!("ENGINEER")))
+)]
+async fn activate(
+    State(app): State<App>,
+    Path(at): Path<ActivationPath>,
+    asker: Asker,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    let numbers: CalibrationFile = read(&texts(&app, at.calibration_id).await?.calibration)?;
+    if !app.store.has_fleet(at.fleet.as_str()).await? {
+        return Err(Problem::not_found(format_args!("fleet {}", at.fleet)));
+    }
+    let parameters = json!({ "calibration_id": at.calibration_id, "calibration": numbers });
+    let mut action = asker.action(CALIBRATION, &parameters, reason(why.reason)?);
+    action.fleet = Some(at.fleet.to_string());
+    ask(&app, &at.fleet, &action).await
+}

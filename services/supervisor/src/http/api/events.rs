@@ -1,0 +1,139 @@
+//! What happens, as it happens: server-sent events.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::extract::{Extension, State};
+use axum::http::HeaderMap;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use futures_util::stream::{self, Stream};
+use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::time::{Duration, timeout};
+use utoipa::IntoParams;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::Query;
+use crate::http::problem::{Kind, Problem};
+use crate::store::changes::{Change, Mark};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(follow))
+}
+
+/// How often changes are looked for that another supervisor may have written.
+const POLL: Duration = Duration::from_secs(1);
+/// A line that says nothing, so that whoever is between keeps the connection.
+const KEEP_ALIVE: Duration = Duration::from_secs(15);
+
+/// Which changes.
+#[derive(Debug, serde::Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub struct EventsQuery {
+    /// Of this fleet.
+    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub fleet: Option<Name>,
+}
+
+/// Somebody who follows.
+struct Follower {
+    app: App,
+    caller: Caller,
+    fleet: Option<Name>,
+    mark: Mark,
+    /// Marks before this are gone: what came after them may be, too.
+    is_reset_due: bool,
+    waiting: std::collections::VecDeque<Change>,
+    changed: watch::Receiver<u64>,
+    stop: watch::Receiver<bool>,
+    _place: OwnedSemaphorePermit,
+}
+
+/// What happens from now on, or from `Last-Event-ID` on.
+///
+/// Events are `change` (its data says what and where; ask for the thing itself) and `reset`: the id is older than what is
+/// kept, so read everything anew.
+#[utoipa::path(
+    get, path = "/v1/events", tag = "events",
+    params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
+    responses((status = 200, description = "A stream of events; the data of each is a Change", body = Change, content_type = "text/event-stream"))
+)]
+async fn follow(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<EventsQuery>,
+    headers: HeaderMap,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+    let place = Arc::clone(&app.followers).try_acquire_owned().map_err(|_| {
+        Problem::new(Kind::TooManyRequests, "as many live connections as are served are open: close one, or poll")
+    })?;
+    let (changed, stop) = (app.mailroom.changes(), app.stop.clone());
+    let marks = app.store.marks().await?;
+    let end = marks.map_or(Mark { tx: 0, change_id: 0 }, |(_, end)| end);
+    let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Mark>());
+    let (mark, is_reset_due) = match told {
+        None => (end, false),
+        Some(Err(_)) => return Err(Problem::invalid("Last-Event-ID", "is none that was sent: two numbers with a dot")),
+        // What a mark names must be there still, or more may be missing; one of another database may lie ahead.
+        Some(Ok(mark)) if marks.is_some_and(|(begin, end)| (begin..=end).contains(&mark)) => (mark, false),
+        Some(Ok(_)) => (end, true),
+    };
+    let waiting = std::collections::VecDeque::new();
+    let follower =
+        Follower { app, caller, fleet: query.fleet, mark, is_reset_due, waiting, changed, stop, _place: place };
+    let events = stream::unfold(follower, |mut follower| async move {
+        let event = follower.next().await?;
+        Some((Ok(event), follower))
+    });
+    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+}
+
+impl Follower {
+    /// The next event; none once the service stops.
+    async fn next(&mut self) -> Option<Event> {
+        if std::mem::take(&mut self.is_reset_due) {
+            return Some(Event::default().event("reset").id(self.mark.to_string()).data("{}"));
+        }
+        loop {
+            if *self.stop.borrow() {
+                return None;
+            }
+            while let Some(change) = self.waiting.pop_front() {
+                self.mark = change.mark();
+                if self.concerns(&change) {
+                    let event = Event::default().event("change").id(self.mark.to_string());
+                    return Some(event.json_data(&change).unwrap_or_else(|_| Event::default().comment("unreadable")));
+                }
+            }
+            self.look().await;
+        }
+    }
+
+    fn concerns(&self, change: &Change) -> bool {
+        let is_asked_for = self.fleet.as_ref().is_none_or(|fleet| fleet.as_str() == change.fleet);
+        is_asked_for && self.caller.scope.covers(&change.fleet)
+    }
+
+    /// Looks for changes, and waits a while if there are none. A database that is away is asked again.
+    async fn look(&mut self) {
+        self.changed.mark_unchanged();
+        let found = self.app.store.changes_after(self.mark).await.unwrap_or_default();
+        let is_quiet = found.is_empty();
+        self.waiting.extend(found);
+        if is_quiet {
+            let (changed, stop) = (&mut self.changed, &mut self.stop);
+            let something = async {
+                tokio::select! {
+                    _ = changed.changed() => {}
+                    _ = stop.changed() => {}
+                }
+            };
+            // Nothing of this supervisor: another one's may be there.
+            let _ = timeout(POLL, something).await;
+        }
+    }
+}

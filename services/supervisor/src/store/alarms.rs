@@ -1,0 +1,131 @@
+//! What people say to alarms: seen, quiet for a while, loud again. Each with its entry in the audit log, in one transaction.
+
+use super::actions::{Asked, NewAction, record_done};
+use super::changes::{self, NewChange};
+use super::database::{Tx, on};
+use super::readings::readings;
+use super::{Store, StoreError, failed};
+
+const WHAT: &str = "write what is said to an alarm";
+
+readings! {
+    /// What an alarm is about.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct AlarmSubject {
+        /// Fleet.
+        pub fleet: String,
+        /// Robot.
+        pub robot: String,
+        /// Array.
+        pub array: String,
+        /// Number in the array.
+        pub whisker: i64,
+        /// The whisker, in the database.
+        pub whisker_id: i64,
+        /// Kind.
+        pub kind: String,
+        /// Who has seen it.
+        pub acknowledged_by: Option<String>,
+        /// Until when alarms of this kind about this whisker are quiet.
+        pub shelved_until_us: Option<i64>,
+    }
+}
+
+/// What is said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Said {
+    /// It was seen.
+    Acknowledged,
+    /// It, and its like, shall be quiet until then.
+    Shelved {
+        /// By the supervisor's clock, microseconds since 1970 UTC.
+        until_us: i64,
+    },
+    /// They shall be loud again.
+    Unshelved,
+}
+
+impl Store {
+    /// What an alarm is about; none of that number.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn alarm_subject(&self, alarm_id: i64) -> Result<Option<AlarmSubject>, StoreError> {
+        on!(&self.pool, |pool| sqlx::query_as(
+            "SELECT fleet, robot, \"array\", w.whisker, l.whisker_id, l.kind, acknowledged_by, \
+             (SELECT until_us FROM alarm_shelves s WHERE s.whisker_id = l.whisker_id AND s.kind = l.kind \
+              ORDER BY alarm_shelf_id DESC LIMIT 1) AS shelved_until_us \
+             FROM alarms l JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
+             JOIN robots r ON r.robot_id = w.robot_id WHERE alarm_id = $1",
+        )
+        .bind(alarm_id)
+        .fetch_optional(pool)
+        .await)
+        .map_err(failed("look an alarm up"))
+    }
+
+    /// Writes what is said to an alarm, once, with its entry in the audit log.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn say_to_alarm(
+        &self,
+        subject: &AlarmSubject,
+        said: Said,
+        action: &NewAction,
+    ) -> Result<Asked, StoreError> {
+        let now_us = action.asked_us;
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        let asked = record_done(&mut tx, action, now_us).await?;
+        if let Asked::New(_) = asked {
+            write(&mut tx, subject, said, action).await.map_err(failed(WHAT))?;
+            let change = NewChange {
+                kind: "ALARM",
+                recorded_us: now_us,
+                whisker_id: Some(subject.whisker_id),
+                ..NewChange::default()
+            };
+            changes::write(&mut tx, &subject.fleet, &[change], now_us).await.map_err(failed(WHAT))?;
+        }
+        tx.commit().await.map_err(failed(WHAT))?;
+        Ok(asked)
+    }
+}
+
+async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &NewAction) -> sqlx::Result<()> {
+    match said {
+        Said::Acknowledged => on!(tx, |tx| sqlx::query(
+            "UPDATE alarms SET acknowledged_us = $1, acknowledged_by = $2, acknowledged_reason = $3 \
+             WHERE alarm_id = $4 AND acknowledged_us IS NULL",
+        )
+        .bind(action.asked_us)
+        .bind(&action.actor)
+        .bind(&action.reason)
+        .bind(action.alarm_id)
+        .execute(&mut **tx)
+        .await
+        .map(drop)),
+        Said::Shelved { until_us } => on!(tx, |tx| sqlx::query(
+            "INSERT INTO alarm_shelves (whisker_id, kind, shelved_us, until_us, shelved_by, reason) \
+             VALUES ($1, $2, $3, $4, $5, $6)",
+        )
+        .bind(subject.whisker_id)
+        .bind(&subject.kind)
+        .bind(action.asked_us)
+        .bind(until_us)
+        .bind(&action.actor)
+        .bind(action.reason.as_deref().unwrap_or_default())
+        .execute(&mut **tx)
+        .await
+        .map(drop)),
+        Said::Unshelved => on!(tx, |tx| sqlx::query(
+            "UPDATE alarm_shelves SET until_us = $1 WHERE whisker_id = $2 AND kind = $3 AND until_us > $1",
+        )
+        .bind(action.asked_us)
+        .bind(subject.whisker_id)
+        .bind(&subject.kind)
+        .execute(&mut **tx)
+        .await
+        .map(drop)),
+    }
+}

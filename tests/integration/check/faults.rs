@@ -1,0 +1,70 @@
+//! A robot for each rule, which breaks it.
+
+use std::rc::Rc;
+
+use tokio::sync::Semaphore;
+use tokio::task::{JoinSet, LocalSet};
+use vibrissa::check::{Outcome, Report};
+use vibrissa_protocol::{Rule, SupervisorPresence};
+use vibrissa_simulator::scenario::Misbehaviour;
+use vibrissa_tests::mosquitto::Mosquitto;
+
+use super::{checked, robot, supervisor};
+
+/// Robots that are checked at a time.
+const AT_A_TIME: usize = 48;
+
+async fn report(broker: &Mosquitto, fault: Option<Misbehaviour>) -> Report {
+    let name = fault.map_or("honest", Misbehaviour::as_str);
+    let (fleet, robot) = robot(broker, name, fault).await;
+    let report = checked(broker, &robot).await;
+    fleet.stop().await;
+    report
+}
+
+/// What is wrong with a report, if anything is.
+fn complaint(fault: Option<Misbehaviour>, report: &Report) -> Option<String> {
+    let broken: Vec<Rule> = fault.and_then(Misbehaviour::rule).into_iter().collect();
+    let mut problems = Vec::new();
+    if report.rules(Outcome::Fail) != broken {
+        problems.push(format!("failed {:?} instead of {broken:?}", report.rules(Outcome::Fail)));
+    }
+    let untested: Vec<Rule> = report.rules(Outcome::Skipped).into_iter().filter(|rule| rule.is_testable()).collect();
+    if fault.is_none() && !untested.is_empty() {
+        problems.push(format!("skipped {untested:?}"));
+    }
+    let told = || format!("{}: {}\n{report}", fault.map_or("honest", Misbehaviour::as_str), problems.join("; "));
+    (!problems.is_empty()).then(told)
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_simulator_passes_and_each_planted_fault_fails_its_rule_alone() {
+    // Whatever waits is on this thread; robots and connections have the others.
+    let complaints = LocalSet::new().run_until(complaints()).await;
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+async fn complaints() -> Vec<String> {
+    let broker = Rc::new(Mosquitto::start());
+    supervisor(&broker, SupervisorPresence::Offline).await;
+    let places = Rc::new(Semaphore::new(AT_A_TIME));
+    let mut checks = JoinSet::new();
+    let faults = Misbehaviour::ALL.iter().copied().filter(|fault| fault.rule().is_some());
+    for fault in std::iter::once(None).chain(faults.map(Some)) {
+        let (broker, places) = (broker.clone(), places.clone());
+        checks.spawn_local(async move {
+            let _place = places.acquire().await.unwrap();
+            (fault, report(&broker, fault).await)
+        });
+    }
+    let mut complaints = Vec::new();
+    while let Some(done) = checks.join_next().await {
+        let (fault, report) = done.unwrap();
+        if fault.is_none() {
+            println!("{report}");
+        }
+        println!("{:28} {:5.1} s", fault.map_or("honest", Misbehaviour::as_str), report.seconds);
+        complaints.extend(complaint(fault, &report));
+    }
+    complaints
+}

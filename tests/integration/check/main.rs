@@ -1,0 +1,148 @@
+//! The check of robots, checked: the simulator, which keeps the contract, passes it; for each rule one that breaks it fails
+//! that one and no other.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "a test that cannot go on has failed, and it picks what it waits for"
+)]
+
+mod faults;
+mod manners;
+mod program;
+
+use std::time::Duration;
+
+use vibrissa::check::{CheckOptions, Progress, Report, Timings, check};
+use vibrissa::mqtt::{BrokerAddress, Connection, LinkState, prepare};
+use vibrissa_protocol::{
+    BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
+};
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::scenario::Misbehaviour;
+use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::observer::Observer;
+use vibrissa_tests::wait;
+
+const FLEET: &str = "f";
+/// The last supervisor's epoch.
+const EPOCH: u64 = 6;
+
+/// What simulated robots need, which answer at once.
+fn timings() -> Timings {
+    let ms = Duration::from_millis;
+    Timings {
+        retained: ms(400),
+        answer: ms(1500),
+        grace: ms(400),
+        status: (ms(1000), ms(3000)),
+        clock: ms(2000),
+        apply: ms(10_000),
+        slew: ms(2000),
+        contacts: ms(5000),
+        resend: ms(8000),
+        backoff: ms(20_000),
+        restart: ms(10_000),
+    }
+}
+
+fn options(robot: &str) -> CheckOptions {
+    CheckOptions {
+        fleet: Name::new(FLEET).unwrap(),
+        robot: Name::robot(robot).unwrap(),
+        whisker: None,
+        epoch: None,
+        restart: true,
+        timings: timings(),
+    }
+}
+
+fn connection(broker: &Mosquitto, name: &str) -> Connection {
+    let address = BrokerAddress::new("127.0.0.1", broker.port());
+    Connection {
+        prepared: prepare(&address).unwrap(),
+        broker: address,
+        fleet: Name::new(FLEET).unwrap(),
+        boot_id: BootId::new(&format!("check-{name}")).unwrap(),
+        epoch: 0,
+        link: LinkState::default(),
+    }
+}
+
+/// A robot of that name that touches something all the time; it is connected when this returns.
+async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
+    robot_of(&Broker::new("127.0.0.1", broker.port()), name, fault).await
+}
+
+/// The same at a broker that may want credentials.
+async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
+    let text = format!(
+        r#"
+        fleet = "{FLEET}"
+        seed = 1
+        [behaviour]
+        contacts_per_second = 4.0
+        contacts_per_message = 2
+        message_after_s = 0.3
+        [[robots]]
+        robot = "{name}"
+        [[robots.arrays]]
+        array = "left"
+        type = "TYPE_1"
+        whiskers = [{{ whisker = 0, neighbours = [1] }}, {{ whisker = 1 }}]
+        "#
+    );
+    let mut scenario = Scenario::from_toml_str(&text).unwrap();
+    scenario.behaviour.misbehaviour = fault;
+    let fleet = Fleet::start(&scenario, broker).unwrap();
+    let robot = fleet.robots()[0].clone();
+    wait::until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
+    (fleet, robot)
+}
+
+/// Leaves in the broker what a supervisor leaves.
+async fn supervisor(broker: &Mosquitto, state: SupervisorPresence) {
+    let observer = Observer::subscribed(broker.port(), &format!("supervisor-{state}"), &[]).await;
+    let topic = Topic::SupervisorState { fleet: Name::new(FLEET).unwrap() };
+    let told = SupervisorState { boot_id: BootId::new("s1").unwrap(), seq: 0, state, epoch: EPOCH };
+    observer.publish(&topic.to_string(), encode(&told), true).await;
+}
+
+/// Checks a robot, which is restarted when the check asks for it.
+async fn checked(broker: &Mosquitto, robot: &RobotHandle) -> Report {
+    let name = robot.name().as_str();
+    let mut progress = |progress| {
+        if matches!(progress, Progress::RestartNow(_)) {
+            robot.with(vibrissa_simulator::Robot::restart_soon);
+        }
+    };
+    let never = std::future::pending();
+    check(&connection(broker, name), options(name), &mut progress, never).await.unwrap()
+}
+
+/// A topic of a robot.
+fn topic(robot: &str, kind: RobotTopic) -> String {
+    kind.of(&Name::new(FLEET).unwrap(), &Name::robot(robot).unwrap()).to_string()
+}
+
+/// A setpoint of a supervisor for the first whisker.
+fn setpoint(robot: &RobotHandle, epoch: u64, version: u64) -> Setpoint {
+    let (boot_id, now_us) = (robot.with(|robot| robot.boot_id().clone()), now_us());
+    Setpoint {
+        boot_id: BootId::new("s2").unwrap(),
+        seq: 0,
+        command_id: format!("{epoch}.{version}"),
+        epoch,
+        version,
+        robot_boot_id: boot_id,
+        array: Name::new("left").unwrap(),
+        whisker: 0,
+        pressure_mpa: 0.09,
+        slew_mpa_per_s: 0.02,
+        issued: Timestamp(now_us),
+        expires_us: now_us + 30_000_000,
+        reason: SetpointReason::Operator,
+        gain: vec![],
+    }
+}

@@ -1,0 +1,73 @@
+//! When a check does not begin, and how it ends early.
+
+use vibrissa::check::{Outcome, Progress, check};
+use vibrissa_protocol::{
+    BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
+};
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::observer::Observer;
+
+use super::{EPOCH, connection, options, robot, setpoint, supervisor, topic};
+
+/// Why a check of robot `r` ends before it has begun.
+async fn refusal(broker: &Mosquitto) -> String {
+    let ended = check(&connection(broker, "r"), options("r"), &mut |_| {}, std::future::pending()).await;
+    format!("{:#}", ended.unwrap_err())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
+    let broker = Mosquitto::start();
+    supervisor(&broker, SupervisorPresence::Online).await;
+    let (fleet, robot) = robot(&broker, "r", None).await;
+    let why = refusal(&broker).await;
+    assert!(why.contains("stop it first") && why.contains("epoch 6"), "{why}");
+    assert_eq!(robot.with(|robot| robot.messages_refused()), 0);
+    fleet.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_that_is_not_there_is_told_so() {
+    let broker = Mosquitto::start();
+    let why = refusal(&broker).await;
+    assert!(why.contains("nothing was heard of f/r"), "{why}");
+    let observer = Observer::subscribed(broker.port(), "left", &[]).await;
+    let (boot_id, state) = (BootId::new("b1").unwrap(), ConnectionState::ConnectionBroken);
+    let told = Told { boot_id, seq: 1, timestamp: Timestamp(0), state };
+    observer.publish(&topic("r", RobotTopic::Connection), encode(&told), true).await;
+    let why = refusal(&broker).await;
+    assert!(why.contains("not connected") && why.contains("CONNECTION_BROKEN"), "{why}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_interrupted_check_puts_the_pressure_back() {
+    let broker = Mosquitto::start();
+    supervisor(&broker, SupervisorPresence::Offline).await;
+    let (fleet, robot) = robot(&broker, "r", None).await;
+    let target_mpa = || robot.with(|robot| robot.whiskers()[0].regulator().target_mpa());
+    // As soon as the chamber has another setpoint.
+    let stop = vibrissa_tests::wait::until_true("a setpoint", async || target_mpa() > 0.105);
+    let report = check(&connection(&broker, "r"), options("r"), &mut |_: Progress| {}, stop).await.unwrap();
+    assert!(report.is_interrupted);
+    assert_eq!(target_mpa(), 0.1);
+    assert!(report.notes.iter().any(|note| note.contains("0.1000 MPa again")), "{report}");
+    assert_eq!(report.count(Outcome::Fail), 0, "{report}");
+    assert!(report.rules(Outcome::Skipped).contains(&Rule::Supersede), "{report}");
+    fleet.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_next_supervisors_setpoints_are_taken_after_a_check() {
+    let broker = Mosquitto::start();
+    supervisor(&broker, SupervisorPresence::Offline).await;
+    let (fleet, robot) = robot(&broker, "r", None).await;
+    let without = vibrissa::check::CheckOptions { restart: false, ..options("r") };
+    let report = check(&connection(&broker, "r"), without, &mut |_| {}, std::future::pending()).await.unwrap();
+    assert_eq!(report.count(Outcome::Fail), 0, "{report}");
+    assert_eq!(report.epoch, EPOCH);
+    let next = setpoint(&robot, EPOCH + 1, 1);
+    let answers = robot.with(|robot| robot.receive(RobotTopic::Setpoint, &encode(&next), now_us()));
+    assert_eq!(answers.len(), 2, "RECEIVED and APPLYING: {answers:?}");
+    fleet.stop().await;
+}

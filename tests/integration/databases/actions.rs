@@ -1,0 +1,132 @@
+//! Actions between supervisors on one PostgreSQL: asked anywhere, done by the owner, once.
+
+use sqlx::postgres::PgConnection;
+use sqlx::{ConnectOptions, Row};
+use vibrissa::mqtt::BrokerAddress;
+use vibrissa::readiness::Standing;
+use vibrissa::service::{Service, ServiceOptions};
+use vibrissa::store::actions::{Asked, NewAction};
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::ArrayType;
+use vibrissa_tests::actions::{answered, asks, asks_of};
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::proxy::Proxy;
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+
+use crate::fleet;
+
+/// A supervisor of fleet `f` in this process.
+async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
+    Service::start(ServiceOptions {
+        name: name.to_owned(),
+        fleets: vec![fleet()],
+        database: Postgres::url(database_port).parse().unwrap(),
+        lease_time_to_live: std::time::Duration::from_secs(2),
+        broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
+        mqtt_port: 0,
+        http: ([127, 0, 0, 1], 0).into(),
+        params: Params::nguyen_2021(Formulation::Published),
+    })
+    .await
+    .unwrap()
+}
+
+fn owns(service: &Service) -> bool {
+    matches!(service.readiness.fleets().get(&fleet()), Some(Standing::Owned { .. }))
+}
+
+/// A policy that is in force only if it is the next one.
+fn policy(expected_version: i64) -> NewAction {
+    let margin = 0.001 * expected_version as f64;
+    asks(
+        "POLICY",
+        &format!(r#"{{"expected_version": {expected_version}, "mode": "ADVISE", "change_margin": {margin}}}"#),
+    )
+}
+
+/// (versions, the actions that asked for them, actions that are answered with DONE)
+async fn policies(link: &mut PgConnection) -> (i64, i64, i64) {
+    let row = sqlx::query(
+        "SELECT (SELECT count(*) FROM policies) AS versions, (SELECT count(DISTINCT action_id) FROM policies) AS asked, \
+         (SELECT count(*) FROM actions WHERE state = 'DONE') AS done",
+    )
+    .fetch_one(link)
+    .await
+    .unwrap();
+    (row.get("versions"), row.get("asked"), row.get("done"))
+}
+
+#[tokio::test]
+async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
+    let (broker, server) = (Mosquitto::start(), Postgres::start().await);
+    let owner = supervisor("a", server.port(), &broker).await;
+    until_true("an owner", async || owns(&owner)).await;
+    let other = supervisor("b", server.port(), &broker).await;
+    let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+    // By its contacts the robot's clock is known.
+    robot.touch(1, 1).await;
+    robot.receipted().await;
+    let action = asks_of("SETPOINT", r#"{"pressure_mpa": 0.05}"#, Some(1));
+    let answer = answered(&other.store, &other.mailroom, &action).await;
+    assert_eq!(answer.state, "DONE", "{answer:?}");
+    let (setpoint, _) = robot.setpoint().await;
+    assert_eq!((setpoint.whisker, setpoint.pressure_mpa, setpoint.epoch), (1, 0.05, 1));
+    assert!(owns(&owner) && !owns(&other));
+    // It takes the fleet over with its holds.
+    owner.stop().await;
+    until_true("another owner", async || owns(&other)).await;
+    let release = asks_of("RELEASE", "{}", Some(1));
+    assert_eq!(answered(&other.store, &other.mailroom, &release).await.state, "DONE");
+    let mut link = server.connect().connect().await.unwrap();
+    let held: bool = sqlx::query_scalar("SELECT bool_or(held) FROM whiskers").fetch_one(&mut link).await.unwrap();
+    assert!(!held);
+    other.stop().await;
+}
+
+#[tokio::test]
+async fn brute_force_connections_that_break_lose_no_action_and_do_none_twice() {
+    const ACTIONS: i64 = 60;
+    let (broker, server) = (Mosquitto::start(), Postgres::start().await);
+    let proxy = Proxy::to(server.port()).await;
+    let service = supervisor("a", proxy.port(), &broker).await;
+    until_true("an owner", async || owns(&service)).await;
+    let asker = vibrissa::store::Store::open(&Postgres::url(server.port()).parse().unwrap(), "asker").await.unwrap();
+    let mut link = server.connect().connect().await.unwrap();
+    for at in 0..ACTIONS {
+        assert_eq!(asker.ask(&policy(at)).await.unwrap(), Asked::New(at + 1));
+        service.mailroom.ring(&fleet());
+        // At another moment of the transaction each time.
+        tokio::time::sleep(std::time::Duration::from_micros(400 * (at as u64 % 17))).await;
+        proxy.cut();
+    }
+    until_true("all done", async || policies(&mut link).await == (ACTIONS, ACTIONS, ACTIONS)).await;
+    service.stop().await;
+}
+
+#[tokio::test]
+async fn an_owner_that_loses_the_fleet_leaves_what_it_has_not_done_to_the_next_one() {
+    let (broker, server) = (Mosquitto::start(), Postgres::start().await);
+    let proxy = Proxy::to(server.port()).await;
+    let first = supervisor("a", proxy.port(), &broker).await;
+    until_true("an owner", async || owns(&first)).await;
+    let second = supervisor("b", server.port(), &broker).await;
+    let mut link = server.connect().connect().await.unwrap();
+    for at in 0..10 {
+        if at == 5 {
+            // Whatever it is doing just now, nobody hears of it any more.
+            proxy.stall(true);
+        }
+        second.store.ask(&policy(at)).await.unwrap();
+        first.mailroom.ring(&fleet());
+    }
+    until_true("all done", async || policies(&mut link).await == (10, 10, 10)).await;
+    assert!(owns(&second));
+    proxy.stall(false);
+    until_true("the first stands by", async || !owns(&first)).await;
+    assert_eq!(policies(&mut link).await, (10, 10, 10), "and has nothing to add");
+    first.stop().await;
+    second.stop().await;
+}
