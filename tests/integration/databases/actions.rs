@@ -21,6 +21,7 @@ use crate::fleet;
 /// A supervisor of fleet `f` in this process.
 async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
+        access: vibrissa::http::access::AccessOptions::default(),
         name: name.to_owned(),
         fleets: vec![fleet()],
         database: Postgres::url(database_port).parse().unwrap(),

@@ -141,6 +141,7 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
         leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
         erosion_mm_per_contact: None,
         contacts_left: [None; 3],
+        held: index == 1,
         state: robot.whisker_to_bytes(index).unwrap(),
     }
 }
@@ -173,6 +174,7 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
             kind: ["UNCOMPENSATED", "LEAK"][number as usize % 2],
         });
     }
+    records.push(Record::AlarmCleared { whisker_id: ids[0], cleared_us: START_US + 60_000_000, kind: "UNCOMPENSATED" });
     records
 }
 
@@ -233,6 +235,7 @@ impl<'a> Decided<'a> {
                 target_length_mm: 70.0,
                 target_pressure_mpa: 0.1,
                 decided_us,
+                approval: "AUTOMATIC",
                 candidates: vec![candidate(true), candidate(false)],
             })),
             Record::Setpoint(Box::new(SetpointRow {

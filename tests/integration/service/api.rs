@@ -49,9 +49,9 @@ async fn a_pressure_by_hand_reaches_the_robot_and_the_audit_log_says_who_and_why
     // Sent again it is the same action; with other content it is refused.
     let again = ask(&running, "POST", &format!("{WHISKER}/1/setpoint"), &headers, Some(body)).await;
     assert_eq!((again.status, &again.json()["action_id"]), (200, &first.json()["action_id"]));
-    let other =
-        ask(&running, "POST", &format!("{WHISKER}/1/setpoint"), &headers, Some(json!({ "pressure_mpa": 0.06 })));
-    assert_eq!(other.await.json()["type"], "/problems/key-reused");
+    let path = format!("{WHISKER}/1/setpoint");
+    let other = ask(&running, "POST", &path, &headers, Some(json!({ "pressure_mpa": 0.06 }))).await;
+    assert_eq!(other.json()["type"], "/problems/key-reused");
     let audit = get(&running, "/v1/audit").await;
     let entry = &audit["items"][0];
     assert_eq!((audit["items"].as_array().unwrap().len(), &entry["kind"]), (1, &json!("SETPOINT")));

@@ -66,6 +66,7 @@ fn folder() -> TempDir {
         );
         std::fs::write(folder.path().join(format!("calibration{number}.toml")), calibration).unwrap();
         std::fs::write(folder.path().join(format!("file{number}")), format!("{PASSWORD}\n")).unwrap();
+        std::fs::write(folder.path().join(format!("token{number}")), "t".repeat(32)).unwrap();
     }
     folder
 }
@@ -88,6 +89,10 @@ fn values(key: Key) -> [&'static str; 3] {
         | Key::MqttClientCertificateFile
         | Key::MqttClientKeyFile => ["file0", "file1", "file2"],
         Key::HttpListen => ["127.0.0.1:81", "127.0.0.1:82", "[::1]:83"],
+        Key::HttpTokenFile => ["token0", "token1", "token2"],
+        Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
+        Key::HttpOidcAudience | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => ["c0", "c1", "c2"],
+        Key::PolicyMode => ["advise", "automatic", "advise"],
         Key::ModelFormulation => ["consistent", "published", "consistent"],
         Key::PolicyObjective => ["mean", "tip", "mean"],
         Key::PolicyLongerForShorter => ["never", "allowed", "last-resort"],
@@ -107,6 +112,11 @@ fn companions(key: Key) -> &'static [&'static str] {
         Key::MqttCaFile => &["--mqtt-url=mqtts://h"],
         Key::MqttClientCertificateFile => &["--mqtt-url=mqtts://h", "--mqtt-client-key-file=file0"],
         Key::MqttClientKeyFile => &["--mqtt-url=mqtts://h", "--mqtt-client-certificate-file=file0"],
+        Key::HttpOidcIssuer => &["--http-oidc-audience=a"],
+        Key::HttpOidcAudience => &["--http-oidc-issuer=https://i.example"],
+        Key::HttpOidcJwksUrl | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => {
+            &["--http-oidc-issuer=https://i.example", "--http-oidc-audience=a"]
+        }
         _ => &[],
     }
 }
