@@ -135,7 +135,6 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
         fault: (index == 1).then_some("LEAK"),
         pressure_mpa: (index == 0).then_some(0.05),
         setpoint_mpa: 0.1,
-        held: false,
         contacts: 7,
         heard_us: (index == 0).then_some(START_US),
         leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
@@ -228,7 +227,6 @@ impl<'a> Decided<'a> {
         };
         let mut records = vec![
             Record::Decision(Box::new(DecisionRow {
-                approval: "AUTOMATIC",
                 compensation_id,
                 robot_id,
                 target_whisker_id: ids[target],

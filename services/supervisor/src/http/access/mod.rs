@@ -189,8 +189,8 @@ impl Access {
             .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is not known, has expired, or was revoked"))
     }
 
-    fn limit(&self, caller: &Caller) -> Result<(), Problem> {
-        self.limiter.check_key(&caller.actor).map_err(|_| {
+    fn limit(&self, actor: &str) -> Result<(), Problem> {
+        self.limiter.check_key(&actor.to_owned()).map_err(|_| {
             Problem::new(
                 Kind::TooManyRequests,
                 format!("more than {REQUESTS_PER_S} requests a second: wait a second, and ask less often"),
@@ -266,8 +266,12 @@ pub async fn check(State(gate): State<Gate>, params: RawPathParams, request: Req
 
 async fn admit(gate: &Gate, params: &RawPathParams, request: &Parts) -> Result<Caller, Problem> {
     require_same_site(&request.method, &request.headers)?;
-    let caller = gate.access.caller(&gate.store, &request.headers).await?;
-    gate.access.limit(&caller)?;
+    let caller = match gate.access.caller(&gate.store, &request.headers).await {
+        Ok(caller) => caller,
+        // Nor may anybody guess without end.
+        Err(problem) => return Err(gate.access.limit("nobody").err().unwrap_or(problem)),
+    };
+    gate.access.limit(&caller.actor)?;
     let path = request.extensions.get::<MatchedPath>().map(MatchedPath::as_str).unwrap_or_default();
     // A method that the route does not know is answered by the router.
     let Some(needed) = gate.roles.needed(&request.method, path) else { return Ok(caller) };
