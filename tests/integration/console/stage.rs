@@ -42,6 +42,7 @@ impl Stage {
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = LEARNED as u32;
         let service = Service::start(ServiceOptions {
+            access: vibrissa::http::access::AccessOptions::default(),
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
