@@ -5,6 +5,7 @@
 mod access;
 mod document;
 mod groups;
+mod oidc;
 mod pages;
 mod pictures;
 mod rows;

@@ -79,3 +79,28 @@ fn a_file_that_is_no_database_is_named_and_left_alone() {
     assert_eq!(said.matches("file is not a database").count(), 1, "said once: {said}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
 }
+
+#[test]
+fn beyond_this_machine_it_does_not_start_where_nobody_could_be_let_in() {
+    let (folder, database) = database();
+    let exposed = ["--http", "0.0.0.0:0", "--mqtt-port", "0"];
+    let told = refusal(&database, &exposed);
+    assert!(told.contains("vibrissa token create") && told.contains("0.0.0.0:0"), "{told}");
+    // With a token of the database, or of a file, it starts; on loopback it needs none.
+    let url = format!("sqlite:{}", database.display());
+    let create = |role: &str, scope: &[&str]| {
+        let mut command = std::process::Command::new(PROGRAM);
+        command.args(["token", "create", "--role", role, "--expires", "90d", "--database-url", &url]).args(scope);
+        command.output().unwrap()
+    };
+    let made = create("operator", &["--fleet", "a"]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let token = String::from_utf8(made.stdout).unwrap();
+    assert!(token.starts_with("vbr_") && token.trim().len() > 50, "{token}");
+    let unscoped = create("operator", &[]);
+    assert!(!unscoped.status.success() && String::from_utf8_lossy(&unscoped.stderr).contains("--fleet"));
+    let listed = std::process::Command::new(PROGRAM).args(["token", "list", "--database-url", &url]).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    assert!(listed.contains("OPERATOR") && !listed.contains(token.trim()), "{listed}");
+    drop(folder);
+}
