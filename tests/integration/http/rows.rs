@@ -141,7 +141,6 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
         leak_per_s: (index == 1).then_some(Interval { mean: 2e-3, low: 1e-3, high: 3e-3 }),
         erosion_mm_per_contact: None,
         contacts_left: [None; 3],
-        held: index == 1,
         state: robot.whisker_to_bytes(index).unwrap(),
     }
 }
@@ -235,7 +234,6 @@ impl<'a> Decided<'a> {
                 target_length_mm: 70.0,
                 target_pressure_mpa: 0.1,
                 decided_us,
-                approval: "AUTOMATIC",
                 candidates: vec![candidate(true), candidate(false)],
             })),
             Record::Setpoint(Box::new(SetpointRow {
