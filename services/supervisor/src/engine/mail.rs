@@ -186,7 +186,7 @@ fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, St
 }
 
 /// The parameters with the calibrations that the fleet works with over the configuration's.
-pub(super) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
+pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
     active.iter().fold(params, |params, one| {
         let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
         read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
@@ -204,7 +204,7 @@ fn refused(problem: ActionProblem) -> Problem {
 }
 
 /// The parameters with the policy that an operator has set over the configuration's.
-pub(super) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
+pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
     let Some(set) = set else { return params };
     let words = (
         actions::mode(&set.mode),

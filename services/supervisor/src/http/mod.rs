@@ -32,10 +32,11 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 use vibrissa_core::robot::Params;
 
+use crate::engine::mail;
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
-use crate::store::Store;
+use crate::store::{Store, StoreError};
 use access::{Access, Gate};
 
 /// What the handlers share.
@@ -73,6 +74,19 @@ impl App {
     ) -> Self {
         let followers = Arc::new(Semaphore::new(FOLLOWERS_MAX));
         Self { store, metrics, readiness, access, followers, stop, params, mailroom }
+    }
+}
+
+impl App {
+    /// The parameters that a fleet works with: the configuration's, with the policy and the calibrations that people have
+    /// put in force over them.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn params_of(&self, fleet: &str) -> Result<Arc<Params>, StoreError> {
+        let policy = self.store.policy(fleet).await?;
+        let params = mail::with_policy(self.params.clone(), policy.as_ref());
+        Ok(mail::with_calibrations(params, &self.store.active_calibrations(fleet).await?))
     }
 }
 

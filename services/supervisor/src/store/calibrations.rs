@@ -49,6 +49,15 @@ pub struct ActivationRow {
 }
 
 impl Store {
+    /// The calibrations in force in a fleet.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn active_calibrations(&self, fleet: &str) -> Result<Vec<ActiveCalibration>, StoreError> {
+        on!(&self.pool, |pool| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(pool).await)
+            .map_err(failed("read the calibrations in force"))
+    }
+
     /// Keeps a calibration under the model's next version, with its entry in the audit log; its number. One that was kept
     /// under the same idempotency key before has the number that it got then.
     ///
@@ -84,6 +93,10 @@ impl Store {
     }
 }
 
+/// The calibrations in force in a fleet.
+const ACTIVE: &str = "SELECT a.calibration_id, calibration FROM active_calibrations a \
+     JOIN calibrations USING (calibration_id) WHERE fleet = $1 ORDER BY a.model";
+
 impl Writer {
     /// The calibrations in force in the lease's fleet.
     ///
@@ -93,14 +106,7 @@ impl Writer {
         const WHAT: &str = "read the calibrations in force";
         let fleet = lease.fleet().as_str();
         self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(
-                "SELECT a.calibration_id, calibration FROM active_calibrations a \
-                 JOIN calibrations USING (calibration_id) WHERE fleet = $1 ORDER BY a.model",
-            )
-            .bind(fleet)
-            .fetch_all(link)
-            .await)
-            .map_err(failed(WHAT))
+            on!(link, |link| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
         })
         .await
     }

@@ -1,7 +1,11 @@
 //! Tokens of the API.
 
+use serde_json::json;
+
+use super::actions::{NewAction, record_done};
 use super::database::on;
 use super::readings::readings;
+use super::time::Time;
 use super::{Store, StoreError, failed};
 
 readings! {
@@ -29,6 +33,30 @@ readings! {
     }
 }
 
+/// The entry of the audit log; tokens are made and revoked on the command line, by whoever has the database.
+fn audited(kind: &str, row: &TokenRow, now_us: i64) -> NewAction {
+    let parameters = json!({
+        "token_id": row.token_id, "name": row.name, "role": row.role, "fleets": row.fleets, "expires_at": Time(row.expires_us),
+    });
+    NewAction {
+        fleet: None,
+        robot: None,
+        array: None,
+        whisker: None,
+        compensation_id: None,
+        alarm_id: None,
+        kind: kind.to_owned(),
+        parameters: parameters.to_string(),
+        reason: None,
+        actor: "command line".to_owned(),
+        role: "ADMIN".to_owned(),
+        request_id: "command line".to_owned(),
+        idempotency_key: None,
+        asked_us: now_us,
+        expires_us: now_us,
+    }
+}
+
 /// Tokens that are listed at the most.
 const TOKENS_MAX: i64 = 1000;
 
@@ -38,7 +66,10 @@ impl Store {
     /// # Errors
     /// The database cannot be written.
     pub async fn add_token(&self, row: &TokenRow) -> Result<(), StoreError> {
-        on!(&self.pool, |pool| sqlx::query(
+        const WHAT: &str = "keep a token";
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        record_done(&mut tx, &audited("TOKEN_CREATE", row, row.created_us), row.created_us).await?;
+        on!(&mut tx, |tx| sqlx::query(
             "INSERT INTO api_tokens (token_id, name, role, fleets, secret_hash, created_us, created_by, expires_us) \
              VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
         )
@@ -50,10 +81,11 @@ impl Store {
         .bind(row.created_us)
         .bind(&row.created_by)
         .bind(row.expires_us)
-        .execute(pool)
+        .execute(&mut **tx)
         .await
         .map(drop))
-        .map_err(failed("keep a token"))
+        .map_err(failed(WHAT))?;
+        tx.commit().await.map_err(failed(WHAT))
     }
 
     /// The token of that name half.
@@ -91,14 +123,22 @@ impl Store {
     /// # Errors
     /// The database cannot be written.
     pub async fn revoke_token(&self, token_id: &str, now_us: i64) -> Result<bool, StoreError> {
-        on!(&self.pool, |pool| sqlx::query(
+        const WHAT: &str = "revoke a token";
+        let Some(row) = self.token(token_id).await? else { return Ok(false) };
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        let is_new = on!(&mut tx, |tx| sqlx::query(
             "UPDATE api_tokens SET revoked_us = $1 WHERE token_id = $2 AND revoked_us IS NULL",
         )
         .bind(now_us)
         .bind(token_id)
-        .execute(pool)
+        .execute(&mut **tx)
         .await
         .map(|done| done.rows_affected() > 0))
-        .map_err(failed("revoke a token"))
+        .map_err(failed(WHAT))?;
+        if is_new {
+            record_done(&mut tx, &audited("TOKEN_REVOKE", &row, now_us), now_us).await?;
+        }
+        tx.commit().await.map_err(failed(WHAT))?;
+        Ok(is_new)
     }
 }

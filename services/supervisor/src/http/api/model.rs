@@ -108,7 +108,8 @@ async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Resul
         let index = robot.find(at.array.as_str(), at.whisker)?;
         robot.whisker(index).map(|view| view.offset)
     });
-    let model = app.params.model(&whisker.model);
+    let params = app.params_of(at.fleet.as_str()).await?;
+    let model = params.model(&whisker.model);
     let pressure_mpa = whisker.pressure_mpa.unwrap_or(whisker.setpoint_mpa);
     let by_ratio = CONTACT_RATIOS.into_iter().filter_map(|a| {
         let ratio = ContactRatio::new(a).ok()?;

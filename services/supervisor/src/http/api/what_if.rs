@@ -175,7 +175,7 @@ async fn get_what_if(
     let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
     let index = robot.find(at.array.as_str(), at.whisker).ok_or_else(|| Problem::not_found(&at))?;
     // A large array takes the assignment a while.
-    let (params, robot_id) = (app.params.clone(), stored.robot_id);
+    let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
     let answered = tokio::task::spawn_blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
         Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer))
