@@ -71,30 +71,3 @@ async fn what_somebody_opened_and_focused_stays_so_when_news_come() {
     assert_eq!(stage.browser.js(kept).await, json!(true));
     stage.stop().await;
 }
-
-#[tokio::test]
-async fn brute_force_events_are_the_same_however_their_stream_is_cut_into_pieces() {
-    let mut stage = Stage::start().await;
-    stage.open("#/fleets").await;
-    let parsed = stage
-        .browser
-        .js(r#"import(new URL("console/sse.js", location.href)).then(({ EventParser }) => {
-          const stream = 'id: 7\nevent: change\ndata: {"a":1}\n\n: alive\n\ndata: x\r\ndata: y\r\n\r\nevent: reset\ndata:\n\ndata: half';
-          const cut = (one, other) => {
-            const parser = new EventParser();
-            const pieces = [stream.slice(0, one), stream.slice(one, other), stream.slice(other)];
-            return JSON.stringify(pieces.flatMap((piece) => parser.push(piece)));
-          };
-          const found = new Set();
-          for (let one = 0; one <= stream.length; one += 1) for (let other = one; other <= stream.length; other += 1) found.add(cut(one, other));
-          return [...found].map((one) => JSON.parse(one));
-        })"#)
-        .await;
-    let expected = json!([[
-        { "event": "change", "data": "{\"a\":1}", "id": "7" },
-        { "event": "message", "data": "x\ny", "id": "7" },
-        { "event": "reset", "data": "", "id": "7" },
-    ]]);
-    assert_eq!(parsed, expected);
-    stage.stop().await;
-}
