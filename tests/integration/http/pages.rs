@@ -31,7 +31,7 @@ async fn pages_are_the_list(served: &Served) {
     for (path, operation) in get_operations(&document.0) {
         let Some(sorts) = document.words(operation, "sort") else { continue };
         // What people do is not among the rows.
-        if served.items(path).await.is_empty() {
+        if path.contains('{') || served.items(path).await.is_empty() {
             continue;
         }
         lists += 1;

@@ -27,7 +27,7 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
     let document = Document::of(&served).await;
     let mut lists = 0;
     for (path, operation) in get_operations(&document.0) {
-        if document.words(operation, "sort").is_some() {
+        if document.words(operation, "sort").is_some() && !path.contains('{') {
             let items = get(&format!("{path}?limit=1000")).await.json()["items"].as_array().unwrap().clone();
             let is_of_fleets = items.first().is_some_and(|item| item.get("fleet").is_some());
             lists += usize::from(is_of_fleets);

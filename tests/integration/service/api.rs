@@ -12,7 +12,11 @@ const WHISKER: &str = "/v1/fleets/f/robots/r/arrays/left/whiskers";
 
 /// Two whiskers that are learned.
 async fn learned(running: &Running) -> HandRobot {
-    let mut robot = HandRobot::born(running.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+    learned_in(running, ArrayType::Type1).await
+}
+
+async fn learned_in(running: &Running, kind: ArrayType) -> HandRobot {
+    let mut robot = HandRobot::born(running.port(), "r", array(kind, &[70.0, 65.0])).await;
     for whisker in [0, 1] {
         robot.touch(whisker, LEARNED + 20).await;
     }
@@ -150,8 +154,8 @@ async fn what_happens_is_followed_and_taken_up_again_where_it_was_left() {
 #[tokio::test]
 async fn alarms_are_acknowledged_and_shelved_with_who_and_why() {
     let running = Running::start().await;
-    let mut robot = learned(&running).await;
-    // Alone, a trimmed whisker of 52 mm has nobody; its own chamber cannot help any more.
+    let mut robot = learned_in(&running, ArrayType::Type2).await;
+    // By itself, and too short for that: nobody can serve it.
     robot.cut(0, 40.0);
     robot.touch(0, 120).await;
     robot.receipted().await;

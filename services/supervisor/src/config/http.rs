@@ -32,8 +32,7 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     let audience = reader.text(Key::HttpOidcAudience);
     let (role_claim, fleets_claim) = (reader.text(Key::HttpOidcRoleClaim)?, reader.text(Key::HttpOidcFleetsClaim)?);
     if !issuer.0 {
-        let alone = [Key::HttpOidcAudience, Key::HttpOidcJwksUrl, Key::HttpOidcRoleClaim, Key::HttpOidcFleetsClaim];
-        for key in alone {
+        for key in [Key::HttpOidcAudience, Key::HttpOidcJwksUrl] {
             if reader.is_explicit(key) {
                 reader.refuse(key, "is of no use without http.oidc_issuer");
             }

@@ -12,6 +12,7 @@ pub mod document;
 pub mod extract;
 mod health;
 pub mod moment;
+pub mod number;
 pub mod page;
 pub mod passage;
 pub mod problem;

@@ -64,7 +64,8 @@ impl Paging<'_> {
             return Err(Problem::invalid("limit", format!("must be 1 to {LIMIT_MAX}, not {limit}")));
         }
         let descending = self.order.map_or(self.sort.descending, |order| order == Order::Descending);
-        let after = self.cursor.map(|cursor| place(cursor, self.sort, descending)).transpose()?;
+        let after = self.cursor.filter(|cursor| !cursor.is_empty());
+        let after = after.map(|cursor| place(cursor, self.sort, descending)).transpose()?;
         Ok(Selection { filters: Vec::new(), sort: self.sort, descending, after, limit })
     }
 }
@@ -102,7 +103,7 @@ macro_rules! list_query {
             /// Rows of a page at the most.
             #[param(minimum = 1, maximum = 1000, default = 100)]
             pub limit: Option<u32>,
-            /// `next_cursor` of the page before.
+            /// `next_cursor` of the page before; nothing for the first one.
             #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
             pub cursor: Option<String>,
             /// What the list is sorted by.

@@ -8,12 +8,12 @@ use serde_json::json;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use vibrissa_protocol::Timestamp;
 
 use crate::engine::wall_clock;
 use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
+use crate::http::moment::Moment;
 use crate::http::problem::{Kind, Problem};
 use crate::store::alarms::{AlarmSubject, Said};
 use crate::store::lists::actions::ActionRow;
@@ -40,9 +40,9 @@ pub struct AlarmPath {
 #[serde(deny_unknown_fields)]
 #[schema(as = Shelf)]
 pub struct ShelfBody {
-    /// RFC 3339 in UTC; at most 30 days from now.
+    /// RFC 3339; at most 30 days from now.
     #[schema(value_type = String, format = DateTime, example = "2026-11-22T08:00:00Z")]
-    pub until: Timestamp,
+    pub until: Moment,
     /// Why, in your words.
     #[schema(min_length = 1, max_length = 1000)]
     pub reason: String,
@@ -114,8 +114,8 @@ async fn shelve(
 ) -> Result<Response, Problem> {
     let subject = subject(&app, &at, &asker).await?;
     let now_us = wall_clock().0 as i64;
-    let until_us = i64::try_from(shelf.until.0).unwrap_or(i64::MAX);
-    if until_us <= now_us || until_us - now_us > SHELF_US_MAX {
+    let Moment(Time(until_us)) = shelf.until;
+    if until_us <= now_us || until_us.saturating_sub(now_us) > SHELF_US_MAX {
         return Err(Problem::invalid("until", "must lie ahead, at most 30 days from now"));
     }
     if shelf.reason.trim().is_empty() {

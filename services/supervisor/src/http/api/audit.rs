@@ -45,6 +45,7 @@ list_query! {
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
         /// What became of it.
+        #[param(inline)]
         pub state: Option<ActionState>,
     }
 }

@@ -47,6 +47,7 @@ list_query! {
         #[param(inline)]
         pub case: Option<CaseWord>,
         /// Of this standing with operators.
+        #[param(inline)]
         pub approval: Option<ApprovalWord>,
         /// Only those that have not ended, or that have.
         pub active: Option<bool>,

@@ -12,6 +12,7 @@ use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
 use crate::http::moment::{Moment, between};
+use crate::http::number::RowNumber;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::CaseWord;
@@ -49,8 +50,8 @@ list_query! {
         #[param(inline)]
         pub case: Option<CaseWord>,
         /// Of this compensation.
-        #[param(minimum = 0, maximum = 9007199254740991_i64)]
-        pub compensation_id: Option<i64>,
+        #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
+        pub compensation_id: Option<RowNumber>,
         /// Stated from then on.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
@@ -98,8 +99,8 @@ pub struct ErrorGroupsQuery {
     #[param(inline)]
     pub case: Option<CaseWord>,
     /// Of this compensation.
-    #[param(minimum = 0, maximum = 9007199254740991_i64)]
-    pub compensation_id: Option<i64>,
+    #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
+    pub compensation_id: Option<RowNumber>,
     /// Stated from then on.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,
@@ -115,7 +116,7 @@ impl ErrorGroupsQuery {
         let mut filters: Vec<Filter> = names.map(|(column, name)| Filter::Is(column, Value::Text(name))).collect();
         filters.extend(self.case.map(|case| Filter::Is("compensation_case", Value::Text(case.to_string()))));
         filters.extend(self.whisker.map(|whisker| Filter::Is("target_whisker", Value::Whole(whisker.into()))));
-        filters.extend(self.compensation_id.map(|id| Filter::Is("compensation_id", Value::Whole(id))));
+        filters.extend(self.compensation_id.map(|id| Filter::Is("compensation_id", Value::Whole(id.0))));
         filters.extend(between("recorded_at", self.from, self.to));
         filters.extend(caller.scope.filter("fleet"));
         filters
@@ -150,8 +151,8 @@ pub struct ErrorsByTimeQuery {
     #[param(inline)]
     pub case: Option<CaseWord>,
     /// Of this compensation.
-    #[param(minimum = 0, maximum = 9007199254740991_i64)]
-    pub compensation_id: Option<i64>,
+    #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
+    pub compensation_id: Option<RowNumber>,
     /// Stated from then on.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,

@@ -135,6 +135,7 @@ list_query! {
         /// Only those that stand, or do not.
         pub standing: Option<bool>,
         /// In this state.
+        #[param(inline)]
         pub state: Option<AlarmStateWord>,
     }
 }

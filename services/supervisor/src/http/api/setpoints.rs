@@ -12,6 +12,7 @@ use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
 use crate::http::moment::{Moment, between};
+use crate::http::number::RowNumber;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::SetpointStateWord;
@@ -41,8 +42,8 @@ list_query! {
         #[param(inline)]
         pub state: Option<SetpointStateWord>,
         /// Of this compensation.
-        #[param(minimum = 0, maximum = 9007199254740991_i64)]
-        pub compensation_id: Option<i64>,
+        #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
+        pub compensation_id: Option<RowNumber>,
         /// Decided from then on.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
@@ -69,7 +70,7 @@ async fn list_setpoints(
     selection.is("\"array\"", query.array);
     selection.is_number("whisker", query.whisker);
     selection.is("state", query.state);
-    selection.is_number("compensation_id", query.compensation_id);
+    selection.is_number("compensation_id", query.compensation_id.map(i64::from));
     selection.filters.extend(between("issued_at", query.from, query.to));
     Ok(Json(Page::of(app.store.list(&SETPOINTS, &selection).await?, &selection)))
 }
