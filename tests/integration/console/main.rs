@@ -7,6 +7,7 @@ mod checks;
 mod stage;
 
 mod acting;
+mod advising;
 mod keyboard;
 mod live;
 mod loading;

@@ -1,4 +1,4 @@
-//! A service that other machines reach asks for a token.
+//! A service that asks for a token.
 
 use serde_json::json;
 use vibrissa::http::access::token::{self, NewToken};
@@ -8,7 +8,7 @@ use crate::stage::Stage;
 
 #[tokio::test]
 async fn a_token_is_asked_for_kept_in_the_tab_and_forgotten_again() {
-    let mut stage = Stage::listening("0.0.0.0:0").await;
+    let mut stage = Stage::closed().await;
     let new = NewToken {
         name: "console".to_owned(),
         role: Role::Viewer,

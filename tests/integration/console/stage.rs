@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
+use vibrissa::http::access::AccessOptions;
+use vibrissa::secret::Secret;
 use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
@@ -32,24 +34,30 @@ pub(crate) struct Stage {
 impl Stage {
     /// A service that asks for no token.
     pub(crate) async fn start() -> Self {
-        Self::listening("127.0.0.1:0").await
+        Self::to(AccessOptions::default()).await
+    }
+
+    /// A service that asks for a token.
+    pub(crate) async fn closed() -> Self {
+        let token = Some(Secret::new("nobody-in-this-test-has-this-token"));
+        Self::to(AccessOptions { token, oidc: None }).await
     }
 
     /// With a robot `r` of the fleet `f`, whose array `left` has three whiskers that are learned.
-    pub(crate) async fn listening(http: &str) -> Self {
+    async fn to(access: AccessOptions) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let fleet = Name::new("f").unwrap();
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = LEARNED as u32;
         let service = Service::start(ServiceOptions {
-            access: vibrissa::http::access::AccessOptions::default(),
+            access,
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             broker: None,
             mqtt_port: 0,
-            http: http.parse().unwrap(),
+            http: ([127, 0, 0, 1], 0).into(),
             params,
         })
         .await

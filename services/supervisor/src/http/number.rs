@@ -2,9 +2,12 @@
 
 use serde::{Deserialize, Deserializer, de::Error};
 
-/// The number of a row: 0 to 2^63 - 1.
+/// The number of a row: 0 to 2^53 - 1, which JSON's readers all have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RowNumber(pub i64);
+
+/// The highest whole number that a reader of JSON is sure to have.
+const NUMBER_MAX: i64 = (1 << 53) - 1;
 
 impl From<RowNumber> for i64 {
     fn from(number: RowNumber) -> Self {
@@ -15,8 +18,8 @@ impl From<RowNumber> for i64 {
 impl<'de> Deserialize<'de> for RowNumber {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match i64::deserialize(deserializer)? {
-            number @ 0.. => Ok(Self(number)),
-            number => Err(D::Error::custom(format!("must not be below 0, but is {number}"))),
+            number @ 0..=NUMBER_MAX => Ok(Self(number)),
+            number => Err(D::Error::custom(format!("must be from 0 to {NUMBER_MAX}, not {number}"))),
         }
     }
 }

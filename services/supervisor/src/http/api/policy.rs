@@ -142,16 +142,6 @@ async fn put_policy(
     asker: Asker,
     Body(body): Body<PolicyBody>,
 ) -> Result<Response, Problem> {
-    let expected_version = expected(&app, &at, &headers).await?;
-    let parameters = json!({
-        "expected_version": expected_version,
-        "mode": body.mode,
-        "objective": body.objective,
-        "longer_for_shorter": body.longer_for_shorter,
-        "predicted_error_max": body.predicted_error_max,
-        "own_role_cost": body.own_role_cost,
-        "change_margin": body.change_margin,
-    });
     let numbers = [
         ("predicted_error_max", body.predicted_error_max),
         ("own_role_cost", body.own_role_cost),
@@ -162,7 +152,18 @@ async fn put_policy(
             return Err(Problem::invalid(field, format!("must be from 0 to 10, not {number}")));
         }
     }
-    let mut action = asker.action("POLICY", &parameters, reason(body.reason)?);
+    let why = reason(body.reason)?;
+    let expected_version = expected(&app, &at, &headers).await?;
+    let parameters = json!({
+        "expected_version": expected_version,
+        "mode": body.mode,
+        "objective": body.objective,
+        "longer_for_shorter": body.longer_for_shorter,
+        "predicted_error_max": body.predicted_error_max,
+        "own_role_cost": body.own_role_cost,
+        "change_margin": body.change_margin,
+    });
+    let mut action = asker.action("POLICY", &parameters, why);
     action.fleet = Some(at.fleet.to_string());
     ask(&app, &at.fleet, &action).await
 }
