@@ -12,13 +12,14 @@ use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::{Heard, Observer};
 
 use super::script::Script;
+use crate::program::PROGRAM;
 
 /// A robot that is born, and its supervisor.
 struct Scene {
     robot: Script,
     supervisor: Observer,
     boot_id: BootId,
-    _broker: Mosquitto,
+    broker: Mosquitto,
 }
 
 impl Scene {
@@ -31,7 +32,7 @@ impl Scene {
         let mut supervisor = Observer::subscribed(broker.port(), "supervisor", &filters).await;
         let robot = Script::start(broker.port(), 1e6);
         let (boot_id, _) = connection(&mut supervisor, ConnectionState::Online).await;
-        Self { robot, supervisor, boot_id, _broker: broker }
+        Self { robot, supervisor, boot_id, broker }
     }
 
     /// A setpoint that the robot takes, of that version.
@@ -230,4 +231,24 @@ async fn contacts_come_again_after_pauses_that_double_until_a_receipt_covers_the
         again.push(scene.contacts().await);
     }
     assert!(again.iter().all(|&seq| seq >= 5 && seq != 7 && seq != 8), "{again:?}");
+}
+
+/// With the contract's own times: it takes half a minute.
+#[tokio::test(flavor = "multi_thread")]
+async fn it_passes_the_check_of_robots() {
+    let scene = Scene::start().await;
+    let checked = tokio::process::Command::new(PROGRAM)
+        .args(["check-robot", "--fleet", "f", "--robot", "r", "--broker"])
+        .arg(format!("mqtt://127.0.0.1:{}", scene.broker.port()))
+        .stdin(std::process::Stdio::null())
+        .kill_on_drop(true)
+        .output()
+        .await
+        .unwrap();
+    let told = String::from_utf8_lossy(&checked.stdout);
+    assert!(
+        checked.status.success() && told.contains(" 0 failed"),
+        "{told}{}",
+        String::from_utf8_lossy(&checked.stderr)
+    );
 }
