@@ -225,3 +225,32 @@ async fn golden_measurements_become_a_calibration_that_a_fleet_works_with() {
     assert_eq!(get(&running, "/v1/calibrations").await["items"][0]["active_in"], "f");
     running.service.stop().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_command_line_shows_and_does_the_same() {
+    let running = Running::start().await;
+    let mut robot = learned(&running).await;
+    let url = format!("http://{}", running.service.http);
+    let run = async |arguments: &[&str]| {
+        let mut command = tokio::process::Command::new(crate::program::PROGRAM);
+        let output = command.args(arguments).env("VIBRISSA_URL", &url).kill_on_drop(true).output().await.unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        (output.status.success(), out, err)
+    };
+    let (_, table, _) = run(&["whiskers", "--fleet", "f"]).await;
+    assert!(table.lines().count() == 3 && table.contains("f/r/left/1") && table.contains("HEALTHY"), "{table}");
+    let (_, lines, _) = run(&["whiskers", "--json"]).await;
+    let rows: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(rows, *get(&running, "/v1/whiskers").await["items"].as_array().unwrap());
+    let (is_done, told, _) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.05", "--reason", "by hand"]).await;
+    assert!(is_done && told.contains("SETPOINT DONE"), "{told}");
+    assert_eq!(robot.setpoint().await.0.pressure_mpa, 0.05);
+    let (is_done, _, problem) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.5"]).await;
+    assert!(!is_done && problem.contains("0 to 0.2 MPa"), "{problem}");
+    robot.cut(0, 54.0);
+    robot.touch(0, 80).await;
+    robot.receipted().await;
+    let (_, table, _) = run(&["compensations", "--active"]).await;
+    assert!(table.contains("f/r/left/0") && table.contains("SELF_COMPENSATION"), "{table}");
+    running.service.stop().await;
+}

@@ -125,7 +125,7 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
             text(row, "compensation_id"),
             place(row, "target_whisker"),
             text(row, "compensator_whisker"),
-            text(row, "compensation_case"),
+            text(row, "case"),
             text(row, "approval"),
             number(row, "pressure_before_mpa", 4),
             number(row, "held_pressure_mpa", 4),

@@ -15,7 +15,14 @@ pub const FILE_MAX_BYTES: usize = 64 * 1024;
 pub(super) const LIST_MAX: usize = 256;
 
 /// Variables that others read: the file's name, the simulator's scenario, the tests' faults.
-const KNOWN_ELSEWHERE: [&str; 3] = ["VIBRISSA_CONFIG", "VIBRISSA_SCENARIO", "VIBRISSA_TEST_FAULT"];
+const KNOWN_ELSEWHERE: [&str; 6] = [
+    "VIBRISSA_CONFIG",
+    "VIBRISSA_SCENARIO",
+    "VIBRISSA_TEST_FAULT",
+    "VIBRISSA_TOKEN",
+    "VIBRISSA_TOKEN_FILE",
+    "VIBRISSA_URL",
+];
 
 /// What people have set, as they wrote it.
 #[derive(Clone, Default)]

@@ -76,7 +76,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     println!("\nDatabase: {}\nPicture:  {}", database.display(), picture.display());
     if options.serve {
         println!(
-            "\nServing until Ctrl-C: http://{}/v1/whiskers, /v1/compensations, /metrics; MQTT on {broker:?}",
+            "\nServing until Ctrl-C: the console on http://{}/, the API in /docs, /metrics; MQTT on {broker:?}",
             service.http
         );
         tokio::signal::ctrl_c().await.context("waiting for Ctrl-C")?;
