@@ -34,6 +34,8 @@ fn the_defaults_are_a_good_configuration() {
     assert_eq!((config.mqtt_port, config.broker), (1883, None));
     assert_eq!(config.lease_time_to_live, Duration::from_secs(2));
     let core = Params::nguyen_2021(Formulation::default());
+    assert!(config.access.token.is_none() && config.access.oidc.is_none());
+    assert_eq!(config.mode, core.policy.mode);
     assert_eq!(config.objective, core.policy.objective);
     assert_eq!(config.longer_for_shorter, core.policy.longer_for_shorter);
     assert_eq!(config.predicted_error_max, core.policy.predicted_error_max);
@@ -50,7 +52,8 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
         assert!(shown.contains(&format!("{} ", key.section().1)), "{key}");
         let is_optional = matches!(key, Key::Name | Key::MqttUrl) || key.path().contains("_file");
         let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword);
-        assert_eq!(key.default().is_none(), is_optional || is_credential, "{key}");
+        let is_provider = matches!(key, Key::HttpOidcIssuer | Key::HttpOidcAudience | Key::HttpOidcJwksUrl);
+        assert_eq!(key.default().is_none(), is_optional || is_credential || is_provider, "{key}");
     }
 }
 
