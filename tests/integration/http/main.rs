@@ -4,6 +4,7 @@
 
 mod access;
 mod document;
+mod events;
 mod groups;
 mod oidc;
 mod pages;

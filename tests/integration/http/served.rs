@@ -27,6 +27,8 @@ use crate::rows::{self, Written};
 pub(crate) struct Served {
     pub(crate) store: Store,
     pub(crate) http: SocketAddr,
+    /// Where the database is, if it is a server.
+    pub(crate) url: Option<String>,
     /// What the database has.
     pub(crate) written: Written,
     _stop: watch::Sender<bool>,
@@ -65,6 +67,7 @@ impl Served {
         folder: Option<TempDir>,
         access: &AccessOptions,
     ) -> Self {
+        let url = server.as_ref().map(|server| Postgres::url(server.port()));
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();
         let written = rows::write(&store).await;
@@ -74,7 +77,7 @@ impl Served {
         let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
         let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());
         let (http, _) = serve(([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap();
-        Self { store, http, written, _stop: stop, _server: server, _folder: folder }
+        Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }
     }
 
     /// An answer; a service that is asked too often is asked again.
