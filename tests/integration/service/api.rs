@@ -247,7 +247,7 @@ async fn the_command_line_shows_and_does_the_same() {
     assert_eq!(robot.setpoint().await.0.pressure_mpa, 0.05);
     let (is_done, _, problem) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.5"]).await;
     assert!(!is_done && problem.contains("0 to 0.2 MPa"), "{problem}");
-    robot.cut(0, 54.0);
+    robot.cut(0, 64.0);
     robot.touch(0, 80).await;
     robot.receipted().await;
     let (_, table, _) = run(&["compensations", "--active"]).await;
