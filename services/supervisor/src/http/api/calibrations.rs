@@ -1,6 +1,6 @@
 //! Calibrations: measurements are uploaded, their fit is looked at, and a version is put in force.
 
-use axum::extract::State;
+use axum::extract::{Extension, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Json, Response};
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,7 @@ use vibrissa_protocol::Name;
 use crate::calibration_file::{CalibrationFile, GeometrySection};
 use crate::engine::mail::CALIBRATION;
 use crate::http::App;
+use crate::http::access::{Caller, Scope};
 use crate::http::asking::{Asker, Why, ask, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path, Query};
 use crate::http::page::{Page, list_query};
@@ -208,7 +209,7 @@ fn fitted(told: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
 async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measurements>) -> Result<Response, Problem> {
-    let why = reason(told.reason.clone())?;
+    let (why, scope) = (reason(told.reason.clone())?, asker.caller.scope.clone());
     let worked = tokio::task::spawn_blocking(move || fitted(&told).map(|(geometry, _, fit)| (told, geometry, fit)));
     let (told, geometry, fit) = worked.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
     let file = CalibrationFile::new(&told.model, &geometry, &fit.calibration);
@@ -227,7 +228,7 @@ async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measureme
         (asked, None) => number_of(asked)?,
     };
     let place = [(header::LOCATION, format!("/v1/calibrations/{id}"))];
-    Ok((StatusCode::CREATED, place, Json(detail(&app, id).await?)).into_response())
+    Ok((StatusCode::CREATED, place, Json(detail(&app, &scope, id).await?)).into_response())
 }
 
 fn text(value: &impl Serialize) -> Result<String, Problem> {
@@ -263,10 +264,17 @@ fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Problem> {
         .map_err(|problem| Problem::new(Kind::Internal, format!("a stored calibration: {problem}")))
 }
 
-async fn detail(app: &App, id: i64) -> Result<CalibrationDetail, Problem> {
+/// Says only of the caller's fleets that they work with it.
+fn seen_by(scope: &Scope, mut row: CalibrationRow) -> CalibrationRow {
+    let seen = row.active_in.iter().flat_map(|fleets| fleets.split(',')).filter(|fleet| scope.covers(fleet));
+    row.active_in = Some(seen.collect::<Vec<_>>().join(",")).filter(|fleets| !fleets.is_empty());
+    row
+}
+
+async fn detail(app: &App, scope: &Scope, id: i64) -> Result<CalibrationDetail, Problem> {
     let row: Option<CalibrationRow> =
         app.store.first(&CALIBRATIONS, vec![Filter::Is("calibration_id", Value::Whole(id))]).await?;
-    let calibration = row.ok_or_else(|| Problem::not_found(format_args!("calibration {id}")))?;
+    let calibration = seen_by(scope, row.ok_or_else(|| Problem::not_found(format_args!("calibration {id}")))?);
     let texts = texts(app, id).await?;
     Ok(CalibrationDetail {
         calibration,
@@ -292,11 +300,14 @@ list_query! {
 )]
 async fn list_calibrations(
     State(app): State<App>,
+    Extension(caller): Extension<Caller>,
     Query(query): Query<CalibrationsQuery>,
 ) -> Result<Json<Page<CalibrationRow>>, Problem> {
     let mut selection = query.page()?;
     selection.is("model", query.model);
-    Ok(Json(Page::of(app.store.list(&CALIBRATIONS, &selection).await?, &selection)))
+    let mut page = Page::of(app.store.list(&CALIBRATIONS, &selection).await?, &selection);
+    page.items = page.items.into_iter().map(|row| seen_by(&caller.scope, row)).collect();
+    Ok(Json(page))
 }
 
 /// One calibration: its numbers, the fit, and the measurements behind it.
@@ -306,9 +317,10 @@ async fn list_calibrations(
 )]
 async fn get_calibration(
     State(app): State<App>,
+    Extension(caller): Extension<Caller>,
     Path(at): Path<CalibrationPath>,
 ) -> Result<Json<CalibrationDetail>, Problem> {
-    detail(&app, at.calibration_id).await.map(Json)
+    detail(&app, &caller.scope, at.calibration_id).await.map(Json)
 }
 
 /// Measurements and fit, drawn.
@@ -366,4 +378,28 @@ async fn activate(
     let mut action = asker.action(CALIBRATION, &parameters, reason(why.reason)?);
     action.fleet = Some(at.fleet.to_string());
     ask(&app, &at.fleet, &action).await
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::time::Time;
+
+    #[test]
+    fn regress_only_the_callers_fleets_are_named() {
+        let row = |active_in: Option<&str>| CalibrationRow {
+            calibration_id: 1,
+            model: "m".to_owned(),
+            version: 1,
+            uploaded_at: Time(0),
+            uploaded_by: "local".to_owned(),
+            active_in: active_in.map(ToOwned::to_owned),
+        };
+        let one = Scope::Only([Name::new("b").unwrap()].into());
+        let seen = |scope: &Scope, fleets| seen_by(scope, row(fleets)).active_in;
+        assert_eq!(seen(&one, Some("a,b,c")).as_deref(), Some("b"));
+        assert_eq!(seen(&one, Some("a,c")), None);
+        assert_eq!(seen(&Scope::All, Some("a,c")).as_deref(), Some("a,c"));
+        assert_eq!(seen(&Scope::All, None), None);
+    }
 }

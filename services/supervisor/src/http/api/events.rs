@@ -8,7 +8,7 @@ use axum::http::HeaderMap;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use futures_util::stream::{self, Stream};
 use tokio::sync::{OwnedSemaphorePermit, watch};
-use tokio::time::{Duration, timeout};
+use tokio::time::{Duration, Instant, timeout};
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -26,6 +26,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 
 /// How often changes are looked for that another supervisor may have written.
 const POLL: Duration = Duration::from_secs(1);
+/// How long one request is answered: whoever goes on asks again, and a token that is over by then lets nobody in.
+const LIFETIME: Duration = Duration::from_secs(300);
 /// A line that says nothing, so that whoever is between keeps the connection.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
@@ -50,13 +52,15 @@ struct Follower {
     waiting: std::collections::VecDeque<Change>,
     changed: watch::Receiver<u64>,
     stop: watch::Receiver<bool>,
+    /// When it must ask again.
+    ends: Instant,
     _place: OwnedSemaphorePermit,
 }
 
 /// What happens from now on, or from `Last-Event-ID` on.
 ///
 /// Events are `change` (its data says what and where; ask for the thing itself) and `reset`: the id is older than what is
-/// kept, so read everything anew.
+/// kept, so read everything anew. The stream ends after five minutes: ask again, with `Last-Event-ID`.
 #[utoipa::path(
     get, path = "/v1/events", tag = "events",
     params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
@@ -82,9 +86,9 @@ async fn follow(
         Some(Ok(mark)) if marks.is_some_and(|(begin, end)| (begin..=end).contains(&mark)) => (mark, false),
         Some(Ok(_)) => (end, true),
     };
-    let waiting = std::collections::VecDeque::new();
+    let (waiting, ends) = (std::collections::VecDeque::new(), Instant::now() + LIFETIME);
     let follower =
-        Follower { app, caller, fleet: query.fleet, mark, is_reset_due, waiting, changed, stop, _place: place };
+        Follower { app, caller, fleet: query.fleet, mark, is_reset_due, waiting, changed, stop, ends, _place: place };
     let events = stream::unfold(follower, |mut follower| async move {
         let event = follower.next().await?;
         Some((Ok(event), follower))
@@ -99,7 +103,7 @@ impl Follower {
             return Some(Event::default().event("reset").id(self.mark.to_string()).data("{}"));
         }
         loop {
-            if *self.stop.borrow() {
+            if *self.stop.borrow() || Instant::now() >= self.ends {
                 return None;
             }
             while let Some(change) = self.waiting.pop_front() {

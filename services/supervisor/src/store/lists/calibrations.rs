@@ -23,7 +23,7 @@ readings! {
         pub uploaded_at: Time,
         /// By whom.
         pub uploaded_by: String,
-        /// The fleets that work with it, separated by commas; null if none does.
+        /// Those of your fleets that work with it, separated by commas; null if none does.
         pub active_in: Option<String>,
     }
 
