@@ -15,6 +15,7 @@ use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
 use crate::store::{Lease, Store, StoreError};
+use crate::trace::Traces;
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
 const OUTBOX_MESSAGES: usize = 10_000;
@@ -35,6 +36,7 @@ pub(crate) struct Shared {
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
     pub(crate) mailroom: Mailroom,
+    pub(crate) traces: Option<Traces>,
     pub(crate) params: Arc<Params>,
     /// One start of one supervisor.
     pub(crate) supervisor: Arc<str>,
@@ -129,7 +131,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             shared.mailroom.clone(),
         );
         match started.await {
-            Ok(engine) => return Some((engine, boot_id)),
+            Ok(engine) => return Some((engine.traced(shared.traces.as_ref()), boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "not taken up");
                 return None;

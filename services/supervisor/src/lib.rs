@@ -1,8 +1,8 @@
 //! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
 //!
 //! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
-//! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`]; then
-//! [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
+//! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`],
+//! [`trace`]; then [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
 
 pub mod service;
 
@@ -29,6 +29,7 @@ pub mod secret;
 
 pub mod http;
 pub mod metrics;
+pub mod trace;
 
 pub mod calibration_file;
 pub mod plot;

@@ -23,6 +23,7 @@ use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
 use crate::store::{DatabaseAddress, Store, Supervisor};
+use crate::trace::{TraceOptions, Traces};
 
 /// How long everything that is not a fleet may take to end in good order.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
@@ -51,6 +52,8 @@ pub struct ServiceOptions {
     pub access: AccessOptions,
     /// Whether each robot and whisker is shown to Prometheus: four series a whisker.
     pub metrics_per_whisker: bool,
+    /// Where traces go; nowhere if there is no collector.
+    pub traces: Option<TraceOptions>,
     /// The core's parameters.
     pub params: Params,
 }
@@ -69,6 +72,7 @@ pub struct Service {
     pub readiness: Readiness,
     /// What those who ask for actions share with the fleets.
     pub mailroom: Mailroom,
+    traces: Option<Traces>,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
     ownership: JoinHandle<()>,
@@ -104,6 +108,10 @@ impl Service {
             }
         };
         let prepared = mqtt::prepare(&broker)?;
+        let database = if store.is_shared() { "postgresql" } else { "sqlite" };
+        let dropped = metrics.trace_spans_dropped.clone();
+        let start = |to: &TraceOptions| Traces::start(to, &options.name, database, dropped);
+        let traces = options.traces.as_ref().map(start).transpose()?;
         let readiness = Readiness::default();
         let mailroom = Mailroom::default();
         let params = Arc::new(options.params);
@@ -114,6 +122,7 @@ impl Service {
             metrics: metrics.clone(),
             readiness: readiness.clone(),
             mailroom: mailroom.clone(),
+            traces: traces.clone(),
             params: params.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
@@ -141,11 +150,12 @@ impl Service {
             mailroom.clone(),
             params,
             stopped.clone(),
-        );
+        )
+        .traced(traces.clone());
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
-        Ok(Self { broker, http, store, metrics, readiness, mailroom, embedded, stop, ownership, http_task })
+        Ok(Self { broker, http, store, metrics, readiness, mailroom, traces, embedded, stop, ownership, http_task })
     }
 
     /// Stops in order: fleets are finished and given back, then everything else ends.
@@ -160,6 +170,9 @@ impl Service {
             http_task.abort();
         }
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
+        if let Some(traces) = self.traces {
+            traces.stop().await;
+        }
         if let Some(broker) = self.embedded {
             broker.stop().await;
         }

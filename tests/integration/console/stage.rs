@@ -59,6 +59,7 @@ impl Stage {
             broker: None,
             mqtt_port: 0,
             http: ([127, 0, 0, 1], 0).into(),
+            traces: None,
             params,
         })
         .await

@@ -324,6 +324,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         http: ([127, 0, 0, 1], 0).into(),
+        traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     })
     .await

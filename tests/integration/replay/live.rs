@@ -140,6 +140,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         broker: Some(BrokerAddress::new("127.0.0.1", port)),
         mqtt_port: 0,
         http: "127.0.0.1:0".parse().unwrap(),
+        traces: None,
         params,
     })
     .await

@@ -92,6 +92,8 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
         Key::HttpOidcAudience | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => ["c0", "c1", "c2"],
+        Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
+        Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],
         Key::PolicyMode => ["advise", "automatic", "advise"],
         Key::MetricsSeries => ["whiskers", "fleets", "whiskers"],
         Key::ModelFormulation => ["consistent", "published", "consistent"],

@@ -6,6 +6,7 @@
     reason = "a test that cannot go on has failed, and it picks the messages that it waits for"
 )]
 
+mod collector;
 mod database;
 mod program;
 mod running;
@@ -23,3 +24,4 @@ mod restart;
 mod schemathesis;
 mod setpoints;
 mod start;
+mod traces;

@@ -31,6 +31,11 @@ pub(crate) enum Ending {
 impl Program {
     /// Supervises fleet `f`; returns when it says where it serves.
     pub(crate) fn start(database: &Path, broker_port: u16) -> Self {
+        Self::start_in(database, broker_port, &[])
+    }
+
+    /// The same in an environment.
+    pub(crate) fn start_in(database: &Path, broker_port: u16, environment: &[(&str, &str)]) -> Self {
         let mut process = Command::new(PROGRAM)
             .args(["run", "--fleet", "f", "--http", "127.0.0.1:0"])
             .arg("--mqtt-url")
@@ -39,6 +44,7 @@ impl Program {
             .arg(format!("sqlite:{}", database.display()))
             .args(["--detection-cold-start-contacts", &LEARNED.to_string()])
             .env("RUST_LOG", "error")
+            .envs(environment.iter().copied())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();

@@ -9,6 +9,7 @@ use vibrissa::mqtt::BrokerAddress;
 use vibrissa::secret::Secret;
 use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa::store::DatabaseAddress;
+use vibrissa::trace::TraceOptions;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
@@ -50,19 +51,35 @@ impl Running {
     /// For those who have this token, or one of the database's.
     pub(crate) async fn closed(token: &str) -> Self {
         let access = AccessOptions { token: Some(Secret::new(token)), oidc: None };
-        Self::let_in(tempfile::tempdir().unwrap(), quick(), None, access).await
+        Self::let_in(tempfile::tempdir().unwrap(), quick(), None, access, None).await
     }
 
     /// On the database in that folder.
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
-        Self::let_in(folder, params, broker, AccessOptions::default()).await
+        Self::let_in(folder, params, broker, AccessOptions::default(), None).await
     }
 
-    async fn let_in(folder: TempDir, params: Params, broker: Option<u16>, access: AccessOptions) -> Self {
+    /// With a collector of traces.
+    pub(crate) async fn traced(broker: Option<u16>, traces: TraceOptions) -> Self {
+        Self::traced_on(tempfile::tempdir().unwrap(), broker, traces).await
+    }
+
+    async fn traced_on(folder: TempDir, broker: Option<u16>, traces: TraceOptions) -> Self {
+        Self::let_in(folder, quick(), broker, AccessOptions::default(), Some(traces)).await
+    }
+
+    async fn let_in(
+        folder: TempDir,
+        params: Params,
+        broker: Option<u16>,
+        access: AccessOptions,
+        traces: Option<TraceOptions>,
+    ) -> Self {
         let path = database_in(&folder);
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
             access,
+            traces,
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),
@@ -83,6 +100,11 @@ impl Running {
     /// Stops it in good order, and starts another on the same database.
     pub(crate) async fn again(self, params: Params, broker: Option<u16>) -> Self {
         Self::on(self.stop().await, params, broker).await
+    }
+
+    /// The same with a collector of traces.
+    pub(crate) async fn traced_again(self, broker: Option<u16>, traces: TraceOptions) -> Self {
+        Self::traced_on(self.stop().await, broker, traces).await
     }
 
     /// Stops it in good order; gives the folder with its database.

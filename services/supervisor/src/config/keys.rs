@@ -124,6 +124,10 @@ keys! {
         "The claim with the fleets: a list of names, or * for all";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
         "What is shown to Prometheus: fleets (as wholes) or whiskers (each robot and whisker too: four series a whisker)";
+    TracesOtlpEndpoint: "traces.otlp_endpoint", Kind::Text, None,
+        "A collector for OpenTelemetry traces, http://HOST:4318 (OTLP as protobuf over HTTP); no traces if left out";
+    TracesSampleRatio: "traces.sample_ratio", Kind::Number { min: 0.0, max: 1.0 }, Some("0.1"),
+        "Share of the HTTP requests that only look which is traced; what changes something and setpoints always are";
     ModelFormulation: "model.formulation", Kind::Text, Some(r#""published""#),
         "How the paper's equations are read: published (as printed) or consistent (as its Table 2 would have it)";
     PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),

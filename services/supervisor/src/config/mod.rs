@@ -15,6 +15,7 @@ mod http;
 mod mqtt;
 mod policy;
 mod reader;
+mod traces;
 
 use std::collections::BTreeSet;
 use std::net::SocketAddr;
@@ -39,6 +40,7 @@ use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
 use crate::service::ServiceOptions;
 use crate::store::DatabaseAddress;
+use crate::trace::TraceOptions;
 use choices::{FormulationArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
 
 /// A configuration that was checked as a whole. `Debug` shows no secret.
@@ -66,6 +68,8 @@ pub struct Config {
     pub access: AccessOptions,
     /// Whether each robot and whisker is shown to Prometheus.
     pub metrics_per_whisker: bool,
+    /// Where traces go; nowhere if there is no collector.
+    pub traces: Option<TraceOptions>,
     /// How the paper's equations are read.
     pub formulation: Formulation,
     /// Who says that a compensation begins.
@@ -128,6 +132,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     });
     let access = http::access(reader);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
+    let traces = traces::traces(reader);
     let mode = reader.word::<ModeArg>(Key::PolicyMode);
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
     let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
@@ -148,6 +153,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         http: http?,
         access: access?,
         metrics_per_whisker: series? == SeriesArg::Whiskers,
+        traces: traces?,
         formulation: formulation?,
         mode: mode?.into(),
         objective: objective?.into(),
@@ -240,6 +246,7 @@ impl From<Config> for ServiceOptions {
             http: config.http,
             access: config.access,
             metrics_per_whisker: config.metrics_per_whisker,
+            traces: config.traces,
             params,
         }
     }

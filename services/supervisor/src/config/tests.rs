@@ -35,6 +35,7 @@ fn the_defaults_are_a_good_configuration() {
     assert_eq!(config.lease_time_to_live, Duration::from_secs(2));
     let core = Params::nguyen_2021(Formulation::default());
     assert!(config.access.token.is_none() && config.access.oidc.is_none());
+    assert_eq!(config.traces, None);
     assert_eq!(config.mode, core.policy.mode);
     assert_eq!(config.objective, core.policy.objective);
     assert_eq!(config.longer_for_shorter, core.policy.longer_for_shorter);
@@ -53,7 +54,9 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
         let is_optional = matches!(key, Key::Name | Key::MqttUrl) || key.path().contains("_file");
         let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword);
         let is_provider = matches!(key, Key::HttpOidcIssuer | Key::HttpOidcAudience | Key::HttpOidcJwksUrl);
-        assert_eq!(key.default().is_none(), is_optional || is_credential || is_provider, "{key}");
+        let is_collector = matches!(key, Key::TracesOtlpEndpoint);
+        let is_unset = is_optional || is_credential || is_provider || is_collector;
+        assert_eq!(key.default().is_none(), is_unset, "{key}");
     }
 }
 
@@ -78,6 +81,8 @@ fn a_wrong_type_is_told_with_an_example() {
         ("fleets = [\"a\", \"a\"]", "twice"),
         ("fleets = [\"a b\"]", "is no name"),
         ("name = \"\"", "must not be empty"),
+        ("traces.otlp_endpoint = \"h:4318\"", "must begin with http:// or https://: write http://HOST:4318"),
+        ("traces.sample_ratio = 1.5", "must be from 0.0 to 1.0, not 1.5"),
         ("calibrations = [\"nowhere.toml\"]", "nowhere.toml cannot be read"),
     ] {
         let line = one_wrong(&from_file(text));

@@ -58,6 +58,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http,
+        traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     })
     .await?;

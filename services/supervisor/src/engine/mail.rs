@@ -17,6 +17,7 @@ use crate::calibration_file::CalibrationFile;
 use crate::store::actions::{Action, PolicyReading};
 use crate::store::batch::{PolicyRow, Record};
 use crate::store::calibrations::{ActivationRow, ActiveCalibration};
+use crate::trace::Asked;
 
 /// Actions that are read at a time.
 const ACTIONS_MAX: i64 = 100;
@@ -43,11 +44,17 @@ impl Engine {
         }
         for action in pending {
             let is_expired = wall_clock().0 as i64 >= action.expires_us;
+            if let Some(lives) = &mut self.lives {
+                lives.asked(Some(Asked::of(&action)));
+            }
             let (state, problem) = match (!is_expired).then(|| self.carry_out(&action, now)) {
                 None => ("EXPIRED", None),
                 Some(Ok(())) => ("DONE", None),
                 Some(Err(problem)) => ("REFUSED", Some(problem)),
             };
+            if let Some(lives) = &mut self.lives {
+                lives.asked(None);
+            }
             let kind = match named(ActionKind::ALL, &action.kind) {
                 Some(kind) => kind.word(),
                 None if action.kind == CALIBRATION => CALIBRATION,

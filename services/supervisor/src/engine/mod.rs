@@ -11,6 +11,7 @@ mod publication;
 mod record;
 mod survey;
 
+pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +34,7 @@ use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
 use crate::store::batch::Record;
 use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
+use crate::trace::{Lives, Step, Traces, is_told};
 
 pub use publication::{Publication, Stopwatch};
 
@@ -113,6 +115,8 @@ pub struct Engine {
     answered: Vec<i64>,
     /// The version of the policy in force; 0 while it is the configuration's.
     policy_version: i64,
+    /// The traces of setpoints under way, if there is a collector.
+    lives: Option<Lives>,
 }
 
 /// The time now, by the supervisor's clock.
@@ -173,15 +177,37 @@ impl Engine {
             publications: Vec::new(),
             touched: BTreeSet::new(),
             receipts_due: BTreeSet::new(),
+            lives: None,
         };
         engine.show_params();
         engine.survey_robots();
         Ok(engine)
     }
 
+    /// The same with traces, if there is a collector: those of setpoints that were sent before go on.
+    #[must_use]
+    pub(crate) fn traced(mut self, traces: Option<&Traces>) -> Self {
+        self.lives = traces.map(|traces| {
+            let mut lives = Lives::new(traces.clone(), self.fleet.clone());
+            for (name, known) in &self.robots {
+                lives.take_up(name, known.robot_id, &known.robot);
+            }
+            lives
+        });
+        self
+    }
+
     /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
     /// else's, who has the robots send again what was not committed.
-    pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
+    pub async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
+        let ending = self.work(inbox, outbox).await;
+        if let Some(lives) = &mut self.lives {
+            lives.end(ending);
+        }
+        ending
+    }
+
+    async fn work(&mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
         let mut ticks = interval(TICK);
         let mut receipts = interval(RECEIPTS);
         let mut surveys = interval(SURVEY);
@@ -264,6 +290,12 @@ impl Engine {
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(&self.params, now, event, &mut effects);
         self.touched.insert(name.clone());
+        if let Some(lives) = &mut self.lives
+            && is_told(&effects)
+        {
+            let (fleet, robot_id, robot, effects) = (&self.fleet, known.robot_id, &known.robot, &effects[..]);
+            lives.stepped(&Step { fleet, name, robot_id, robot, now, event, effects });
+        }
         for effect in effects.drain(..) {
             self.record(name, now, effect, source);
         }
@@ -297,6 +329,7 @@ impl Engine {
             return Ok(());
         }
         let mut outage = Outage::default();
+        let first = Instant::now();
         loop {
             let begun = Instant::now();
             match self.writer.commit(&self.lease, &self.batch).await {
@@ -308,6 +341,9 @@ impl Engine {
             }
         }
         self.end_of(&outage);
+        if let Some(lives) = &mut self.lives {
+            lives.committed(first.elapsed());
+        }
         self.batch = Batch::default();
         self.time_taken();
         self.mailroom.answered(self.answered.drain(..));
@@ -320,14 +356,19 @@ impl Engine {
     /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
     /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
     fn publish(&mut self, outbox: &mpsc::Sender<Publication>) {
-        if !self.lease.is_fresh() {
+        let mut all = self.lease.is_fresh();
+        if !all {
             self.metrics.publications_dropped.inc_by(self.publications.len() as u64);
             self.publications.clear();
         }
         for publication in self.publications.drain(..) {
             if outbox.try_send(publication).is_err() {
                 self.metrics.publications_dropped.inc();
+                all = false;
             }
+        }
+        if let Some(lives) = &mut self.lives {
+            lives.published(all);
         }
     }
 }

@@ -70,8 +70,19 @@ fn next(seq: &mut u64) -> u64 {
 /// The name of a setpoint.
 #[must_use]
 pub(super) fn command_id(fleet: &Name, robot: &Name, key: CommandKey) -> String {
+    command_uuid(fleet, robot, key).to_string()
+}
+
+/// The same as a number, which its trace has, too.
+pub(crate) fn command_uuid(fleet: &Name, robot: &Name, key: CommandKey) -> Uuid {
     let name = format!("{fleet}/{robot}/{}/{}", key.epoch, key.version);
-    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes()).to_string()
+    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
+}
+
+/// The name of the trace of a decision from which no setpoint follows at once.
+pub(crate) fn compensation_uuid(fleet: &Name, robot: &Name, number: u32) -> Uuid {
+    let name = format!("{fleet}/{robot}/compensation/{number}");
+    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
 }
 
 /// Residual gain as pairs of contact ratio and factor.
@@ -116,6 +127,9 @@ impl Engine {
         };
         let publication = self.publication(name, RobotTopic::Setpoint, encode(&setpoint));
         self.publications.push(Publication { expiry_s: Some(expiry_s), stopwatch, ..publication });
+        if let Some(lives) = &mut self.lives {
+            lives.sending(name, command);
+        }
     }
 
     /// Sends the setpoints under way again to a robot that was born or heard of anew: it may have said what

@@ -38,6 +38,7 @@ use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
 use crate::store::{Store, StoreError};
+use crate::trace::Traces;
 use access::{Access, Gate};
 
 /// What the handlers share.
@@ -59,6 +60,8 @@ pub struct App {
     pub params: Arc<Params>,
     /// Where engines are asked for actions.
     pub mailroom: Mailroom,
+    /// Where traces of requests go.
+    pub traces: Option<Traces>,
 }
 
 impl App {
@@ -74,7 +77,13 @@ impl App {
         stop: watch::Receiver<bool>,
     ) -> Self {
         let followers = Arc::new(Semaphore::new(FOLLOWERS_MAX));
-        Self { store, metrics, readiness, access, followers, stop, params, mailroom }
+        Self { store, metrics, readiness, access, followers, stop, params, mailroom, traces: None }
+    }
+
+    /// The same with traces of requests, if there is a collector.
+    #[must_use]
+    pub fn traced(self, traces: Option<Traces>) -> Self {
+        Self { traces, ..self }
     }
 }
 
@@ -136,6 +145,7 @@ pub fn router(app: App) -> (Router, Document) {
     document::complete(&mut document);
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
     let served = document.clone();
+    let traces = app.traces.clone();
     let metrics = app.metrics.http.clone();
     let docs = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
     let router = Router::new()
@@ -149,6 +159,6 @@ pub fn router(app: App) -> (Router, Document) {
         .merge(docs)
         .merge(console::routes())
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
-        .layer(from_fn_with_state(metrics, passage::passage));
+        .layer(from_fn_with_state((metrics, traces), passage::passage));
     (router, document)
 }

@@ -12,6 +12,7 @@ use uuid::Uuid;
 
 use super::problem::{Kind, Problem};
 use crate::metrics::HttpMetrics;
+use crate::trace::Traces;
 
 /// How long an answer may take to begin.
 pub const PATIENCE: Duration = Duration::from_secs(20);
@@ -25,7 +26,11 @@ const ID_LENGTH_MAX: usize = 128;
 pub struct RequestId(pub String);
 
 /// Lets a request through.
-pub async fn passage(State(metrics): State<HttpMetrics>, mut request: Request, next: Next) -> Response {
+pub async fn passage(
+    State((metrics, traces)): State<(HttpMetrics, Option<Traces>)>,
+    mut request: Request,
+    next: Next,
+) -> Response {
     let begun = Instant::now();
     let method = request.method().clone();
     let route = request.extensions().get::<MatchedPath>().cloned();
@@ -36,6 +41,7 @@ pub async fn passage(State(metrics): State<HttpMetrics>, mut request: Request, n
         .filter(|id| !id.is_empty() && id.len() <= ID_LENGTH_MAX && id.bytes().all(|byte| byte.is_ascii_graphic()))
         .map_or_else(|| Uuid::new_v4().to_string(), ToOwned::to_owned);
     request.extensions_mut().insert(RequestId(id.clone()));
+    let traced = traces.and_then(|traces| traces.request(&request, &id));
     let path = request.uri().path().to_owned();
     let span = tracing::info_span!("request", request_id = id, method = %request.method(), path);
     let response = async {
@@ -48,7 +54,11 @@ pub async fn passage(State(metrics): State<HttpMetrics>, mut request: Request, n
     .instrument(span)
     .await;
     metrics.answered(&method, route.as_ref().map(MatchedPath::as_str), response.status(), begun.elapsed());
-    finish(response, id, path)
+    let response = finish(response, id, path);
+    if let Some(span) = traced {
+        span.answered(response.status());
+    }
+    response
 }
 
 /// Names the request in the answer; what has no body of its own yet is told as a problem.

@@ -31,6 +31,8 @@ pub struct Metrics {
     pub database_errors: IntCounter,
     /// Whether the last attempt at the database succeeded.
     pub database_up: IntGauge,
+    /// Spans of traces that no collector has taken.
+    pub trace_spans_dropped: IntCounter,
     /// Requests over HTTP.
     pub http: HttpMetrics,
     /// Single robots and whiskers, if they are wanted.
@@ -51,10 +53,13 @@ impl Metrics {
             &["version", "database", "broker", "supervisor"],
         )?;
         let database_errors = IntCounter::new("vibrissa_database_errors_total", "Failed attempts at the database.")?;
+        let trace_spans_dropped =
+            IntCounter::new("vibrissa_trace_spans_dropped_total", "Spans of traces that no collector has taken.")?;
         let database_up = IntGauge::new("vibrissa_database_up", "1 while the last attempt at the database succeeded.")?;
         registry.register(Box::new(build.clone()))?;
         registry.register(Box::new(database_errors.clone()))?;
         registry.register(Box::new(database_up.clone()))?;
+        registry.register(Box::new(trace_spans_dropped.clone()))?;
         let whiskers = per_whisker.then(WhiskerMetrics::declare).transpose()?;
         if let Some(whiskers) = &whiskers {
             registry.register(Box::new(whiskers.clone()))?;
@@ -65,6 +70,7 @@ impl Metrics {
             build,
             database_errors,
             database_up,
+            trace_spans_dropped,
             whiskers,
             registry,
         })

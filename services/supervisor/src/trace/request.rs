@@ -1,0 +1,132 @@
+//! Spans of requests.
+
+use std::time::SystemTime;
+
+use axum::extract::{MatchedPath, Request};
+use axum::http::{HeaderMap, Method, StatusCode};
+use opentelemetry::propagation::TextMapPropagator;
+use opentelemetry::trace::{SpanId, SpanKind, Status, TraceContextExt};
+use opentelemetry_http::HeaderExtractor;
+use opentelemetry_sdk::propagation::TraceContextPropagator;
+use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator};
+
+use super::Traces;
+use super::span::{Draft, Place};
+
+/// Asked all the time by machines: nobody looks for it in traces.
+const NOT_TOLD: [&str; 3] = ["/livez", "/readyz", "/metrics"];
+
+/// A request that is under way.
+pub(crate) struct RequestSpan {
+    traces: Traces,
+    draft: Draft,
+    place: Place,
+}
+
+impl Traces {
+    /// Begins the span of a request, unless it is none of those that are traced.
+    pub(crate) fn request(&self, request: &Request, id: &str) -> Option<RequestSpan> {
+        let (path, method) = (request.uri().path(), request.method());
+        if NOT_TOLD.contains(&path) {
+            return None;
+        }
+        let place = place(request.headers(), method, self.0.sample_ratio)?;
+        let route = request.extensions().get::<MatchedPath>().map(MatchedPath::as_str);
+        let word = standard(method);
+        let name = route.map_or_else(|| word.to_owned(), |route| format!("{word} {route}"));
+        let now = SystemTime::now();
+        let mut draft = Draft::new(name, SpanKind::Server, (now, now))
+            .with("http.request.method", word.to_owned())
+            .with("url.path", path.to_owned())
+            .with("vibrissa.request_id", id.to_owned());
+        if let Some(route) = route {
+            draft = draft.with("http.route", route.to_owned());
+        }
+        Some(RequestSpan { traces: self.clone(), draft, place })
+    }
+}
+
+impl RequestSpan {
+    /// The answer begins.
+    pub(crate) fn answered(self, status: StatusCode) {
+        let mut draft = self.draft.with("http.response.status_code", i64::from(status.as_u16()));
+        draft.end = SystemTime::now().max(draft.start);
+        if status.is_server_error() {
+            draft = draft.with("error.type", status.as_u16().to_string());
+            draft.status = Status::error("");
+        }
+        self.traces.tell(draft, self.place);
+    }
+}
+
+/// The caller's trace, if it has one and has it recorded; else a new one of those that are.
+fn place(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<Place> {
+    let new = RandomIdGenerator::default();
+    let told = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
+    let told = told.span().span_context().clone();
+    if told.is_valid() {
+        let place = Place { trace: told.trace_id(), span: new.new_span_id(), parent: told.span_id() };
+        return told.is_sampled().then_some(place);
+    }
+    let trace = new.new_trace_id();
+    let [.., a, b, c, d] = trace.to_bytes();
+    let share = f64::from(u32::from_be_bytes([a, b, c, d])) / (f64::from(u32::MAX) + 1.0);
+    let is_sampled = !method.is_safe() || share < sample_ratio;
+    is_sampled.then(|| Place { trace, span: new.new_span_id(), parent: SpanId::INVALID })
+}
+
+/// The method in OpenTelemetry's words.
+fn standard(method: &Method) -> &str {
+    const STANDARD: [Method; 9] = [
+        Method::GET,
+        Method::POST,
+        Method::PUT,
+        Method::DELETE,
+        Method::PATCH,
+        Method::HEAD,
+        Method::OPTIONS,
+        Method::CONNECT,
+        Method::TRACE,
+    ];
+    if STANDARD.contains(method) { method.as_str() } else { "_OTHER" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(traceparent: &str) -> HeaderMap {
+        HeaderMap::from_iter([("traceparent".parse().unwrap(), traceparent.parse().unwrap())])
+    }
+
+    #[test]
+    fn a_callers_trace_is_gone_on_with_and_its_wish_not_to_be_traced_respected() {
+        // The example of W3C's Trace Context.
+        let text = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
+        let place = place(&headers(text), &Method::GET, 0.0).unwrap();
+        assert_eq!(place.trace.to_string(), "0af7651916cd43dd8448eb211c80319c");
+        assert_eq!(place.parent.to_string(), "b7ad6b7169203331");
+        let unrecorded = text.replace("-01", "-00");
+        assert!(super::place(&headers(&unrecorded), &Method::POST, 1.0).is_none());
+    }
+
+    #[test]
+    fn what_changes_something_is_always_traced_and_looking_by_its_share() {
+        let traced = |headers: &HeaderMap, method: &Method, ratio: f64| {
+            (0..1000).filter(|_| place(headers, method, ratio).is_some()).count()
+        };
+        let none = HeaderMap::new();
+        assert_eq!(traced(&none, &Method::GET, 0.0), 0);
+        assert_eq!(traced(&none, &Method::GET, 1.0), 1000);
+        assert_eq!(traced(&none, &Method::POST, 0.0), 1000);
+        assert_eq!(traced(&headers("nonsense"), &Method::PUT, 0.0), 1000);
+        // Six standard deviations to either side.
+        assert!((205..=395).contains(&traced(&none, &Method::GET, 0.3)));
+    }
+
+    #[test]
+    fn methods_that_callers_make_up_are_one_word() {
+        assert_eq!(standard(&Method::GET), "GET");
+        assert_eq!(standard(&Method::from_bytes(b"BREW").unwrap()), "_OTHER");
+    }
+}

@@ -1,0 +1,131 @@
+//! One span: what it tells, and its place in a trace.
+
+use std::borrow::Cow;
+use std::time::{Duration, SystemTime};
+
+use opentelemetry::trace::{Event, SpanContext, SpanId, SpanKind, Status, TraceFlags, TraceId, TraceState};
+use opentelemetry::{KeyValue, Value};
+use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator, SpanData, SpanEvents, SpanLinks};
+use uuid::Uuid;
+use vibrissa_core::units::Micros;
+
+use super::Traces;
+
+/// What a span tells, wherever it belongs.
+#[derive(Debug, Clone)]
+pub(super) struct Draft {
+    pub(super) name: Cow<'static, str>,
+    pub(super) kind: SpanKind,
+    pub(super) start: SystemTime,
+    pub(super) end: SystemTime,
+    pub(super) attributes: Vec<KeyValue>,
+    pub(super) events: Vec<Event>,
+    pub(super) status: Status,
+}
+
+/// Where it belongs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) trace: TraceId,
+    pub(super) span: SpanId,
+    /// [`SpanId::INVALID`] for the root of a trace.
+    pub(super) parent: SpanId,
+}
+
+impl Draft {
+    /// From then to then; a clock that was set back makes it no shorter than nothing.
+    pub(super) fn new(
+        name: impl Into<Cow<'static, str>>,
+        kind: SpanKind,
+        (start, end): (SystemTime, SystemTime),
+    ) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            start,
+            end: end.max(start),
+            attributes: Vec::new(),
+            events: Vec::new(),
+            status: Status::Unset,
+        }
+    }
+
+    /// With one attribute more.
+    pub(super) fn with(mut self, key: &'static str, value: impl Into<Value>) -> Self {
+        self.attributes.push(KeyValue::new(key, value));
+        self
+    }
+}
+
+impl Place {
+    /// The root of the trace of what has that name.
+    pub(super) fn root(name: Uuid) -> Self {
+        let bytes = name.into_bytes();
+        let [.., a, b, c, d, e, f, g, h] = bytes;
+        // The second half of a name begins with its variant, and is never zero.
+        let span = SpanId::from_bytes([a, b, c, d, e, f, g, h]);
+        Self { trace: TraceId::from_bytes(bytes), span, parent: SpanId::INVALID }
+    }
+
+    /// A new place under this one.
+    pub(super) fn child(self) -> Self {
+        Self { span: RandomIdGenerator::default().new_span_id(), parent: self.span, ..self }
+    }
+}
+
+impl Traces {
+    /// Sends a span, if there is room for it.
+    pub(super) fn tell(&self, draft: Draft, place: Place) {
+        let mut events = SpanEvents::default();
+        events.events = draft.events;
+        self.submit(SpanData {
+            span_context: SpanContext::new(place.trace, place.span, TraceFlags::SAMPLED, false, TraceState::default()),
+            parent_span_id: place.parent,
+            parent_span_is_remote: false,
+            span_kind: draft.kind,
+            name: draft.name,
+            start_time: draft.start,
+            end_time: draft.end,
+            attributes: draft.attributes,
+            dropped_attributes_count: 0,
+            events,
+            links: SpanLinks::default(),
+            status: draft.status,
+            instrumentation_scope: self.0.scope.clone(),
+        });
+    }
+}
+
+/// A time of the service as one of the system.
+pub(super) fn time(at: Micros) -> SystemTime {
+    SystemTime::UNIX_EPOCH + Duration::from_micros(at.0)
+}
+
+/// Attributes that not everything has.
+pub(super) fn known<const N: usize>(some: [(&'static str, Option<Value>); N]) -> impl Iterator<Item = KeyValue> {
+    some.into_iter().filter_map(|(key, value)| Some(KeyValue::new(key, value?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setpoints_trace_has_its_name_and_its_root_is_found_again() {
+        let name: Uuid = "6f1d6c0e-41b0-5d83-9a1e-776962726973".parse().unwrap();
+        let root = Place::root(name);
+        assert_eq!(root.trace.to_string(), name.simple().to_string());
+        assert_eq!((root.span, root.parent), (Place::root(name).span, SpanId::INVALID));
+        assert_eq!(root.span.to_string(), "9a1e776962726973");
+        let (one, other) = (root.child(), root.child());
+        assert_eq!((one.trace, one.parent), (root.trace, root.span));
+        assert_ne!(one.span, other.span);
+    }
+
+    #[test]
+    fn a_span_never_ends_before_it_begins() {
+        let start = time(Micros(2_000_000));
+        let draft = Draft::new("x", SpanKind::Internal, (start, time(Micros(1_000_000))));
+        assert_eq!(draft.end, start);
+    }
+}

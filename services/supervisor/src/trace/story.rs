@@ -1,0 +1,233 @@
+//! What a step of the core is told as: what it was about, and what came of it.
+
+use std::time::SystemTime;
+
+use opentelemetry::trace::{Event as SpanEvent, SpanKind};
+use opentelemetry::{KeyValue, Value};
+use vibrissa_core::robot::effect::{Command, CommandState, ContactRecord, Decision, Effect, Trim, WhiskerIndex};
+use vibrissa_core::robot::{Event, Robot};
+use vibrissa_core::units::{Megapascal, Micros};
+use vibrissa_edge::words::Word;
+use vibrissa_protocol::{Name, RobotTopic};
+
+use super::span::{Draft, known, time};
+use crate::engine::wide_id;
+use crate::store::actions::Action;
+
+/// A step that the core has taken.
+pub(crate) struct Step<'a> {
+    /// The fleet.
+    pub(crate) fleet: &'a Name,
+    /// The robot.
+    pub(crate) name: &'a Name,
+    /// Its number in the database.
+    pub(crate) robot_id: i64,
+    /// As it is after the step.
+    pub(crate) robot: &'a Robot,
+    /// When the message was received, or what time was told.
+    pub(crate) now: Micros,
+    /// What happened.
+    pub(crate) event: &'a Event<'a>,
+    /// What came of it.
+    pub(crate) effects: &'a [Effect],
+}
+
+/// What an operator has asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Asked {
+    action_id: i64,
+    request_id: String,
+    kind: String,
+    /// When, by the clock of the supervisor that was asked.
+    pub(super) asked: SystemTime,
+}
+
+impl Asked {
+    /// The same, of an action in the mailbox.
+    pub(crate) fn of(action: &Action) -> Self {
+        let asked = time(Micros(u64::try_from(action.asked_us).unwrap_or_default()));
+        let (request_id, kind) = (action.request_id.clone(), action.kind.clone());
+        Self { action_id: action.action_id, request_id, kind, asked }
+    }
+
+    pub(super) fn attributes(&self) -> [KeyValue; 3] {
+        [
+            KeyValue::new("vibrissa.action_id", self.action_id),
+            KeyValue::new("vibrissa.action", self.kind.clone()),
+            KeyValue::new("vibrissa.request_id", self.request_id.clone()),
+        ]
+    }
+}
+
+/// Whether there is anything to tell: of ordinary contacts there is not.
+pub(crate) fn is_told(effects: &[Effect]) -> bool {
+    effects.iter().any(|effect| {
+        matches!(
+            effect,
+            Effect::Condition { .. }
+                | Effect::Trim(_)
+                | Effect::Decided(_)
+                | Effect::Command(_)
+                | Effect::CommandState { .. }
+        )
+    })
+}
+
+/// Whether nothing more is to be heard of a setpoint.
+pub(super) fn is_final(state: CommandState) -> bool {
+    match state {
+        CommandState::Pending | CommandState::Received | CommandState::Applying => false,
+        CommandState::Applied
+        | CommandState::Rejected
+        | CommandState::Failed
+        | CommandState::Superseded
+        | CommandState::Expired
+        | CommandState::Abandoned => true,
+    }
+}
+
+/// The step as a span, from when the message was received until now.
+pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
+    let (what, boot_id, seq) = match *step.event {
+        Event::Contacts { boot_id, seq, .. } => (Some(RobotTopic::Contacts), Some(boot_id), Some(seq)),
+        Event::Setpoint { boot_id, .. } => (Some(RobotTopic::SetpointState), Some(boot_id), None),
+        Event::Status { boot_id, .. } => (Some(RobotTopic::Status), Some(boot_id), None),
+        Event::Connection { boot_id, .. } => (Some(RobotTopic::Connection), Some(boot_id), None),
+        Event::Factsheet { boot_id, .. } => (Some(RobotTopic::Factsheet), Some(boot_id), None),
+        Event::Operator(_) | Event::PolicyChanged | Event::Tick => (None, None, None),
+    };
+    let period = (time(step.now), SystemTime::now());
+    let mut draft = match (what, asked) {
+        (Some(topic), _) => {
+            let draft = Draft::new(format!("process {topic}"), SpanKind::Consumer, period);
+            messaging(draft, topic, step.fleet, step.name, "process")
+        }
+        (None, Some(asked)) => {
+            let mut draft = Draft::new("carry out action", SpanKind::Internal, period);
+            draft.attributes.extend(asked.attributes());
+            draft
+        }
+        (None, None) => Draft::new("tick", SpanKind::Internal, period),
+    };
+    draft.attributes.extend(known([
+        ("vibrissa.boot_id", boot_id.map(|boot_id| boot_id.to_owned().into())),
+        ("vibrissa.seq", seq.map(whole)),
+    ]));
+    draft.events = verdicts(step, draft.end);
+    draft
+}
+
+/// A span about a message, in OpenTelemetry's words for messaging.
+pub(super) fn messaging(draft: Draft, topic: RobotTopic, fleet: &Name, robot: &Name, operation: &'static str) -> Draft {
+    let kind = if operation == "process" { "process" } else { "send" };
+    draft
+        .with("messaging.system", "mqtt")
+        .with("messaging.operation.name", operation)
+        .with("messaging.operation.type", kind)
+        .with("messaging.destination.name", topic.of(fleet, robot).to_string())
+        .with("messaging.destination.template", format!("whisker/v1/{{fleet}}/{{robot}}/{topic}"))
+}
+
+/// What was found and decided, in its order.
+fn verdicts(step: &Step<'_>, at: SystemTime) -> Vec<SpanEvent> {
+    let mut felt: Option<&ContactRecord> = None;
+    let mut told = Vec::new();
+    let mut tell = |name: &'static str, attributes| told.push(SpanEvent::new(name, at, attributes, 0));
+    for effect in step.effects {
+        if let Effect::Contact(contact) = effect {
+            felt = Some(contact);
+        } else if let Effect::Condition { whisker, from, to } = effect {
+            let mut attributes = whisker_of(step.robot, *whisker);
+            attributes.push(KeyValue::new("vibrissa.condition_before", from.word()));
+            attributes.push(KeyValue::new("vibrissa.condition", to.word()));
+            attributes.extend(felt.filter(|felt| felt.whisker == *whisker).into_iter().flat_map(contact));
+            tell("condition", attributes);
+        } else if let Effect::Trim(trim) = effect {
+            tell("trimmed", trimmed(step, trim));
+        } else if let Effect::Decided(decision) = effect {
+            tell("decided", decided(step, decision));
+        }
+    }
+    told
+}
+
+/// The contact that tipped the scales.
+fn contact(felt: &ContactRecord) -> impl Iterator<Item = KeyValue> + use<> {
+    known([
+        ("vibrissa.contact_position", Some(whole(felt.position as u64))),
+        ("vibrissa.standardised_innovation", felt.standardised.map(Value::from)),
+        ("vibrissa.length_mm", Some(felt.length.length.mm().into())),
+        ("vibrissa.length_sd_mm", Some(felt.length.sd_mm.into())),
+    ])
+}
+
+fn trimmed(step: &Step<'_>, trim: &Trim) -> Vec<KeyValue> {
+    let mut attributes = whisker_of(step.robot, trim.whisker);
+    attributes.extend([
+        KeyValue::new("vibrissa.trim_id", wide_id(step.robot_id, trim.id)),
+        KeyValue::new("vibrissa.length_before_mm", trim.length_before.mm()),
+        KeyValue::new("vibrissa.length_mm", trim.length_after.length.mm()),
+        KeyValue::new("vibrissa.length_sd_mm", trim.length_after.sd_mm),
+        KeyValue::new("vibrissa.contacts_to_detect", i64::from(trim.contacts_to_detect)),
+    ]);
+    attributes
+}
+
+fn decided(step: &Step<'_>, decision: &Decision) -> Vec<KeyValue> {
+    let chosen = decision.chosen.and_then(|at| decision.candidates.get(at));
+    let mut attributes = whisker_of(step.robot, decision.target);
+    attributes.extend([
+        KeyValue::new("vibrissa.compensation_id", wide_id(step.robot_id, decision.compensation)),
+        KeyValue::new("vibrissa.case", chosen.map_or("NONE", |chosen| chosen.case.word())),
+        KeyValue::new("vibrissa.candidates", whole(decision.candidates.len() as u64)),
+        KeyValue::new("vibrissa.waits_for_approval", decision.proposed),
+    ]);
+    let number = chosen.and_then(|chosen| step.robot.whisker(chosen.whisker)).map(|view| view.sheet.number);
+    attributes.extend(known([
+        ("vibrissa.compensator", number.map(|number| i64::from(number).into())),
+        ("vibrissa.predicted_error", chosen.and_then(|chosen| chosen.predicted_error).map(Value::from)),
+        ("vibrissa.pressure_mpa", chosen.and_then(|chosen| chosen.pressure).map(Megapascal::mpa).map(Value::from)),
+    ]));
+    attributes
+}
+
+/// Which whisker.
+pub(super) fn whisker_of(robot: &Robot, whisker: WhiskerIndex) -> Vec<KeyValue> {
+    robot.whisker(whisker).map_or_else(Vec::new, |view| {
+        vec![
+            KeyValue::new("vibrissa.array", view.array.to_owned()),
+            KeyValue::new("vibrissa.whisker", i64::from(view.sheet.number)),
+        ]
+    })
+}
+
+/// Which robot.
+pub(super) fn robot_of(fleet: &Name, robot: &Name) -> [KeyValue; 2] {
+    [KeyValue::new("vibrissa.fleet", fleet.to_string()), KeyValue::new("vibrissa.robot", robot.to_string())]
+}
+
+/// What a setpoint says.
+pub(super) fn setpoint(robot: &Robot, robot_id: i64, command: &Command, command_id: String) -> Vec<KeyValue> {
+    let mut attributes = whisker_of(robot, command.whisker);
+    attributes.extend([
+        KeyValue::new("vibrissa.command_id", command_id),
+        KeyValue::new("vibrissa.epoch", whole(command.key.epoch)),
+        KeyValue::new("vibrissa.version", whole(command.key.version)),
+        KeyValue::new("vibrissa.reason", command.reason.word()),
+        KeyValue::new("vibrissa.pressure_mpa", command.pressure.mpa()),
+    ]);
+    attributes.extend(known([(
+        "vibrissa.compensation_id",
+        command.compensation.map(|number| wide_id(robot_id, number).into()),
+    )]));
+    attributes
+}
+
+/// A pressure that was told.
+pub(super) fn known_pressure(pressure: Option<Megapascal>) -> impl Iterator<Item = KeyValue> {
+    known([("vibrissa.pressure_mpa", pressure.map(|pressure| pressure.mpa().into()))])
+}
+
+fn whole(number: u64) -> Value {
+    i64::try_from(number).unwrap_or(i64::MAX).into()
+}

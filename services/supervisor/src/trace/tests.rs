@@ -1,0 +1,115 @@
+use std::sync::Mutex;
+
+use opentelemetry::trace::Status;
+use opentelemetry_sdk::error::OTelSdkResult;
+use vibrissa_core::robot::effect::{Command, CommandKey, CommandState, Effect, Reason};
+use vibrissa_core::robot::{Event, Numbers, Robot};
+use vibrissa_core::units::{Megapascal, Micros};
+use vibrissa_protocol::Name;
+
+use super::*;
+use crate::engine::Ending;
+
+/// Keeps what it is given.
+#[derive(Debug, Clone, Default)]
+struct Kept(Arc<Mutex<Vec<SpanData>>>);
+
+impl SpanExporter for Kept {
+    async fn export(&self, batch: Vec<SpanData>) -> OTelSdkResult {
+        self.0.lock().unwrap().extend(batch);
+        Ok(())
+    }
+}
+
+fn kept() -> (Traces, Kept) {
+    let kept = Kept::default();
+    let traces = Traces(Arc::new(Inner {
+        processor: processor(kept.clone()),
+        scope: InstrumentationScope::default(),
+        queued: Arc::default(),
+        dropped: IntCounter::new("dropped", "spans").unwrap(),
+        sample_ratio: 1.0,
+        database: "sqlite",
+    }));
+    (traces, kept)
+}
+
+/// The names of the spans that were told so far.
+fn told(traces: &Traces, kept: &Kept) -> Vec<String> {
+    traces.0.processor.force_flush().unwrap();
+    kept.0.lock().unwrap().iter().map(|span| span.name.to_string()).collect()
+}
+
+const KEY: CommandKey = CommandKey { epoch: 1, version: 7 };
+
+fn command() -> Effect {
+    Effect::Command(Box::new(Command {
+        key: KEY,
+        whisker: 0,
+        robot_boot_id: "b".to_owned(),
+        pressure: Megapascal::known(0.05),
+        slew_mpa_per_s: 0.02,
+        issued: Micros(1_000_000),
+        expires: Micros(9_000_000),
+        reason: Reason::Refinement,
+        compensation: None,
+        gain: None,
+    }))
+}
+
+fn step(lives: &mut Lives, effect: Effect) {
+    let (fleet, name) = (Name::new("f").unwrap(), Name::robot("r").unwrap());
+    let robot = Robot::new(1, Numbers::default());
+    let (now, event, effects) = (Micros(1_000_000), &Event::Tick, &[effect]);
+    assert!(is_told(effects));
+    lives.stepped(&Step { fleet: &fleet, name: &name, robot_id: 1, robot: &robot, now, event, effects });
+}
+
+#[test]
+fn nothing_is_told_that_is_not_committed() {
+    let (traces, kept) = kept();
+    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut lives, command());
+    assert_eq!(told(&traces, &kept), [""; 0]);
+    lives.end(Ending::LeaseLost);
+    assert_eq!(told(&traces, &kept), [""; 0]);
+}
+
+#[test]
+fn a_setpoint_that_is_given_away_has_no_root_yet() {
+    let (traces, kept) = kept();
+    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut lives, command());
+    lives.committed(Duration::ZERO);
+    lives.end(Ending::LeaseLost);
+    assert_eq!(told(&traces, &kept), ["tick", "commit", "hand over"]);
+}
+
+#[test]
+fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
+    let (traces, kept) = kept();
+    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut lives, command());
+    lives.committed(Duration::ZERO);
+    let state = CommandState::Expired;
+    step(&mut lives, Effect::CommandState { command: KEY, state, rejection: None, pressure: None });
+    lives.committed(Duration::ZERO);
+    lives.end(Ending::Stopped);
+    assert_eq!(told(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);
+    let spans = kept.0.lock().unwrap();
+    let root = spans.last().unwrap();
+    assert_eq!(root.status, Status::error("EXPIRED"));
+    assert!(spans[..4].iter().all(|span| span.parent_span_id == root.span_context.span_id()));
+}
+
+#[test]
+fn beyond_its_bound_the_queue_drops_and_counts() {
+    let (traces, kept) = kept();
+    let root = span::Place::root(uuid::Uuid::from_u128(1 << 64 | 1));
+    for _ in 0..QUEUE_SPANS + 10 {
+        let now = std::time::SystemTime::now();
+        traces.tell(span::Draft::new("x", opentelemetry::trace::SpanKind::Internal, (now, now)), root.child());
+    }
+    assert_eq!(traces.0.dropped.get(), 10);
+    assert_eq!(told(&traces, &kept).len(), QUEUE_SPANS);
+}
