@@ -116,5 +116,5 @@ async fn a_database_of_the_version_before_goes_on_with_higher_epochs() {
     }
     store.prepare().await.unwrap();
     let lease = store.writer().acquire(&crate::supervisor("s"), &crate::fleet()).await.unwrap().unwrap();
-    assert_eq!(lease.epoch(), 8);
+    assert!(lease.epoch() > 7);
 }

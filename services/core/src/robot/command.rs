@@ -4,7 +4,7 @@ use super::Robot;
 use super::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{Link, Rejection, SetpointReport};
 use super::params::Params;
-use super::whisker::{Desired, InFlight};
+use super::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
 /// Pressures closer than this are the same setpoint, MPa.
@@ -52,7 +52,9 @@ impl Robot {
                 }
                 return;
             }
-        } else if (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA {
+        } else if whisker.holds != Holds::Stray
+            && (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
+        {
             if desired.reason == Reason::Release || by_hand {
                 whisker.desired = None;
                 whisker.changed = true;
@@ -139,6 +141,7 @@ impl Robot {
         whisker.given_up = true;
         whisker.changed = true;
         whisker.desired = None;
+        whisker.holds = Holds::Known;
         // Also what is only proposed: it could not be carried out.
         self.end_as_compensator(index, EndReason::SetpointFailed, |_| true, effects);
     }
@@ -197,6 +200,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let Some(flight) = whisker.command.take() else { return };
         whisker.pressure_set(flight.command.pressure, params);
+        whisker.holds = Holds::Known;
         whisker.air.measured = Some(reached);
         whisker.attempts = 0;
         if flight.command.reason == Reason::Operator {
@@ -228,6 +232,11 @@ impl Robot {
         match rejection {
             // Another try can succeed: with a new number, a new expiry.
             Rejection::Expired | Rejection::NotReady => {}
+            // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
+            // What an operator asked then is not asked now.
+            Rejection::Stale if key.epoch < self.epoch => {
+                self.whiskers[index].desired.take_if(|desired| desired.reason == Reason::Operator);
+            }
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.

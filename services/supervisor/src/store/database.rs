@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool};
 use sqlx::{ConnectOptions, SqlSafeStr};
@@ -113,7 +113,13 @@ impl Pool {
                 .await
             }
         }
-        .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })
+        .map_err(|source| {
+            let database = database.to_owned();
+            if let MigrateError::VersionMissing(version) = source {
+                return StoreError::TooNew { database, version };
+            }
+            StoreError::Migrate { database, source }
+        })
     }
 }
 
