@@ -53,7 +53,7 @@ pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
 }
 
 /// The layout, and the states as the core has them.
-fn states(numbered: &Numbered) -> Batch {
+pub(crate) fn states(numbered: &Numbered) -> Batch {
     let whisker = |index: usize| WhiskerRow {
         whisker_id: numbered.whisker_ids[index],
         position: index as i64,
