@@ -151,7 +151,8 @@ fn a_setpoint_of_a_former_epoch_that_is_stale_is_made_anew_and_one_of_this_epoch
     let mut taken = taken.again(3);
     taken.now = taken.now.after(Micros::from_s(5.0));
     let effects = taken.reports(&sent[0], SetpointReport::Rejected(Rejection::Stale));
-    let anew = commands(effects);
+    assert_eq!(taken.robot.whisker(0).unwrap().standing.kinds().count(), 0, "{effects:?}");
+    let anew = taken.holds(STRAY_MPA);
     assert_eq!(anew.len(), 1, "{anew:?}");
     assert_eq!((anew[0].key.epoch, anew[0].pressure.mpa()), (3, NOMINAL_MPA));
     assert!(anew[0].key.version > sent[0].key.version);

@@ -161,7 +161,10 @@ async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
 #[tokio::test]
 async fn a_sqlite_of_the_first_version_goes_on_with_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
-    of_the_first_version("sqlite", &DatabaseAddress::Sqlite(folder.path().join("v.sqlite3"))).await;
+    let path = folder.path().join("v.sqlite3");
+    // A database without anything in it.
+    std::fs::File::create(&path).unwrap();
+    of_the_first_version("sqlite", &DatabaseAddress::Sqlite(path)).await;
 }
 
 #[tokio::test]
