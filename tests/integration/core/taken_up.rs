@@ -6,7 +6,7 @@ use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport, WhiskerSheet,
     WhiskerStatus,
 };
-use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Robot, Scope};
+use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place, Robot, Scope};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 
 const NOMINAL_MPA: f64 = 0.1;
@@ -160,4 +160,27 @@ fn a_setpoint_of_a_former_epoch_that_is_stale_is_made_anew_and_one_of_this_epoch
     let is_told = |effect: &Effect| matches!(effect, Effect::Alarm { kind: AlarmKind::SetpointFailed, .. });
     assert!(effects.iter().any(is_told), "{effects:?}");
     assert_eq!(taken.holds(STRAY_MPA), []);
+}
+
+/// What an operator asked for hours ago, as far as a restored database knows, is not asked now.
+#[test]
+fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
+    let refused = |taken: &mut Taken, command: &Command| {
+        taken.reports(command, SetpointReport::Rejected(Rejection::Stale));
+    };
+    let expired = |taken: &mut Taken, _: &Command| taken.now = taken.now.after(Micros::from_s(3600.0));
+    let ways: [&dyn Fn(&mut Taken, &Command); 2] = [&refused, &expired];
+    for end in ways {
+        let mut asked = Taken::first_met();
+        asked.holds(NOMINAL_MPA);
+        let whisker = Place { array: "left", whisker: 0 };
+        let effects = asked.step(&Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.06 }));
+        let sent = commands(effects);
+        assert_eq!(sent.len(), 1, "{sent:?}");
+        let mut taken = asked.again(2);
+        end(&mut taken, &sent[0]);
+        assert_eq!(taken.holds(NOMINAL_MPA), []);
+        assert_eq!(taken.holds(NOMINAL_MPA), []);
+        assert!(taken.robot.whisker(0).unwrap().held, "it stays held");
+    }
 }

@@ -75,7 +75,7 @@ impl Robot {
     /// Manual setpoints that were not answered: they are not sent later.
     pub(super) fn forget_manual(&mut self) {
         for whisker in &mut self.whiskers {
-            whisker.changed |= whisker.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+            whisker.forget_manual();
         }
     }
 
@@ -132,6 +132,10 @@ impl Robot {
         if let Some(flight) = whisker.command.take_if(|flight| robot_time > flight.command.expires) {
             whisker.changed = true;
             effects.push(state_of(flight.command.key, CommandState::Expired));
+            if flight.command.key.epoch < self.epoch {
+                // Asked of a supervisor that is no more, who knows how long ago.
+                whisker.forget_manual();
+            }
         }
     }
 
@@ -234,9 +238,7 @@ impl Robot {
             Rejection::Expired | Rejection::NotReady => {}
             // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
             // What an operator asked then is not asked now.
-            Rejection::Stale if key.epoch < self.epoch => {
-                self.whiskers[index].desired.take_if(|desired| desired.reason == Reason::Operator);
-            }
+            Rejection::Stale if key.epoch < self.epoch => self.whiskers[index].forget_manual(),
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
@@ -259,6 +261,10 @@ impl Robot {
 }
 
 impl super::Whisker {
+    fn forget_manual(&mut self) {
+        self.changed |= self.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+    }
+
     fn is_under_way(&self, key: CommandKey) -> bool {
         self.command.as_ref().is_some_and(|flight| flight.command.key == key)
     }
