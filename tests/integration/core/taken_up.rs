@@ -165,12 +165,7 @@ fn a_setpoint_of_a_former_epoch_that_is_stale_is_made_anew_and_one_of_this_epoch
 /// What an operator asked for hours ago, as far as a restored database knows, is not asked now.
 #[test]
 fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
-    let refused = |taken: &mut Taken, command: &Command| {
-        taken.reports(command, SetpointReport::Rejected(Rejection::Stale));
-    };
-    let expired = |taken: &mut Taken, _: &Command| taken.now = taken.now.after(Micros::from_s(3600.0));
-    let ways: [&dyn Fn(&mut Taken, &Command); 2] = [&refused, &expired];
-    for end in ways {
+    for is_refused in [true, false] {
         let mut asked = Taken::first_met();
         asked.holds(NOMINAL_MPA);
         let whisker = Place { array: "left", whisker: 0 };
@@ -178,7 +173,11 @@ fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
         let sent = commands(effects);
         assert_eq!(sent.len(), 1, "{sent:?}");
         let mut taken = asked.again(2);
-        end(&mut taken, &sent[0]);
+        if is_refused {
+            taken.reports(&sent[0], SetpointReport::Rejected(Rejection::Stale));
+        } else {
+            taken.now = taken.now.after(Micros::from_s(3600.0));
+        }
         assert_eq!(taken.holds(NOMINAL_MPA), []);
         assert_eq!(taken.holds(NOMINAL_MPA), []);
         assert!(taken.robot.whisker(0).unwrap().held, "it stays held");
