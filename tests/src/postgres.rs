@@ -77,6 +77,14 @@ impl Postgres {
         PgConnectOptions::new().host("127.0.0.1").port(self.port).username(USER).database(database)
     }
 
+    /// One of PostgreSQL's client programs, told where the server is and whom to be.
+    #[must_use]
+    pub fn client(&self, program: &str) -> Command {
+        let mut client = Command::new(path_of(program));
+        client.env("PGHOST", "127.0.0.1").env("PGPORT", self.port.to_string()).env("PGUSER", USER);
+        client
+    }
+
     /// Kills the server with all its processes, as a power failure would: nothing can be tidied up.
     ///
     /// # Panics

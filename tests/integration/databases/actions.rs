@@ -76,7 +76,7 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     let answer = answered(&other.store, &other.mailroom, &action).await;
     assert_eq!(answer.state, "DONE", "{answer:?}");
     let (setpoint, _) = robot.setpoint().await;
-    assert_eq!((setpoint.whisker, setpoint.pressure_mpa, setpoint.epoch), (1, 0.05, 1));
+    assert_eq!((setpoint.whisker, setpoint.pressure_mpa), (1, 0.05));
     assert!(owns(&owner) && !owns(&other));
     // It takes the fleet over with its holds.
     owner.stop().await;

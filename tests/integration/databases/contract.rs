@@ -333,3 +333,30 @@ async fn a_batch_is_written_whole_or_not_at_all_on_sqlite() {
 async fn a_batch_is_written_whole_or_not_at_all_on_postgres() {
     all_or_nothing(&Fresh::postgres().await).await;
 }
+
+/// Kept outside their rows, states that are written again and again would grow a table that is never vacuumed in time.
+#[tokio::test]
+async fn regress_states_that_are_written_again_and_again_take_no_more_room() {
+    let database = Fresh::postgres().await;
+    let mut writer = database.store.writer();
+    let mut own = supervisor("a");
+    own.time_to_live = std::time::Duration::from_secs(60);
+    writer.sign_in(&own, &[]).await.unwrap();
+    let lease = writer.acquire(&own, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer, &lease).await;
+    let server = database.server.as_ref().unwrap();
+    let mut link = sqlx::ConnectOptions::connect(&server.connect()).await.unwrap();
+    sqlx::query("ALTER TABLE whiskers SET (autovacuum_enabled = false, toast.autovacuum_enabled = false)")
+        .execute(&mut link)
+        .await
+        .unwrap();
+    for _ in 0..200 {
+        let mut states = rows::states(&robot);
+        assert!(states.whiskers[0].state.len() > 2048, "as large as those that matter");
+        states.layouts.clear();
+        writer.commit(&lease, &states).await.unwrap();
+    }
+    let bytes: i64 =
+        sqlx::query_scalar("SELECT pg_total_relation_size('whiskers')").fetch_one(&mut link).await.unwrap();
+    assert!(bytes < 300_000, "{bytes} bytes for two whiskers");
+}

@@ -15,7 +15,6 @@ async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live()
     let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
     writer_a.sign_in(&a, &[]).await.unwrap();
     let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
-    assert_eq!(lease.epoch(), 1);
     let begun = std::time::Instant::now();
     // Renewed, it is nobody else's for longer than its time to live.
     while begun.elapsed() < a.time_to_live * 2 {
@@ -30,10 +29,10 @@ async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live()
     let taken = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
     let after = silent.elapsed();
     assert!(after > a.time_to_live - Duration::from_millis(50), "{after:?}");
-    assert_eq!(taken.epoch(), 2);
+    assert!(taken.epoch() > lease.epoch());
     assert!(!lease.is_fresh() && taken.is_fresh());
     let roll = writer_b.sign_in(&b, std::slice::from_ref(&taken)).await.unwrap();
-    assert_eq!((roll.leases[0].epoch, roll.leases[0].holder.as_deref()), (2, Some("supervisor b")));
+    assert_eq!((roll.leases[0].epoch, roll.leases[0].holder.as_deref()), (taken.epoch(), Some("supervisor b")));
 }
 
 #[tokio::test]
@@ -44,7 +43,7 @@ async fn what_is_given_back_can_be_had_at_once() {
     writer_a.sign_in(&a, &[]).await.unwrap();
     let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
     writer_a.release(&lease).await.unwrap();
-    assert_eq!(writer_b.acquire(&b, &fleet()).await.unwrap().unwrap().epoch(), 2);
+    assert!(writer_b.acquire(&b, &fleet()).await.unwrap().unwrap().epoch() > lease.epoch());
     // Given back twice, it stays the new owner's.
     writer_a.release(&lease).await.unwrap();
     assert!(writer_a.acquire(&a, &fleet()).await.unwrap().is_none());
@@ -61,7 +60,7 @@ async fn the_dispossessed_write_nothing(database: &Fresh) {
     let new = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
 
     let refused = writer_a.commit(&old, &contacts(&robot, 3..5)).await.unwrap_err();
-    assert!(matches!(refused, StoreError::LeaseLost { epoch: 1, .. }), "{refused}");
+    assert!(matches!(refused, StoreError::LeaseLost { epoch, .. } if epoch == old.epoch()), "{refused}");
     for problem in [
         writer_a.robot_id(&old, "another").await.map(drop),
         writer_a.boot(&old, robot.robot_id, "another", 0).await.map(drop),

@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod actions;
+mod backup;
 mod contract;
 mod leases;
+mod restore;
 mod rows;
 mod schema;
 mod supervisors;

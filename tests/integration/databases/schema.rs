@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use sqlx::{ConnectOptions, Row};
-use vibrissa::store::DatabaseAddress;
+use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa::store::{DatabaseAddress, StoreError};
+use vibrissa_tests::postgres::Postgres;
 
 use crate::Fresh;
 
@@ -79,42 +81,122 @@ fn migrations_have_the_same_numbers_and_names_and_every_table_is_commented() {
     }
 }
 
-/// A database of the first version, with one robot that was commanded in epoch 7.
+/// A statement or more, on either database.
+async fn execute(address: &DatabaseAddress, sql: &str) {
+    let sql = sqlx::AssertSqlSafe(sql.to_owned());
+    match address {
+        DatabaseAddress::Sqlite(path) => {
+            let mut link = sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap();
+            sqlx::raw_sql(sql).execute(&mut link).await.unwrap();
+        }
+        DatabaseAddress::Postgres(options) => {
+            let mut link = options.connect().await.unwrap();
+            sqlx::raw_sql(sql).execute(&mut link).await.unwrap();
+        }
+    }
+}
+
+/// What the first version of the program has left behind: its table of migrations, and one robot that was commanded in
+/// epoch 7, with one row or more of everything.
+const OF_THE_FIRST_VERSION: &str = "INSERT INTO supervisors (epoch, boot_id, started_us) VALUES (6, 'a', 1), (7, 'b', 2); \
+    INSERT INTO robots (robot_id, fleet, robot) VALUES (1, 'f', 'r'); \
+    INSERT INTO arrays (array_id, robot_id, \"array\", array_type) VALUES (1, 1, 'left', 'TYPE_2'); \
+    INSERT INTO whiskers (whisker_id, array_id, robot_id, whisker, position, x_mm, y_mm, model, whole_length_mm, \
+        nominal_pressure_mpa, pressure_max_mpa, length_mm, length_sd_mm, condition, setpoint_mpa) \
+        VALUES (1, 1, 1, 0, 0, 0, 0, 'nguyen-2021', 70, 0.1, 0.2, 65, 0.2, 'TRIMMED', 0.05); \
+    INSERT INTO boots (boot, robot_id, boot_id, first_seen_us) VALUES (1, 1, 'b1', 3); \
+    INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, pressure_mpa, \
+        used, length_mm, length_sd_mm) VALUES (1, 1, 0, 0, 4, 5, 0.85, 2.4, 0.01, 0.1, 'USED', 70, 0.3); \
+    INSERT INTO trims (trim_id, robot_id, whisker_id, detected_us, length_before_mm, length_after_mm, length_after_sd_mm, \
+        contacts_to_detect) VALUES (4294967296, 1, 1, 6, 70, 65, 0.2, 9); \
+    INSERT INTO compensations (compensation_id, robot_id, target_whisker_id, target_length_mm, target_pressure_mpa, \
+        compensator_whisker_id, compensation_case, decided_us) \
+        VALUES (4294967296, 1, 1, 70, 0.1, 1, 'SELF_COMPENSATION', 6); \
+    INSERT INTO setpoints (command_id, robot_id, whisker_id, compensation_id, epoch, version, robot_boot_id, pressure_mpa, \
+        slew_mpa_per_s, issued_us, expires_us, reason, state) \
+        VALUES ('c', 1, 1, 4294967296, 7, 0, 'b1', 0.05, 0.02, 6, 16, 'SELF_COMPENSATION', 'APPLIED'); \
+    INSERT INTO alarms (whisker_id, raised_us, kind) VALUES (1, 7, 'UNCOMPENSATED')";
+
+/// Brings a database of the first version up to date: everything is there still, and epochs go on above it.
+async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
+    let first = migrations(folder)["0001_supervision.sql"].clone();
+    let applied = sqlx::migrate::Migration::new(
+        1,
+        "supervision".into(),
+        sqlx::migrate::MigrationType::Simple,
+        sqlx::SqlSafeStr::into_sql_str(sqlx::AssertSqlSafe(first.clone())),
+        false,
+    );
+    let checksum: String = applied.checksum.iter().map(|byte| format!("{byte:02x}")).collect();
+    let (blob, checksum) =
+        if folder == "sqlite" { ("BLOB", format!("x'{checksum}'")) } else { ("BYTEA", format!("'\\x{checksum}'")) };
+    execute(address, &first).await;
+    // What PostgreSQL numbers by itself is numbered here.
+    let (values, numbered) = (" VALUES", " OVERRIDING SYSTEM VALUE VALUES");
+    execute(address, &OF_THE_FIRST_VERSION.replace(values, if folder == "sqlite" { values } else { numbered })).await;
+    execute(
+        address,
+        &format!(
+            "CREATE TABLE _sqlx_migrations (version BIGINT PRIMARY KEY, description TEXT NOT NULL, \
+             installed_on TIMESTAMP NOT NULL DEFAULT CURRENT_TIMESTAMP, success BOOLEAN NOT NULL, \
+             checksum {blob} NOT NULL, execution_time BIGINT NOT NULL); \
+             INSERT INTO _sqlx_migrations VALUES (1, 'supervision', CURRENT_TIMESTAMP, TRUE, {checksum}, 0)"
+        ),
+    )
+    .await;
+
+    let store = vibrissa::store::Store::open(address, "test").await.unwrap();
+    store.prepare().await.unwrap();
+    let mut writer = store.writer();
+    writer.sign_in(&crate::supervisor("s"), &[]).await.unwrap();
+    let lease = writer.acquire(&crate::supervisor("s"), &crate::fleet()).await.unwrap().unwrap();
+    assert!(lease.epoch() > 7);
+    let robots = writer.robots(&lease).await.unwrap();
+    assert_eq!((robots.len(), robots[0].numbers.next_trim, robots[0].numbers.next_compensation), (1, 1, 1));
+    assert_eq!(store.contact_count().await.unwrap(), 1);
+    let whiskers = store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap();
+    assert_eq!((whiskers[0].length_mm, whiskers[0].held, whiskers[0].compensated_by), (65.0, false, Some(1 << 32)));
+}
+
 #[tokio::test]
-async fn a_database_of_the_version_before_goes_on_with_higher_epochs() {
+async fn a_sqlite_of_the_first_version_goes_on_with_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("v.sqlite3");
-    let address = DatabaseAddress::Sqlite(path.clone());
-    let store = vibrissa::store::Store::open(&address, "test").await.unwrap();
-    {
-        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(&path);
-        let mut link = options.connect().await.unwrap();
-        let first = migrations("sqlite")["0001_supervision.sql"].clone();
-        sqlx::raw_sql(sqlx::AssertSqlSafe(first.clone())).execute(&mut link).await.unwrap();
-        sqlx::raw_sql(
-            "INSERT INTO supervisors (epoch, boot_id, started_us) VALUES (6, 'a', 1), (7, 'b', 2); \
-             INSERT INTO robots (fleet, robot) VALUES ('f', 'r'); \
-             CREATE TABLE _sqlx_migrations (version BIGINT PRIMARY KEY, description TEXT NOT NULL, \
-             installed_on TIMESTAMP NOT NULL DEFAULT CURRENT_TIMESTAMP, success BOOLEAN NOT NULL, \
-             checksum BLOB NOT NULL, execution_time BIGINT NOT NULL)",
-        )
-        .execute(&mut link)
-        .await
-        .unwrap();
-        let applied = sqlx::migrate::Migration::new(
-            1,
-            "supervision".into(),
-            sqlx::migrate::MigrationType::Simple,
-            sqlx::SqlSafeStr::into_sql_str(sqlx::AssertSqlSafe(first)),
-            false,
-        );
-        sqlx::query("INSERT INTO _sqlx_migrations VALUES (1, 'supervision', CURRENT_TIMESTAMP, TRUE, $1, 0)")
-            .bind(applied.checksum.to_vec())
-            .execute(&mut link)
-            .await
-            .unwrap();
-    }
-    store.prepare().await.unwrap();
-    let lease = store.writer().acquire(&crate::supervisor("s"), &crate::fleet()).await.unwrap().unwrap();
-    assert_eq!(lease.epoch(), 8);
+    // A database without anything in it.
+    std::fs::File::create(&path).unwrap();
+    of_the_first_version("sqlite", &DatabaseAddress::Sqlite(path)).await;
+}
+
+#[tokio::test]
+async fn a_postgres_of_the_first_version_goes_on_with_what_it_has() {
+    let server = Postgres::start().await;
+    of_the_first_version("postgres", &Postgres::url(server.port()).parse().unwrap()).await;
+}
+
+/// In a rolling upgrade a newer program changes the tables first: who works goes on, and who starts says why it cannot.
+async fn of_a_newer_version(database: &Fresh) {
+    let mut writer = database.store.writer();
+    writer.sign_in(&crate::supervisor("s"), &[]).await.unwrap();
+    let lease = writer.acquire(&crate::supervisor("s"), &crate::fleet()).await.unwrap().unwrap();
+    let robot = crate::rows::robot(&mut writer, &lease).await;
+    let newer = "ALTER TABLE robots ADD COLUMN something TEXT; INSERT INTO _sqlx_migrations (version, description, \
+                 success, checksum, execution_time) SELECT 9999, 'newer', success, checksum, 0 FROM _sqlx_migrations \
+                 WHERE version = 1";
+    execute(&database.address, newer).await;
+    writer.commit(&lease, &crate::rows::contacts(&robot, 0..3)).await.unwrap();
+    assert_eq!(database.store.contact_count().await.unwrap(), 3);
+    let problem = database.store.prepare().await.unwrap_err();
+    assert!(matches!(problem, StoreError::TooNew { version: 9999, .. }) && !problem.is_passing(), "{problem}");
+    let said = problem.to_string();
+    assert!(said.contains("newer vibrissa") && said.contains("9999") && said.contains("back-up"), "{said}");
+}
+
+#[tokio::test]
+async fn a_sqlite_of_a_newer_version_is_refused_by_name() {
+    of_a_newer_version(&Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn a_postgres_of_a_newer_version_is_refused_by_name() {
+    of_a_newer_version(&Fresh::postgres().await).await;
 }

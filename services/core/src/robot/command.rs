@@ -4,7 +4,7 @@ use super::Robot;
 use super::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{Link, Rejection, SetpointReport};
 use super::params::Params;
-use super::whisker::{Desired, InFlight};
+use super::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
 /// Pressures closer than this are the same setpoint, MPa.
@@ -52,7 +52,9 @@ impl Robot {
                 }
                 return;
             }
-        } else if (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA {
+        } else if whisker.holds != Holds::Stray
+            && (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
+        {
             if desired.reason == Reason::Release || by_hand {
                 whisker.desired = None;
                 whisker.changed = true;
@@ -73,7 +75,7 @@ impl Robot {
     /// Manual setpoints that were not answered: they are not sent later.
     pub(super) fn forget_manual(&mut self) {
         for whisker in &mut self.whiskers {
-            whisker.changed |= whisker.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+            whisker.forget_manual();
         }
     }
 
@@ -130,6 +132,10 @@ impl Robot {
         if let Some(flight) = whisker.command.take_if(|flight| robot_time > flight.command.expires) {
             whisker.changed = true;
             effects.push(state_of(flight.command.key, CommandState::Expired));
+            if flight.command.key.epoch < self.epoch {
+                // Asked of a supervisor that is no more, who knows how long ago.
+                whisker.forget_manual();
+            }
         }
     }
 
@@ -139,6 +145,7 @@ impl Robot {
         whisker.given_up = true;
         whisker.changed = true;
         whisker.desired = None;
+        whisker.holds = Holds::Known;
         // Also what is only proposed: it could not be carried out.
         self.end_as_compensator(index, EndReason::SetpointFailed, |_| true, effects);
     }
@@ -197,6 +204,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let Some(flight) = whisker.command.take() else { return };
         whisker.pressure_set(flight.command.pressure, params);
+        whisker.holds = Holds::Known;
         whisker.air.measured = Some(reached);
         whisker.attempts = 0;
         if flight.command.reason == Reason::Operator {
@@ -228,6 +236,9 @@ impl Robot {
         match rejection {
             // Another try can succeed: with a new number, a new expiry.
             Rejection::Expired | Rejection::NotReady => {}
+            // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
+            // What an operator asked then is not asked now.
+            Rejection::Stale if key.epoch < self.epoch => self.whiskers[index].forget_manual(),
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
@@ -250,6 +261,10 @@ impl Robot {
 }
 
 impl super::Whisker {
+    fn forget_manual(&mut self) {
+        self.changed |= self.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+    }
+
     fn is_under_way(&self, key: CommandKey) -> bool {
         self.command.as_ref().is_some_and(|flight| flight.command.key == key)
     }

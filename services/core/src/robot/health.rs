@@ -1,12 +1,12 @@
 //! Faults: what the robot says, what its pressures show, and silence.
 
 use super::Robot;
-use super::effect::{Effect, Fault, WhiskerIndex};
+use super::effect::{Effect, Fault, Reason, WhiskerIndex};
 use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
 use super::params::Params;
-use super::whisker::Whisker;
+use super::whisker::{Holds, Whisker};
 use crate::estimation::leak::Source;
-use crate::units::Micros;
+use crate::units::{Megapascal, Micros};
 
 impl Robot {
     pub(super) fn status(
@@ -26,11 +26,37 @@ impl Robot {
         whisker.gauge.reported = entry.gauge;
         // While a setpoint is under way its own reports say where it goes.
         if whisker.command.is_none() {
-            whisker.pressure_set(entry.setpoint, params);
+            self.pressure_told(params, index, entry.setpoint);
         }
+        let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
         self.refresh_fault(params, now, index, effects);
+    }
+
+    /// What a robot says it holds is followed, but for a stray pressure: that is undone first. What was learned at the
+    /// nominal pressure says at once what has become of the whisker; at a pressure that nobody knows the reason of, a
+    /// cut would be taken for the model's error there.
+    fn pressure_told(&mut self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) {
+        if !self.is_stray(params, index, setpoint) {
+            self.whiskers[index].holds = Holds::Known;
+            self.whiskers[index].pressure_set(setpoint, params);
+        } else if self.whiskers[index].holds != Holds::Stray {
+            self.release(index);
+            self.whiskers[index].holds = Holds::Stray;
+        }
+    }
+
+    /// Whether a pressure was set by a command that is not remembered: the first word after a robot was taken up tells of
+    /// one that is neither what is known, nor what robots go to by themselves (nominal or vented), nor to be changed.
+    fn is_stray(&self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) -> bool {
+        let whisker = &self.whiskers[index];
+        let wanted = whisker.desired.as_ref().is_some_and(|desired| desired.reason != Reason::Release);
+        if !self.is_taken_up || whisker.holds == Holds::Known || whisker.given_up || wanted || self.holds(index) {
+            return false;
+        }
+        let explained = [whisker.air.setpoint, whisker.sheet.pressure, Megapascal::ZERO];
+        explained.iter().all(|known| (setpoint.mpa() - known.mpa()).abs() > params.health.settled_within_mpa)
     }
 
     /// Says what is new about a whisker's faults.

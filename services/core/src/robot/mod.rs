@@ -75,6 +75,10 @@ pub struct Robot {
     /// When its factsheet was asked for last.
     #[borsh(skip)]
     factsheet_asked: Option<Micros>,
+    /// It was taken up, not met for the first time: what its whiskers hold may have been set by commands that are not
+    /// remembered here, because the database was restored or the state could not be read.
+    #[borsh(skip)]
+    is_taken_up: bool,
     #[borsh(skip)]
     changed: bool,
     /// Stored one by one: see [`Robot::to_bytes`].
@@ -138,6 +142,7 @@ impl Robot {
             held: false,
             listening_since: Micros::default(),
             factsheet_asked: None,
+            is_taken_up: false,
             changed: true,
             whiskers: Vec::new(),
         }
@@ -218,6 +223,7 @@ impl Robot {
         }
         self.link = link;
         self.changed = true;
+        self.sequences.wait_anew();
         if link != Link::Online {
             self.forget_manual();
         }

@@ -9,6 +9,9 @@ const RANGES_MAX: usize = 64;
 /// A robot that does not close a gap for this long, while gaps keep others out, never will: it does not send
 /// again, or it has dropped those messages. Then the oldest gap is given up, so that the rest can go on.
 const PATIENCE: Micros = Micros(90_000_000);
+/// A robot that is heard for this long without closing the oldest gap has not got what is missing: it has dropped it, or
+/// has forgotten it because a receipt covered it which the supervisor does not remember, whose database was restored.
+const STANDSTILL: Micros = Micros(600_000_000);
 /// Boots that are remembered: messages of an older boot may still arrive after a restart.
 const BOOTS_MAX: usize = 4;
 
@@ -36,11 +39,21 @@ pub struct Sequence {
     blocked_since: Option<Micros>,
     /// Numbers of gaps that were given up.
     given_up: u64,
+    /// Since when it is heard without closing the oldest gap.
+    #[borsh(skip)]
+    standing_since: Option<Micros>,
 }
 
 impl Sequence {
     fn new(boot_id: &str) -> Self {
-        Self { boot_id: boot_id.to_owned(), next: 0, held: Vec::new(), blocked_since: None, given_up: 0 }
+        Self {
+            boot_id: boot_id.to_owned(),
+            next: 0,
+            held: Vec::new(),
+            blocked_since: None,
+            given_up: 0,
+            standing_since: None,
+        }
     }
 
     /// Whose numbers they are.
@@ -76,21 +89,34 @@ impl Sequence {
     fn admit(&mut self, seq: u64, now: Micros) -> Admission {
         let admission = self.place(seq);
         if admission != Admission::TooManyGaps {
+            self.watch_standstill(now);
             return admission;
         }
         let since = *self.blocked_since.get_or_insert(now);
         if now.since(since) < PATIENCE || self.held.is_empty() {
             return admission;
         }
+        self.give_up_the_oldest();
+        self.place(seq)
+    }
+
+    /// A gap that stays open costs a robot that looks at the watermark only everything beyond it.
+    fn watch_standstill(&mut self, now: Micros) {
+        if !self.held.is_empty() && now.since(*self.standing_since.get_or_insert(now)) >= STANDSTILL {
+            self.give_up_the_oldest();
+        }
+    }
+
+    fn give_up_the_oldest(&mut self) {
         let (first, last) = self.held.remove(0);
         self.given_up += first - self.next;
         self.advance(last + 1);
-        self.place(seq)
     }
 
     fn advance(&mut self, next: u64) {
         self.next = next;
         self.blocked_since = None;
+        self.standing_since = None;
     }
 
     fn place(&mut self, seq: u64) -> Admission {
@@ -150,6 +176,13 @@ impl Sequences {
     pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> Admission {
         let found = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == boot_id);
         found.map_or(Admission::UnknownBoot, |sequence| sequence.admit(seq, now))
+    }
+
+    /// Nothing could be heard meanwhile: no gap was left open by the robot until now.
+    pub(super) fn wait_anew(&mut self) {
+        for sequence in &mut self.boots {
+            sequence.standing_since = None;
+        }
     }
 
     /// The numbers of that boot.
@@ -224,5 +257,30 @@ mod tests {
         assert_eq!(full.admit(999, later), Admission::New);
         assert_eq!((full.next(), full.given_up()), (2, 1));
         assert_eq!(full.admit(1001, later), Admission::TooManyGaps, "patience begins anew");
+    }
+
+    #[test]
+    fn a_gap_that_a_robot_leaves_open_while_it_is_heard_is_given_up() {
+        let after = |us: u64| Micros(NOW.0 + us);
+        let mut gapped = sequence(&[0, 1, 10]);
+        assert_eq!(gapped.admit(11, after(STANDSTILL.0 - 1)), Admission::New);
+        assert_eq!((gapped.next(), gapped.held()), (2, &[(10, 11)][..]));
+        assert_eq!(gapped.admit(12, after(STANDSTILL.0)), Admission::New);
+        assert_eq!((gapped.next(), gapped.held(), gapped.given_up()), (13, &[][..], 8));
+        assert_eq!(gapped.admit(5, after(STANDSTILL.0)), Admission::Duplicate, "receipted: it would come for ever");
+    }
+
+    #[test]
+    fn a_gap_that_is_being_closed_or_could_not_be_is_waited_for() {
+        let after = |us: u64| Micros(NOW.0 + us);
+        let mut closing = sequence(&[0, 10]);
+        assert_eq!(closing.admit(1, after(STANDSTILL.0 - 1)), Admission::New);
+        assert_eq!(closing.admit(11, after(2 * STANDSTILL.0 - 2)), Admission::New);
+        assert_eq!((closing.next(), closing.given_up()), (2, 0), "it comes on");
+
+        let mut sequences = Sequences { boots: vec![sequence(&[0, 10])] };
+        sequences.wait_anew();
+        assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)), Admission::New);
+        assert_eq!(sequences.of("b").map(Sequence::given_up), Some(0));
     }
 }

@@ -40,12 +40,21 @@ impl Robot {
         }
         robot.epoch = epoch;
         robot.listening_since = now;
-        Ok(robot)
+        Ok(robot.taken_up())
+    }
+
+    /// The robot as one that was supervised before, by a state that may be older than what its whiskers hold, or by one
+    /// that cannot be read any more.
+    #[must_use]
+    pub fn taken_up(mut self) -> Self {
+        self.is_taken_up = true;
+        self
     }
 
     /// Says that nothing could be heard before: whatever was silent until then was not silent by itself.
     pub fn listen_from(&mut self, now: Micros) {
         self.listening_since = self.listening_since.max(now);
+        self.sequences.wait_anew();
     }
 
     /// Whether the head has changed since the last call.

@@ -77,7 +77,21 @@ pub struct Whisker {
     /// What people were told and what is still so.
     pub(super) standing: Standing,
     #[borsh(skip)]
+    pub(super) holds: Holds,
+    #[borsh(skip)]
     pub(super) changed: bool,
+}
+
+/// Whether a pressure is one that this program knows of, since it has the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Holds {
+    /// No word of it yet.
+    #[default]
+    Unheard,
+    /// It was set by a command that is not remembered: it is on its way back.
+    Stray,
+    /// As told by the robot, or by an operator's leave.
+    Known,
 }
 
 /// A cut that is confirmed.
@@ -183,6 +197,7 @@ impl Whisker {
             held: false,
             refused_servers: Vec::new(),
             standing: Standing::default(),
+            holds: Holds::default(),
             changed: true,
             sheet,
         }

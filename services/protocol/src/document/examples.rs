@@ -16,7 +16,7 @@ pub const STATUS_DROPPED: &str = r#"{"boot_id":"b7","seq":78,"t_us":179524800112
 /// Everything below 1810 is committed, and 1811 to 1813 beyond a gap.
 pub const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
 /// A trimmed whisker compensates for itself.
-pub const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":12,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
+pub const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":1795248000000,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
 /// The chamber holds the pressure.
 pub const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","state":"APPLIED","t_us":1795248002123456,"pressure_mpa":0.0481}"#;
 /// Not taken, and why.
@@ -24,4 +24,4 @@ pub const SETPOINT_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":32,"command_i
 /// Send the factsheet again.
 pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 /// A supervisor owns the fleet.
-pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":12}"#;
+pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;

@@ -21,7 +21,8 @@ pub struct Setpoint {
     /// Names the command: the same one again is answered again and not applied again.
     #[schemars(schema_with = "schema::identifier_field")]
     pub command_id: String,
-    /// The supervisor's epoch; with `version` the order of setpoints for a whisker.
+    /// The supervisor's epoch; with `version` the order of setpoints for a whisker. It rises with each owner of the fleet,
+    /// by leaps, and needs 64 bits: it is the time at which it began, in milliseconds since 1970 UTC, or later.
     #[schemars(transform = schema::exact_integer)]
     pub epoch: u64,
     /// Grows within an epoch.

@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod api;
+pub mod backup;
 pub mod calibrate;
 pub mod check_robot;
 pub mod config;
@@ -44,6 +45,8 @@ enum Command {
     Setpoint(whiskers::SetpointArgs),
     /// Who may use the API: make, list and revoke tokens.
     Token(token::TokenArgs),
+    /// Copy a SQLite database into a file, while a supervisor works with it; the copy is checked.
+    Backup(backup::BackupArgs),
     /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
     Record(record::RecordArgs),
     /// Does this robot keep the contract? Tests it rule by rule, as its supervisor would talk to it.
@@ -77,6 +80,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Setpoint(args) => whiskers::setpoint(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),

@@ -384,7 +384,7 @@ fn take_up(stored: StoredRobot, epoch: u64, params: &Params, batch: &mut Batch) 
             error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
             let now = wall_clock();
             batch.records.push(Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 });
-            let mut robot = Robot::new(epoch, stored.numbers);
+            let mut robot = Robot::new(epoch, stored.numbers).taken_up();
             if stored.held {
                 robot.step(params, now, &Event::Operator(&OperatorAction::Hold(Scope::Robot)), &mut Vec::new());
             }

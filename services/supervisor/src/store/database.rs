@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool};
 use sqlx::{ConnectOptions, SqlSafeStr};
@@ -102,18 +102,26 @@ impl Pool {
         match self {
             Either::Sqlite(pool) => {
                 migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
-                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations")
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations",
+                    10 "0010_inline_states")
                 .run(pool)
                 .await
             }
             Either::Postgres(pool) => {
                 migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
-                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations")
+                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations",
+                    10 "0010_inline_states")
                 .run(pool)
                 .await
             }
         }
-        .map_err(|source| StoreError::Migrate { database: database.to_owned(), source })
+        .map_err(|source| {
+            let database = database.to_owned();
+            if let MigrateError::VersionMissing(version) = source {
+                return StoreError::TooNew { database, version };
+            }
+            StoreError::Migrate { database, source }
+        })
     }
 }
 

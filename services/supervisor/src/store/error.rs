@@ -49,6 +49,18 @@ pub enum StoreError {
         /// Why.
         source: sqlx::migrate::MigrateError,
     },
+    /// A newer version of the program has changed its tables.
+    #[error(
+        "a newer vibrissa has worked with {database}: this one, {}, does not know the change {version} of its tables. \
+         Start the newer one, or restore the back-up of before the upgrade",
+        env!("CARGO_PKG_VERSION")
+    )]
+    TooNew {
+        /// Which.
+        database: String,
+        /// The first migration that is not known here.
+        version: i64,
+    },
     /// The server is too old.
     #[error("{database} is PostgreSQL {version}: version 15 or newer is needed")]
     TooOld {
@@ -89,7 +101,11 @@ impl StoreError {
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {
-            Self::NoFolder { .. } | Self::InUse { .. } | Self::Lock { .. } | Self::TooOld { .. } => false,
+            Self::NoFolder { .. }
+            | Self::InUse { .. }
+            | Self::Lock { .. }
+            | Self::TooNew { .. }
+            | Self::TooOld { .. } => false,
             Self::Open { source, .. } | Self::Query { source, .. } => passes(source),
             Self::Migrate { source, .. } => {
                 matches!(source, sqlx::migrate::MigrateError::Execute(source) if passes(source))

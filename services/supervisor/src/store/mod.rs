@@ -7,6 +7,7 @@
 pub mod actions;
 pub mod address;
 pub mod alarms;
+pub mod backup;
 pub mod batch;
 pub mod calibrations;
 pub mod changes;

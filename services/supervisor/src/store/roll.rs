@@ -134,14 +134,19 @@ impl Writer {
     }
 }
 
+// An epoch is the time at which it began, in milliseconds since 1970, or one more than the epoch before if that is not
+// higher. Counted from one, it would begin again where a back-up was taken: a database that is restored would give epochs
+// and versions that robots have seen already, of which they refuse the lower ones and take the others for repeats. So it
+// is higher than any before, whatever became of the database, as long as no clock was ahead by more than the back-up is old.
+
 /// SQLite's lock is the lease: whoever has the file may have every fleet.
-const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, 1, $2, $3) \
-    ON CONFLICT (fleet) DO UPDATE SET epoch = epoch + 1, owner = excluded.owner, holder = excluded.holder, \
-    commits = 0 RETURNING epoch";
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, $4, $2, $3) \
+    ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
+    holder = excluded.holder, commits = 0 RETURNING epoch";
 
 /// A row that is locked is somebody's who is at work. Our own may have been taken without our hearing of it.
-const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = epoch + 1, owner = $2, holder = $3, commits = 0, \
-    expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
+const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000), owner = $2, \
+    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
     AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
 async fn raise_epoch(
@@ -150,12 +155,16 @@ async fn raise_epoch(
     supervisor: &Supervisor,
     fleet: &Name,
 ) -> sqlx::Result<Option<i64>> {
+    let now_us = crate::engine::wall_clock().0 as i64;
+    // What each statement has as its fourth value.
+    let fourth =
+        if matches!(tx, Either::Postgres(_)) { micros(supervisor.time_to_live) } else { (now_us / 1000).max(1) };
     const HISTORY: &str = "INSERT INTO epochs (fleet, epoch, owner, holder, began_us) VALUES ($1, $2, $3, $4, $5)";
     let epoch: Option<i64> = on!(&mut *tx, |tx| sqlx::query_scalar(sql)
         .bind(fleet.as_str())
         .bind(&*supervisor.id)
         .bind(&supervisor.name)
-        .bind(micros(supervisor.time_to_live))
+        .bind(fourth)
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {
@@ -164,7 +173,7 @@ async fn raise_epoch(
             .bind(epoch)
             .bind(&*supervisor.id)
             .bind(&supervisor.name)
-            .bind(crate::engine::wall_clock().0 as i64)
+            .bind(now_us)
             .execute(&mut **tx)
             .await
             .map(drop))?;

@@ -1,0 +1,185 @@
+//! A robot that is taken up with a state older than what it has been told since: a database was restored.
+
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Reason};
+use vibrissa_core::robot::event::{
+    ArrayKind, ArraySheet, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport, WhiskerSheet,
+    WhiskerStatus,
+};
+use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place, Robot, Scope};
+use vibrissa_core::units::{Megapascal, Micros, Millimetre};
+
+const NOMINAL_MPA: f64 = 0.1;
+/// As a compensation would have it.
+const STRAY_MPA: f64 = 0.0472;
+
+/// A robot with one whisker, and its supervisor's clock.
+struct Taken {
+    robot: Robot,
+    params: Params,
+    now: Micros,
+}
+
+impl Taken {
+    /// Met for the first time, in epoch 1.
+    fn first_met() -> Self {
+        let sheet = WhiskerSheet {
+            number: 0,
+            x_mm: 0.0,
+            y_mm: 0.0,
+            model: "nguyen-2021".to_owned(),
+            length: Millimetre::known(70.0),
+            pressure: Megapascal::known(NOMINAL_MPA),
+            pressure_max: Megapascal::known(0.2),
+            neighbours: Vec::new(),
+        };
+        let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, whiskers: vec![sheet] };
+        let factsheet = Factsheet { arrays: vec![array] };
+        let params = Params::nguyen_2021(Formulation::Published);
+        let mut met = Self { robot: Robot::new(1, Numbers::default()), params, now: Micros::from_s(1000.0) };
+        met.step(&Event::Connection { boot_id: "b1", link: Link::Online });
+        met.step(&Event::Factsheet { boot_id: "b1", factsheet: &factsheet });
+        met
+    }
+
+    /// The same, taken up in another epoch.
+    fn again(mut self, epoch: u64) -> Self {
+        let whiskers = [self.robot.whisker_to_bytes(0).unwrap()];
+        let head = self.robot.to_bytes().unwrap();
+        self.robot = Robot::from_bytes(&head, &whiskers, epoch, self.now).unwrap();
+        self
+    }
+
+    fn step(&mut self, event: &Event<'_>) -> Vec<Effect> {
+        let mut effects = Vec::new();
+        self.now = self.now.after(Micros::from_s(1.0));
+        self.robot.step(&self.params, self.now, event, &mut effects);
+        effects
+    }
+
+    /// Tells what it holds; gives the setpoints that follow.
+    fn holds(&mut self, mpa: f64) -> Vec<Command> {
+        let pressure = Megapascal::known(mpa);
+        let status = WhiskerStatus {
+            array: "left",
+            whisker: 0,
+            pressure,
+            setpoint: pressure,
+            regulator: RegulatorState::Ok,
+            gauge: GaugeState::Ok,
+        };
+        let mut effects =
+            self.step(&Event::Status { boot_id: "b1", robot_time: self.now, whiskers: std::slice::from_ref(&status) });
+        effects.extend(self.step(&Event::Tick));
+        commands(effects)
+    }
+
+    fn reports(&mut self, command: &Command, report: SetpointReport) -> Vec<Effect> {
+        self.step(&Event::Setpoint { boot_id: "b1", command: command.key, report, robot_time: self.now })
+    }
+
+    fn setpoint_mpa(&self) -> f64 {
+        self.robot.whisker(0).unwrap().setpoint.mpa()
+    }
+}
+
+fn commands(effects: Vec<Effect>) -> Vec<Command> {
+    let command = |effect| if let Effect::Command(command) = effect { Some(*command) } else { None };
+    effects.into_iter().filter_map(command).collect()
+}
+
+#[test]
+fn a_pressure_that_nobody_remembers_the_reason_of_is_set_back_once() {
+    let mut taken = Taken::first_met().again(2);
+    let sent = taken.holds(STRAY_MPA);
+    assert_eq!(sent.len(), 1, "{sent:?}");
+    assert_eq!((sent[0].key.epoch, sent[0].reason, sent[0].pressure.mpa()), (2, Reason::Release, NOMINAL_MPA));
+    assert_eq!(taken.setpoint_mpa(), NOMINAL_MPA, "what was learned there stays in force");
+    assert_eq!(taken.holds(STRAY_MPA), [], "it is on its way");
+    taken.reports(&sent[0], SetpointReport::Applied(Megapascal::known(NOMINAL_MPA)));
+    assert_eq!(taken.holds(NOMINAL_MPA), []);
+    // From now on what it does by itself is its own.
+    assert_eq!(taken.holds(0.06), []);
+    assert_eq!(taken.setpoint_mpa(), 0.06);
+}
+
+#[test]
+fn a_robot_that_will_not_go_back_is_asked_three_times_and_then_believed() {
+    let mut taken = Taken::first_met().again(2);
+    let mut sent = Vec::new();
+    for _ in 0..20 {
+        sent.extend(taken.holds(STRAY_MPA));
+        if let Some(last) = sent.last().cloned() {
+            sent.extend(commands(taken.reports(&last, SetpointReport::Failed)));
+        }
+    }
+    assert_eq!(sent.len(), 3, "{sent:?}");
+    let standing: Vec<AlarmKind> = taken.robot.whisker(0).unwrap().standing.kinds().collect();
+    assert!(standing.contains(&AlarmKind::SetpointFailed), "{standing:?}");
+    assert_eq!(taken.setpoint_mpa(), STRAY_MPA);
+}
+
+#[test]
+fn pressures_that_robots_go_to_by_themselves_are_followed() {
+    for mpa in [0.0, 0.002, NOMINAL_MPA, NOMINAL_MPA + 0.003] {
+        let mut taken = Taken::first_met().again(2);
+        assert_eq!(taken.holds(mpa), [], "{mpa} MPa");
+        assert_eq!(taken.setpoint_mpa(), mpa);
+        // Only the first word can be of what was forgotten.
+        assert_eq!(taken.holds(STRAY_MPA), []);
+        assert_eq!(taken.setpoint_mpa(), STRAY_MPA);
+    }
+}
+
+#[test]
+fn the_pressure_of_a_held_whisker_and_of_one_that_is_new_is_followed() {
+    let mut new = Taken::first_met();
+    assert_eq!(new.holds(STRAY_MPA), []);
+    assert_eq!(new.setpoint_mpa(), STRAY_MPA);
+
+    let mut held = Taken::first_met();
+    held.step(&Event::Operator(&OperatorAction::Hold(Scope::Robot)));
+    let mut held = held.again(2);
+    assert_eq!(held.holds(STRAY_MPA), []);
+    assert_eq!(held.setpoint_mpa(), STRAY_MPA);
+}
+
+#[test]
+fn a_setpoint_of_a_former_epoch_that_is_stale_is_made_anew_and_one_of_this_epoch_is_given_up() {
+    let mut taken = Taken::first_met().again(2);
+    let sent = taken.holds(STRAY_MPA);
+    let mut taken = taken.again(3);
+    taken.now = taken.now.after(Micros::from_s(5.0));
+    let effects = taken.reports(&sent[0], SetpointReport::Rejected(Rejection::Stale));
+    assert_eq!(taken.robot.whisker(0).unwrap().standing.kinds().count(), 0, "{effects:?}");
+    let anew = taken.holds(STRAY_MPA);
+    assert_eq!(anew.len(), 1, "{anew:?}");
+    assert_eq!((anew[0].key.epoch, anew[0].pressure.mpa()), (3, NOMINAL_MPA));
+    assert!(anew[0].key.version > sent[0].key.version);
+    let effects = taken.reports(&anew[0], SetpointReport::Rejected(Rejection::Stale));
+    let is_told = |effect: &Effect| matches!(effect, Effect::Alarm { kind: AlarmKind::SetpointFailed, .. });
+    assert!(effects.iter().any(is_told), "{effects:?}");
+    assert_eq!(taken.holds(STRAY_MPA), []);
+}
+
+/// What an operator asked for hours ago, as far as a restored database knows, is not asked now.
+#[test]
+fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
+    for is_refused in [true, false] {
+        let mut asked = Taken::first_met();
+        asked.holds(NOMINAL_MPA);
+        let whisker = Place { array: "left", whisker: 0 };
+        let effects = asked.step(&Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.06 }));
+        let sent = commands(effects);
+        assert_eq!(sent.len(), 1, "{sent:?}");
+        let mut taken = asked.again(2);
+        if is_refused {
+            taken.reports(&sent[0], SetpointReport::Rejected(Rejection::Stale));
+        } else {
+            taken.now = taken.now.after(Micros::from_s(3600.0));
+        }
+        assert_eq!(taken.holds(NOMINAL_MPA), []);
+        assert_eq!(taken.holds(NOMINAL_MPA), []);
+        assert!(taken.robot.whisker(0).unwrap().held, "it stays held");
+    }
+}
