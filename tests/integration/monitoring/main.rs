@@ -1,0 +1,5 @@
+//! What people watch supervisors with: the dashboards of `dashboards/`, on a real Prometheus and a real PostgreSQL.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod dashboards;
