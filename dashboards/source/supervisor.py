@@ -1,0 +1,394 @@
+"""The supervisors themselves: what they take in, how long it takes them, and what they rest on."""
+
+from . import variables
+from .grafana import by_name, heatmap, promql, sql, stat, table, timeseries, whole
+from .rows import time
+from .series import any_of, buckets, gained, largest, least, mean, of_all, of_fleet, quantile, rate, shares, total
+
+NAME = "supervisor"
+
+
+def dashboard():
+    """The dashboard."""
+    return whole(
+        "vibrissa-supervisor",
+        "The supervisors themselves: messages, lag, receipts, queues, database, broker, ownership, HTTP, processes.",
+        variables.sources() + variables.supervisors() + variables.fleets(),
+        [
+            ("Now", now()),
+            ("Messages in", messages()),
+            ("Lag", lag()),
+            ("Queues", queues()),
+            ("Database and broker", database()),
+            ("Ownership", ownership()),
+            ("Setpoints and actions", outgoing()),
+            ("HTTP", http()),
+            ("Processes", processes()),
+        ],
+    )
+
+
+def now():
+    missing = [(None, "red"), (1, "green")]
+    return [
+        stat(
+            "Supervisors",
+            "Supervisors that are scraped.",
+            "none",
+            promql(f"count({of_all('vibrissa_build_info')})", "supervisors"),
+            missing,
+        ),
+        stat(
+            "Fleets supervised",
+            "Share of the fleets that some supervisor holds.",
+            "percentunit",
+            promql(f"avg({largest(of_fleet('vibrissa_lease_held'), 'fleet')})", "held"),
+            missing,
+        ),
+        stat(
+            "Database",
+            "Whether every supervisor's last attempt at the database succeeded.",
+            "bool_yes_no",
+            promql(least(of_all("vibrissa_database_up")), "up"),
+            missing,
+        ),
+        stat(
+            "Broker",
+            "Whether every fleet that is held has its broker.",
+            "bool_yes_no",
+            promql(
+                least(f"({of_fleet('vibrissa_broker_connected')} and {of_fleet('vibrissa_lease_held')} == 1)"),
+                "connected",
+            ),
+            missing,
+        ),
+        stat(
+            "Contact to commit",
+            "99 % of the messages were recorded within this time after their newest contact, by the robots' clocks.",
+            "s",
+            promql(quantile(0.99, of_fleet, "vibrissa_contact_to_commit_seconds"), "99 %"),
+        ),
+        stat(
+            "Lost",
+            "Contacts messages that are not waited for any more, in this time.",
+            "none",
+            promql(total(gained(of_fleet("vibrissa_messages_given_up_total"))), "lost", instant=True),
+            [(None, "green"), (0.5, "red")],
+            defaults={"decimals": 0},
+        ),
+    ]
+
+
+def per_second(name, by=""):
+    return total(rate(of_fleet(name)), by)
+
+
+def messages():
+    sent_again = [
+        promql(per_second("vibrissa_messages_duplicate_total"), "duplicates"),
+        promql(per_second("vibrissa_messages_resent_total"), "filled a gap"),
+        promql(per_second("vibrissa_messages_shed_total"), "shed"),
+        promql(per_second("vibrissa_messages_given_up_total"), "given up"),
+    ]
+    published = [
+        promql(per_second("vibrissa_receipts_sent_total"), "receipts"),
+        promql(per_second("vibrissa_publications_dropped_total"), "dropped, broker away"),
+    ]
+    return [
+        timeseries(
+            "Messages by topic",
+            "Messages received per second.",
+            "cps",
+            [promql(per_second("vibrissa_messages_received_total", "topic"), "{{topic}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Contacts by use",
+            "Contacts per second by what they were used for.",
+            "cps",
+            [promql(per_second("vibrissa_contacts_total", "used"), "{{used}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Refused by reason",
+            "Messages per second that break the contract or that there was no room for.",
+            "cps",
+            [promql(any_of(per_second("vibrissa_messages_refused_total", "reason"), "reason"), "{{reason}}")],
+            bars=True,
+            stacked=True,
+        ),
+        timeseries(
+            "Duplicates, gaps, losses",
+            "Contacts messages per second that were known already, filled a gap, found no room, or are not waited for"
+            " any more.",
+            "cps",
+            sent_again,
+            size=(12, 8),
+        ),
+        timeseries(
+            "Published",
+            "Receipts per second, and publications that the broker's absence cost: they are made again.",
+            "cps",
+            published,
+            size=(12, 8),
+        ),
+    ]
+
+
+def lag():
+    contact, received = "vibrissa_contact_to_commit_seconds", "vibrissa_received_to_commit_seconds"
+    silence = f"time() - {largest(of_fleet('vibrissa_last_contact_timestamp_seconds') + ' > 0', 'fleet')}"
+    return [
+        heatmap(
+            "From contact to commit",
+            "From the newest contact of a message, by the robot's clock, until it is recorded: the robot's batches are"
+            " in it.",
+            "s",
+            promql(buckets(of_fleet, contact), "{{le}}", form="heatmap"),
+        ),
+        heatmap(
+            "From received to commit",
+            "What of this is the supervisor's, by its own clock.",
+            "s",
+            promql(buckets(of_fleet, received), "{{le}}", form="heatmap"),
+        ),
+        timeseries(
+            "From contact to commit, quantiles", "Of the messages recorded lately.", "s", shares(of_fleet, contact)
+        ),
+        timeseries(
+            "From received to commit, quantiles", "Of the messages recorded lately.", "s", shares(of_fleet, received)
+        ),
+        timeseries("Silence", "Time since a fleet's last contacts message.", "s", [promql(silence, "{{fleet}}")]),
+    ]
+
+
+def queues():
+    fill = (
+        f"{largest(of_fleet('vibrissa_queue_messages'), 'fleet, queue')} /"
+        f" {largest(of_fleet('vibrissa_queue_capacity_messages'), 'fleet, queue')}"
+    )
+    full = (
+        f"{largest(of_fleet('vibrissa_inbox_bytes'), 'fleet')} /"
+        f" {largest(of_fleet('vibrissa_inbox_capacity_bytes'), 'fleet')}"
+    )
+    return [
+        timeseries(
+            "Queues' fill",
+            "Messages in a queue over those that it has room for: a full inbox sheds contacts.",
+            "percentunit",
+            [promql(fill, "{{fleet}} {{queue}}")],
+        ),
+        timeseries(
+            "Inbox's fill by size",
+            "Bytes in the inbox over those that it has room for.",
+            "percentunit",
+            [promql(full, "{{fleet}}")],
+        ),
+        timeseries(
+            "Inbox's size",
+            "Bytes in the inbox.",
+            "bytes",
+            [promql(largest(of_fleet("vibrissa_inbox_bytes"), "fleet"), "{{fleet}}")],
+        ),
+    ]
+
+
+def database():
+    commit = "vibrissa_database_commit_seconds"
+    return [
+        heatmap(
+            "Commits", "How long transactions took.", "s", promql(buckets(of_fleet, commit), "{{le}}", form="heatmap")
+        ),
+        timeseries(
+            "Commit times",
+            "Of the commits made lately.",
+            "s",
+            [promql(mean(of_fleet, commit), "mean")] + shares(of_fleet, commit),
+            size=(12, 8),
+        ),
+        timeseries(
+            "Commits per second",
+            "Each has the contacts, decisions, setpoints and states of some milliseconds.",
+            "cps",
+            [promql(total(rate(of_fleet(commit + "_count")), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Database",
+            "Whether a supervisor's last attempt succeeded (1), and failed attempts per second.",
+            "none",
+            [
+                promql(largest(of_all("vibrissa_database_up"), "instance"), "{{instance}} up"),
+                promql(total(rate(of_all("vibrissa_database_errors_total")), "instance"), "{{instance}} errors"),
+            ],
+        ),
+        timeseries(
+            "Broker",
+            "Whether a fleet's messages are received (1), and connections made per minute.",
+            "none",
+            [
+                promql(largest(of_fleet("vibrissa_broker_connected"), "fleet"), "{{fleet}} connected"),
+                promql(
+                    f"60 * {total(rate(of_fleet('vibrissa_broker_connections_total')), 'fleet')}",
+                    "{{fleet}} connections",
+                ),
+            ],
+        ),
+    ]
+
+
+def ownership():
+    held = promql(largest(of_fleet("vibrissa_lease_held"), "fleet, instance"), "{{fleet}} by {{instance}}")
+    mode = promql(largest(of_fleet("vibrissa_policy_mode"), "fleet, mode") + " == 1", "{{fleet}}: {{mode}}")
+    version = promql(largest(of_fleet("vibrissa_policy_version"), "fleet"), "{{fleet}}: version")
+    changes = total(gained(of_fleet("vibrissa_lease_changes_total")), "fleet, instance, change")
+    return [
+        timeseries("Leases", "Which supervisor holds which fleet (1).", "none", [held]),
+        timeseries(
+            "Epochs",
+            "Each change of owner raises a fleet's epoch, which orders setpoints.",
+            "none",
+            [promql(largest(of_fleet("vibrissa_lease_epoch"), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Policies",
+            "Whether compensations are made (AUTOMATIC) or proposed (ADVISE), and the policy's version: 0 is the"
+            " configuration's.",
+            "none",
+            [mode, version],
+        ),
+        table(
+            "Owners",
+            "Whose each fleet is, and until when without a word.",
+            sql(OWNERS),
+            [by_name("until", unit="dateTimeFromNow")],
+            (12, 8),
+        ),
+        table("Epochs", "Who took which fleet in this time or last, the newest first.", sql(EPOCHS), [], (12, 8)),
+        timeseries(
+            "Changes of leases",
+            "Leases taken and lost in the panel's interval.",
+            "none",
+            [promql(changes.replace("$__range", "$__rate_interval"), "{{fleet}} {{change}} by {{instance}}")],
+            size=(24, 6),
+            bars=True,
+        ),
+    ]
+
+
+def outgoing():
+    publication = lambda share: promql(
+        quantile(share, of_fleet, "vibrissa_setpoint_publication_seconds", by="reason"),
+        f"{{{{reason}}}} {100 * share:g} %",
+    )
+    actions = total(gained(of_fleet("vibrissa_actions_total")), "kind, state")
+    rejected = f"60 * {per_second('vibrissa_setpoints_rejected_total', 'error')}"
+    return [
+        timeseries(
+            "Until a setpoint is published",
+            "From the message that led to a setpoint, over the commit, to its publication.",
+            "s",
+            [publication(0.5), publication(0.99)],
+        ),
+        timeseries(
+            "Setpoints refused by robots",
+            "Per minute, by the robot's word for it.",
+            "cpm",
+            [promql(any_of(rejected, "error"), "{{error}}")],
+            bars=True,
+            stacked=True,
+        ),
+        timeseries(
+            "Actions of operators",
+            "Actions in the panel's interval by kind and by what became of them.",
+            "none",
+            [
+                promql(
+                    f"{actions.replace('$__range', '$__rate_interval')} > 0 or on ()"
+                    ' label_replace(label_replace(vector(0), "kind", "none", "", ""), "state", "", "",'
+                    ' "")',
+                    "{{kind}} {{state}}",
+                )
+            ],
+            bars=True,
+            stacked=True,
+        ),
+    ]
+
+
+def http():
+    by_route = (
+        "histogram_quantile(0.95, "
+        + total(rate(of_all("vibrissa_http_request_seconds_bucket")), "le, method, route")
+        + ") >= 0"
+    )
+    return [
+        timeseries(
+            "Requests by route",
+            "Requests per second.",
+            "reqps",
+            [promql(total(rate(of_all("vibrissa_http_requests_total")), "method, route"), "{{method}} {{route}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Requests by status",
+            "Requests per second.",
+            "reqps",
+            [promql(total(rate(of_all("vibrissa_http_requests_total")), "status"), "{{status}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Answers",
+            "95 % were answered within this time; live streams are not in it.",
+            "s",
+            [promql(by_route, "{{method}} {{route}}")],
+        ),
+        timeseries(
+            "Live streams",
+            "Open streams of pages that follow what happens.",
+            "none",
+            [promql(total(of_all("vibrissa_http_streams"), "instance"), "{{instance}}")],
+        ),
+    ]
+
+
+def processes():
+    files = f"{of_all('process_open_fds')} / {of_all('process_max_fds')}"
+    info = table(
+        "Programs",
+        "What runs where.",
+        promql(of_all("vibrissa_build_info"), "{{supervisor}}", instant=True, form="table"),
+        [by_name(name, custom__hidden=True) for name in ("Time", "Value", "__name__", "job")],
+        (24, 6),
+    )
+    each = lambda expression: [promql(expression, "{{instance}}")]
+    return [
+        timeseries(
+            "Processor",
+            "Processor time per second: 100 % is one core.",
+            "percentunit",
+            each(rate(of_all("process_cpu_seconds_total"))),
+        ),
+        timeseries("Memory", "Resident memory.", "bytes", each(of_all("process_resident_memory_bytes"))),
+        timeseries("Files and connections", "Open ones over those that are allowed.", "percentunit", each(files)),
+        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads"))),
+        timeseries(
+            "Up for",
+            "Time since the process started.",
+            "dtdurations",
+            each(f"time() - {of_all('process_start_time_seconds')}"),
+        ),
+        info,
+    ]
+
+
+OWNERS = f"""
+    SELECT l.fleet, l.holder, l.epoch, l.commits, {time("l.expires_us")} AS until FROM leases l
+    WHERE l.fleet IN (${{fleet:sqlstring}}) ORDER BY l.fleet
+"""
+
+# There is no more than one row for each change of owner.
+EPOCHS = """
+    SELECT e.fleet, e.epoch, e.holder, to_timestamp(e.began_us / 1e6) AS began FROM epochs e
+    WHERE e.fleet IN (${fleet:sqlstring}) AND e.began_us <= $__unixEpochNanoTo() / 1000
+    ORDER BY e.began_us DESC LIMIT 100
+"""
