@@ -187,7 +187,7 @@ def trims():
             "Outcomes by case",
             "How often each case came to each outcome in this time; NONE where no one can serve.",
             "none",
-            promql(f"{by_outcome} > 0", "{{case}}: {{outcome}}", instant=True),
+            promql(any_of(by_outcome, "case", "outcome"), "{{case}}: {{outcome}}", instant=True),
             defaults={"decimals": 0},
         ),
     ]

@@ -27,6 +27,11 @@ def gained(series):
     return f"increase({series}[$__range])"
 
 
+def lately(series):
+    """In the interval that rates are over."""
+    return f"increase({series}[$__rate_interval])"
+
+
 def total(expression, by=""):
     return f"sum by ({by}) ({expression})" if by else f"sum({expression})"
 
@@ -53,12 +58,15 @@ def mean(of, name, *matchers, by=""):
 
 def buckets(of, name, *matchers):
     """What came into each bucket, for a heat map."""
-    return total(f"increase({of(name + '_bucket', *matchers)}[$__rate_interval])", "le")
+    return total(lately(of(name + "_bucket", *matchers)), "le")
 
 
-def any_of(expression, label):
-    """Those that are more than nothing; "none" if there are none."""
-    return f'{expression} > 0 or on () label_replace(vector(0), "{label}", "none", "", "")'
+def any_of(expression, *labels):
+    """Those that are more than nothing; if there are none, one that says so in each label that the legend names."""
+    nothing = "vector(0)"
+    for label in labels:
+        nothing = f'label_replace({nothing}, "{label}", "none", "", "")'
+    return f"{expression} > 0 or on () {nothing}"
 
 
 def shares(of, name, *matchers, by=()):

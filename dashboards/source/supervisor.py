@@ -3,7 +3,21 @@
 from . import variables
 from .grafana import by_name, heatmap, promql, sql, stat, table, timeseries, whole
 from .rows import time
-from .series import any_of, buckets, gained, largest, least, mean, of_all, of_fleet, quantile, rate, shares, total
+from .series import (
+    any_of,
+    buckets,
+    gained,
+    largest,
+    lately,
+    least,
+    mean,
+    of_all,
+    of_fleet,
+    quantile,
+    rate,
+    shares,
+    total,
+)
 
 NAME = "supervisor"
 
@@ -240,7 +254,7 @@ def ownership():
     held = promql(largest(of_fleet("vibrissa_lease_held"), "fleet, instance"), "{{fleet}} by {{instance}}")
     mode = promql(largest(of_fleet("vibrissa_policy_mode"), "fleet, mode") + " == 1", "{{fleet}}: {{mode}}")
     version = promql(largest(of_fleet("vibrissa_policy_version"), "fleet"), "{{fleet}}: version")
-    changes = total(gained(of_fleet("vibrissa_lease_changes_total")), "fleet, instance, change")
+    changes = total(lately(of_fleet("vibrissa_lease_changes_total")), "fleet, instance, change")
     return [
         timeseries("Leases", "Which supervisor holds which fleet (1).", "none", [held]),
         timeseries(
@@ -268,7 +282,7 @@ def ownership():
             "Changes of leases",
             "Leases taken and lost in the panel's interval.",
             "none",
-            [promql(changes.replace("$__range", "$__rate_interval"), "{{fleet}} {{change}} by {{instance}}")],
+            [promql(changes, "{{fleet}} {{change}} by {{instance}}")],
             size=(24, 6),
             bars=True,
         ),
@@ -280,7 +294,7 @@ def outgoing():
         quantile(share, of_fleet, "vibrissa_setpoint_publication_seconds", by="reason"),
         f"{{{{reason}}}} {100 * share:g} %",
     )
-    actions = total(gained(of_fleet("vibrissa_actions_total")), "kind, state")
+    actions = total(lately(of_fleet("vibrissa_actions_total")), "kind, state")
     rejected = f"60 * {per_second('vibrissa_setpoints_rejected_total', 'error')}"
     return [
         timeseries(
@@ -301,14 +315,7 @@ def outgoing():
             "Actions of operators",
             "Actions in the panel's interval by kind and by what became of them.",
             "none",
-            [
-                promql(
-                    f"{actions.replace('$__range', '$__rate_interval')} > 0 or on ()"
-                    ' label_replace(label_replace(vector(0), "kind", "none", "", ""), "state", "", "",'
-                    ' "")',
-                    "{{kind}} {{state}}",
-                )
-            ],
+            [promql(any_of(actions, "kind", "state"), "{{kind}} {{state}}")],
             bars=True,
             stacked=True,
         ),
