@@ -134,15 +134,21 @@ def tables():
     hidden = [by_name(name, custom__hidden=True) for name in ("fleet", "robot")]
     linked = [by_name("whisker", links=to_whisker), *hidden]
     errors = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "measured")]
-    pressure = [by_name(name, unit="pressurepa") for name in ("pressure", "reached")]
+    pressure, reached = (by_name(name, unit="pressurepa") for name in ("pressure", "reached"))
     return [
         table(
             "Compensations",
             "Decisions of this time about its whiskers, and those in force, the newest first.",
             sql(COMPENSATIONS),
-            [*linked, *errors, *pressure],
+            [*linked, *errors, pressure],
         ),
-        table("Setpoints", "Setpoints of this time, the newest first.", sql(SETPOINTS), [*linked, *pressure], (12, 9)),
+        table(
+            "Setpoints",
+            "Setpoints of this time, the newest first.",
+            sql(SETPOINTS),
+            [*linked, pressure, reached],
+            (12, 9),
+        ),
         table("Alarms", "Alarms of this time and those that stand, the newest first.", sql(ALARMS), linked, (12, 9)),
     ]
 

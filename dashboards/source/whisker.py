@@ -161,7 +161,7 @@ def tables():
     )
     hidden = [by_name(name, custom__hidden=True) for name in ("fleet", "robot", "array")]
     shares = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "low", "high")]
-    pressure = [by_name(name, unit="pressurepa") for name in ("pressure", "before", "reached")]
+    in_pascals = lambda *names: [by_name(name, unit="pressurepa") for name in names]
     return [
         table(
             "Decisions and who was asked",
@@ -172,7 +172,7 @@ def tables():
                 by_name("asked", links=other),
                 *hidden,
                 *shares,
-                *pressure,
+                *in_pascals("pressure", "before"),
                 by_name("length", unit="lengthmm", decimals=1),
             ],
             (24, 10),
@@ -188,7 +188,7 @@ def tables():
             "Setpoints",
             "Its setpoints of this time with every state that they came into, the newest first.",
             sql(SETPOINTS),
-            pressure,
+            in_pascals("pressure", "reached"),
             (16, 9),
         ),
         table(
@@ -196,7 +196,7 @@ def tables():
             "Looks at the setpoint of the compensations that it is in, the newest first.",
             sql(REFINEMENTS),
             [by_name(name, unit="percentunit", decimals=1) for name in ("error", "with gain", "expected")]
-            + [by_name(name, unit="pressurepa") for name in ("pressure", "best")],
+            + in_pascals("pressure", "best"),
             (12, 9),
         ),
         table("Alarms", "Its alarms of this time and those that stand, the newest first.", sql(ALARMS), [], (12, 9)),
