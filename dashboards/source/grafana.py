@@ -179,7 +179,7 @@ def stat(title, description, unit, target, steps=None, size=(4, 4), trend=True, 
 
 def table(title, description, target, columns, size=(24, 9), unit="none"):
     """Rows; `columns` says how some of them look."""
-    options = {"showHeader": True, "cellHeight": "sm", "footer": {"show": False, "reducer": [], "fields": ""}}
+    options = {"showHeader": True, "cellHeight": "sm"}
     custom = {"align": "auto", "cellOptions": {"type": "auto"}, "filterable": True}
     return panel("table", title, description, unit, [target], size, options, custom=custom, overrides=columns)
 
@@ -289,6 +289,11 @@ def by_name(name, **properties):
     """How a column or series of that name differs: dots of a property's name are written as two underscores."""
     listed = [{"id": key.replace("__", "."), "value": value} for key, value in properties.items()]
     return {"matcher": {"id": "byName", "options": name}, "properties": listed}
+
+
+def hidden(*names):
+    """Columns that are not shown but lead to other dashboards: Grafana has named the property anew with version 12.2."""
+    return [by_name(name, custom__hideFrom__viz=True, custom__hidden=True) for name in names]
 
 
 def drill_down(uid, title, **variables):

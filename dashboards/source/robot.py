@@ -1,7 +1,7 @@
 """One robot: its whiskers, what happened to them, and the fleet around it."""
 
 from . import rows, variables, words
-from .grafana import by_name, drill_down, promql, sql, stat, table, timeline, timeseries, whole
+from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries, whole
 from .rows import ROBOT, between, bucket, time
 from .series import largest, of_fleet, shares, total
 
@@ -77,7 +77,7 @@ def whiskers():
     )
     lengths = [by_name(name, unit="lengthmm", decimals=1) for name in ("whole", "length", "low", "high")]
     pressures = [by_name(name, unit="pressurepa") for name in ("pressure", "setpoint")]
-    hidden = [by_name(name, custom__hidden=True) for name in ("fleet", "robot")]
+    places = hidden("fleet", "robot")
     return [
         table(
             "Whiskers",
@@ -87,7 +87,7 @@ def whiskers():
                 by_name("whisker", links=to_whisker),
                 *lengths,
                 *pressures,
-                *hidden,
+                *places,
                 by_name("heard", unit="dateTimeFromNow"),
             ],
             (24, 10),
@@ -131,8 +131,8 @@ def tables():
     to_whisker = drill_down(
         "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
     )
-    hidden = [by_name(name, custom__hidden=True) for name in ("fleet", "robot")]
-    linked = [by_name("whisker", links=to_whisker), *hidden]
+    places = hidden("fleet", "robot")
+    linked = [by_name("whisker", links=to_whisker), *places]
     errors = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "measured")]
     pressure, reached = (by_name(name, unit="pressurepa") for name in ("pressure", "reached"))
     return [

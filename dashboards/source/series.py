@@ -36,6 +36,11 @@ def total(expression, by=""):
     return f"sum by ({by}) ({expression})" if by else f"sum({expression})"
 
 
+def per_second(name, by=""):
+    """How fast a counter of the chosen fleets rises."""
+    return total(rate(of_fleet(name)), by)
+
+
 def largest(expression, by=""):
     return f"max by ({by}) ({expression})" if by else f"max({expression})"
 

@@ -2,7 +2,7 @@
 
 from . import rows, variables, words
 from .fleet import error_steps
-from .grafana import barchart, by_name, drill_down, sql, stat, table, timeline, timeseries, whole
+from .grafana import barchart, by_name, drill_down, hidden, sql, stat, table, timeline, timeseries, whole
 from .rows import WHISKER, WHISKER_ID, WHISKERS, between, bucket, time
 
 NAME = "whisker"
@@ -159,7 +159,7 @@ def tables():
     other = drill_down(
         "vibrissa-whisker", "Show this whisker", fleet="fleet", robot="robot", array="array", whisker="asked"
     )
-    hidden = [by_name(name, custom__hidden=True) for name in ("fleet", "robot", "array")]
+    places = hidden("fleet", "robot", "array")
     shares = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "low", "high")]
     in_pascals = lambda *names: [by_name(name, unit="pressurepa") for name in names]
     return [
@@ -170,7 +170,7 @@ def tables():
             sql(CANDIDATES),
             [
                 by_name("asked", links=other),
-                *hidden,
+                *places,
                 *shares,
                 *in_pascals("pressure", "before"),
                 by_name("length", unit="lengthmm", decimals=1),
