@@ -13,9 +13,9 @@ from .grafana import (
     stat,
     table,
     timeseries,
-    whole,
     xychart,
 )
+from .layout import whole
 from .rows import FLEETS, between
 from .series import any_of, buckets, gained, largest, mean, of_fleet, quantile, rate, total
 

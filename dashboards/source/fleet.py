@@ -1,7 +1,8 @@
 """All fleets at a glance: what is there, what has happened to it, and where to look next."""
 
 from . import rows, variables, words
-from .grafana import bargauge, by_name, drill_down, promql, sql, stat, table, timeseries, whole
+from .grafana import bargauge, by_name, drill_down, promql, sql, stat, table, timeseries
+from .layout import whole
 from .rows import FLEETS, between, time
 from .series import any_of, gained, largest, least, mean, of_fleet, rate, shares, total
 

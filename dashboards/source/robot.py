@@ -1,7 +1,8 @@
 """One robot: its whiskers, what happened to them, and the fleet around it."""
 
 from . import rows, variables, words
-from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries, whole
+from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
+from .layout import whole
 from .rows import ROBOT, between, bucket, time
 from .series import largest, of_fleet, shares, total
 

@@ -68,9 +68,9 @@ def steps(events, initial):
 
 def health(whisker_id):
     """A whisker's fault or, without one, its condition: rows (us, state)."""
-    newest = f"""
+    newest = """
         SELECT x.becomes FROM health_changes x
-        WHERE x.whisker_id = h.whisker_id AND x.kind = '{{kind}}' AND x.recorded_us <= h.recorded_us
+        WHERE x.whisker_id = h.whisker_id AND x.kind = '{kind}' AND x.recorded_us <= h.recorded_us
         ORDER BY x.recorded_us DESC, x.health_change_id DESC LIMIT 1
     """
     fault, condition = newest.format(kind="FAULT"), newest.format(kind="CONDITION")

@@ -2,7 +2,8 @@
 
 from . import variables
 from .around import database, http, outgoing, ownership, processes
-from .grafana import heatmap, promql, stat, timeseries, whole
+from .grafana import heatmap, promql, stat, timeseries
+from .layout import whole
 from .series import (
     any_of,
     buckets,
