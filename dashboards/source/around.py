@@ -152,6 +152,7 @@ def http():
             "Open streams of pages that follow what happens.",
             "none",
             [promql(total(of_all("vibrissa_http_streams"), "instance"), "{{instance}}")],
+            size=(24, 6),
         ),
     ]
 
@@ -175,12 +176,13 @@ def processes():
         ),
         timeseries("Memory", "Resident memory.", "bytes", each(of_all("process_resident_memory_bytes"))),
         timeseries("Files and connections", "Open ones over those that are allowed.", "percentunit", each(files)),
-        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads"))),
+        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads")), (12, 8)),
         timeseries(
             "Up for",
             "Time since the process started.",
             "dtdurations",
             each(f"time() - {of_all('process_start_time_seconds')}"),
+            (12, 8),
         ),
         info,
     ]

@@ -171,12 +171,13 @@ def fleet():
         ),
         timeseries(
             "Messages that wait, and silence",
-            "Messages in the fleet's inbox; seconds since its last contacts message.",
+            "Messages in the fleet's inbox; the time since its last contacts message, on the right.",
             "none",
             [
                 promql(total(of_fleet("vibrissa_queue_messages", 'queue="inbox"')), "inbox"),
-                promql(silence, "silence (s)"),
+                promql(silence, "silence"),
             ],
+            overrides=[by_name("silence", unit="s", custom__axisPlacement="right")],
         ),
     ]
 
