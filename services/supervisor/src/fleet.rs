@@ -11,7 +11,7 @@ use vibrissa_protocol::BootId;
 
 use crate::engine::{Ending, Engine};
 use crate::mailroom::Mailroom;
-use crate::metrics::Metrics;
+use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
 use crate::store::{Lease, Store, StoreError};
@@ -83,7 +83,7 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
     let fleet = lease.fleet().clone();
     let metrics = shared.metrics.of_fleet(&fleet);
     let engine = tokio::select! {
-        engine = take_up(&lease, &shared, &metrics) => engine,
+        engine = take_up(&lease, &shared) => engine,
         () = stopped(&mut stop) => None,
     };
     shared.readiness.set_of(&fleet, TAKING_UP, None);
@@ -100,12 +100,15 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
         run(engine, &connection, &metrics, stop).await;
     }
     shared.readiness.forget(&fleet);
-    metrics.forget_fleet();
+    metrics.forget();
+    if let Some(whiskers) = &shared.metrics.whiskers {
+        whiskers.show(fleet.as_str(), Vec::new());
+    }
     info!(%fleet, epoch = lease.epoch(), "supervised here no more");
 }
 
 /// Loads the fleet; waits for a database that is away.
-async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(Engine, BootId)> {
+async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     // New with each epoch: its numbers of messages begin anew.
     let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
@@ -121,7 +124,7 @@ async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(E
             boot_id.clone(),
             shared.params.clone(),
             shared.store.writer(),
-            metrics.clone(),
+            shared.metrics.clone(),
             shared.readiness.clone(),
             shared.mailroom.clone(),
         );
@@ -132,7 +135,7 @@ async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(E
                 return None;
             }
             Err(problem) => {
-                shared.metrics.database_errors.inc();
+                shared.metrics.database_failed();
                 error!(%problem, fleet = %lease.fleet(), "cannot take the fleet up; trying again");
                 shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.to_string()));
                 backoff.wait().await;
@@ -142,7 +145,7 @@ async fn take_up(lease: &Lease, shared: &Shared, metrics: &Metrics) -> Option<(E
 }
 
 /// Runs until told to stop, or until the fleet is somebody else's.
-async fn run(engine: Engine, connection: &Connection, metrics: &Metrics, mut stop: watch::Receiver<bool>) {
+async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mut stop: watch::Receiver<bool>) {
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, mut receiver) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);

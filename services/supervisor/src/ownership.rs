@@ -9,6 +9,7 @@ use tracing::{error, info, warn};
 use vibrissa_protocol::Name;
 
 use crate::fleet::{Fleet, Shared};
+use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
 use crate::readiness::Standing;
 use crate::sharing::shares;
@@ -59,8 +60,11 @@ impl Ownership {
                 () = stopped(&mut stop) => break,
             };
             if let Err(problem) = &turn {
-                self.shared.metrics.database_errors.inc();
+                self.shared.metrics.database_failed();
                 warn!(%problem, "cannot keep the leases; trying again");
+            }
+            if turn.is_ok() {
+                self.shared.metrics.database_up.set(1);
             }
             let pause = *turn.as_ref().unwrap_or(&self.pause());
             self.shared.readiness.set(PART, turn.err().map(|problem| problem.to_string()));
@@ -104,7 +108,10 @@ impl Ownership {
         for fleet in missing {
             if let Some(lease) = self.writer.acquire(&self.supervisor, &fleet).await? {
                 info!(%fleet, epoch = lease.epoch(), "taken");
-                self.shared.metrics.lease(&fleet, Some(lease.epoch()));
+                let metrics = self.shared.metrics.of_fleet(&fleet);
+                metrics.lease_held.set(1);
+                metrics.lease_epoch.set(lease.epoch() as i64);
+                metrics.lease_changes.count([TAKEN]);
                 self.fleets.insert(fleet, Fleet::start(lease, &self.shared));
             }
         }
@@ -157,7 +164,9 @@ impl Ownership {
     /// the leases of the others must be kept meanwhile.
     fn end(&mut self, name: &Name) {
         let Some(fleet) = self.fleets.remove(name) else { return };
-        self.shared.metrics.lease(name, None);
+        let metrics = self.shared.metrics.of_fleet(name);
+        metrics.lease_held.set(0);
+        metrics.lease_changes.count([LOST]);
         let mut writer = self.shared.store.writer();
         let task = self.ending.spawn(async move {
             let lease = fleet.stop().await;

@@ -49,6 +49,8 @@ pub struct ServiceOptions {
     pub http: SocketAddr,
     /// Who is let in there, besides those whose tokens the database has.
     pub access: AccessOptions,
+    /// Whether each robot and whisker is shown to Prometheus: four series a whisker.
+    pub metrics_per_whisker: bool,
     /// The core's parameters.
     pub params: Params,
 }
@@ -92,6 +94,7 @@ impl Service {
             }
             Err(problem) => return Err(problem.into()),
         };
+        let metrics = declare_metrics(&options)?;
         let (embedded, broker) = match options.broker {
             Some(address) => (None, address),
             None => {
@@ -101,7 +104,6 @@ impl Service {
             }
         };
         let prepared = mqtt::prepare(&broker)?;
-        let metrics = Metrics::new().context("declaring the metrics")?;
         let readiness = Readiness::default();
         let mailroom = Mailroom::default();
         let params = Arc::new(options.params);
@@ -162,6 +164,20 @@ impl Service {
             broker.stop().await;
         }
     }
+}
+
+/// The metrics, with those of every fleet of the configuration, whoever has it.
+fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
+    let metrics = Metrics::new(options.metrics_per_whisker).context("declaring the metrics")?;
+    let database = match options.database {
+        DatabaseAddress::Sqlite(_) => "SQLITE",
+        DatabaseAddress::Postgres { .. } => "POSTGRESQL",
+    };
+    metrics.is(&options.name, database, if options.broker.is_some() { "EXTERNAL" } else { "EMBEDDED" });
+    for fleet in &options.fleets {
+        metrics.of_fleet(fleet).lease_held.set(0);
+    }
+    Ok(metrics)
 }
 
 /// How long what live pages follow is kept.

@@ -3,7 +3,7 @@
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 use vibrissa::engine::Publication;
-use vibrissa::metrics::Metrics;
+use vibrissa::metrics::{FleetMetrics, Metrics};
 use vibrissa::mqtt::{self, BrokerAddress, ClientCertificate, Connection, Credentials, Inbox, LinkState, TlsOptions};
 use vibrissa::secret::Secret;
 use vibrissa_protocol::{BootId, Name};
@@ -14,7 +14,7 @@ pub(crate) const PASSWORD: &str = "correct-horse-battery-staple";
 
 /// Both connections, running.
 pub(crate) struct Link {
-    pub(crate) metrics: Metrics,
+    pub(crate) metrics: FleetMetrics,
     /// Nobody reads it here.
     _inbox: Inbox,
     state: LinkState,
@@ -57,7 +57,7 @@ impl Link {
             epoch: 1,
             link: state.clone(),
         };
-        let metrics = Metrics::new().unwrap();
+        let metrics = Metrics::new(false).unwrap().of_fleet(&connection.fleet);
         let (stop, stopped) = watch::channel(false);
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);

@@ -45,6 +45,7 @@ impl Running {
             fleets: vec![Name::new("lab").unwrap()],
             database: DatabaseAddress::Sqlite(database(&folder)),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
+            metrics_per_whisker: false,
             broker: Some(broker),
             mqtt_port: 0,
             http: "127.0.0.1:0".parse().unwrap(),

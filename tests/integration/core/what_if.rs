@@ -58,7 +58,7 @@ fn done(world: &World, time: Micros) -> WhatIf {
     for (_, effect) in world.effects.iter().filter(|(at, _)| *at == time) {
         match effect {
             Effect::Decided(decision) => answer.decisions.push((**decision).clone()),
-            Effect::Ended { compensation, reason } => answer.ended.push((*compensation, *reason)),
+            Effect::Ended { compensation, reason, .. } => answer.ended.push((*compensation, *reason)),
             Effect::Command(command) => answer.setpoints.push(vibrissa_core::robot::Planned {
                 whisker: command.whisker,
                 pressure: command.pressure,

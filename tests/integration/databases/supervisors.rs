@@ -320,6 +320,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         fleets: fleets.to_vec(),
         database: address,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         http: ([127, 0, 0, 1], 0).into(),

@@ -72,7 +72,7 @@ impl Served {
         store.prepare().await.unwrap();
         let written = rows::write(&store).await;
         let (stop, stopped) = watch::channel(false);
-        let (metrics, params) = (Metrics::new().unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
+        let (metrics, params) = (Metrics::new(false).unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
         let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
         let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());

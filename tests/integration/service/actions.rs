@@ -130,7 +130,7 @@ async fn what_cannot_be_done_is_refused_with_a_word_and_a_text() {
     let late = refused(&running, &asks_of("SETPOINT", r#"{"pressure_mpa": 0.1}"#, Some(1))).await;
     assert!(late.starts_with("ROBOT_OFFLINE: "), "{late}");
     assert_eq!(running.database.number("SELECT count(*) FROM setpoints").await, 0);
-    assert_eq!(running.metric(r#"vibrissa_actions_total{kind="SETPOINT",state="REFUSED"}"#).await, 3.0);
+    assert_eq!(running.metric(r#"vibrissa_actions_total{fleet="f",kind="SETPOINT",state="REFUSED"}"#).await, 3.0);
     running.service.stop().await;
 }
 

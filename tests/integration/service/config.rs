@@ -93,6 +93,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
         Key::HttpOidcAudience | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => ["c0", "c1", "c2"],
         Key::PolicyMode => ["advise", "automatic", "advise"],
+        Key::MetricsSeries => ["whiskers", "fleets", "whiskers"],
         Key::ModelFormulation => ["consistent", "published", "consistent"],
         Key::PolicyObjective => ["mean", "tip", "mean"],
         Key::PolicyLongerForShorter => ["never", "allowed", "last-resort"],

@@ -56,13 +56,15 @@ async fn what_happens_is_counted() {
     robot.receipted().await;
     let after = running.metrics().await;
     let rise = |name: &str| after.get(name) - before.get(name);
-    assert_eq!(rise("vibrissa_contacts_total{used=\"LEARNING\"}"), LEARNED as f64);
-    assert_eq!(rise("vibrissa_contacts_total{used=\"USED\"}"), 20.0);
-    assert!(rise("vibrissa_messages_total{topic=\"contacts\"}") >= 5.0);
-    assert_eq!(rise("vibrissa_messages_total{topic=\"factsheet\"}"), 1.0);
-    assert!(rise("vibrissa_receipts_total") >= 1.0);
-    assert!(rise("vibrissa_commit_seconds_count") >= 1.0);
-    assert_eq!(rise("vibrissa_database_errors_total"), 0.0);
+    assert_eq!(rise("vibrissa_contacts_total{fleet=\"f\",used=\"LEARNING\"}"), LEARNED as f64);
+    assert_eq!(rise("vibrissa_contacts_total{fleet=\"f\",used=\"USED\"}"), 20.0);
+    assert!(rise("vibrissa_messages_received_total{fleet=\"f\",topic=\"contacts\"}") >= 5.0);
+    assert_eq!(rise("vibrissa_messages_received_total{fleet=\"f\",topic=\"factsheet\"}"), 1.0);
+    assert!(rise("vibrissa_receipts_sent_total{fleet=\"f\"}") >= 1.0);
+    assert!(rise("vibrissa_database_commit_seconds_count{fleet=\"f\"}") >= 1.0);
+    assert!(rise("vibrissa_received_to_commit_seconds_count{fleet=\"f\"}") >= 5.0);
+    assert!(rise("vibrissa_contact_to_commit_seconds_count{fleet=\"f\"}") >= 4.0);
+    assert_eq!((rise("vibrissa_database_errors_total"), after.get("vibrissa_database_up")), (0.0, 1.0));
     until_true("whiskers counted by health", async || {
         let metrics = running.metrics().await;
         let count = |health: &str| metrics.get(&format!("vibrissa_whiskers{{fleet=\"f\",health=\"{health}\"}}"));

@@ -16,6 +16,7 @@ mod api;
 mod bad_input;
 mod config;
 mod http;
+mod metrics;
 mod quickstart;
 mod replaced;
 mod restart;

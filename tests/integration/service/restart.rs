@@ -196,7 +196,10 @@ async fn a_message_from_before_the_restart_changes_nothing_when_it_comes_again()
     for message in [&of_old_boot, &of_this_boot] {
         robot.say(RobotTopic::Contacts, encode(message)).await;
     }
-    until_true("two duplicates", async || running.metric("vibrissa_duplicates_total").await == 2.0).await;
+    until_true("two duplicates", async || {
+        running.metric("vibrissa_messages_duplicate_total{fleet=\"f\"}").await == 2.0
+    })
+    .await;
     assert_eq!(running.database.counted().await, (3, 3));
     robot.touch(0, 1).await;
     robot.receipted().await;
@@ -231,7 +234,7 @@ async fn what_is_held_beyond_a_gap_survives_a_restart() {
     receipt(&mut robot, before + 1, &[(beyond.seq, beyond.seq)]).await;
     robot.say(RobotTopic::Contacts, encode(&lost)).await;
     receipt(&mut robot, beyond.seq + 1, &[]).await;
-    assert_eq!(running.metric("vibrissa_duplicates_total").await, 1.0);
+    assert_eq!(running.metric("vibrissa_messages_duplicate_total{fleet=\"f\"}").await, 1.0);
     assert_eq!(running.database.counted().await, (3, 3));
     running.service.stop().await;
 }

@@ -67,6 +67,7 @@ impl Running {
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
+            metrics_per_whisker: false,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
             mqtt_port: 0,
             http: "127.0.0.1:0".parse().unwrap(),

@@ -117,8 +117,10 @@ async fn a_setpoint_that_a_robot_is_not_ready_for_is_tried_three_times_and_then_
         setpoint = next;
     }
     robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::NotReady)).await;
-    until_true("the alarm", async || running.metric("vibrissa_alarms_total{kind=\"SETPOINT_FAILED\"}").await == 1.0)
-        .await;
+    until_true("the alarm", async || {
+        running.metric("vibrissa_alarms_raised_total{fleet=\"f\",kind=\"SETPOINT_FAILED\"}").await == 1.0
+    })
+    .await;
     some_rounds(&mut robot).await;
     assert_eq!(robot.setpoints_left(), [&setpoint; 0]);
     assert_eq!(states(&running).await, ["REJECTED"; 3]);
@@ -133,8 +135,10 @@ async fn a_setpoint_that_a_robot_is_not_ready_for_is_tried_three_times_and_then_
 async fn a_setpoint_that_is_stale_for_the_robot_is_not_insisted_on() {
     let (running, mut robot, setpoint) = cut().await;
     robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::Stale)).await;
-    until_true("the alarm", async || running.metric("vibrissa_alarms_total{kind=\"SETPOINT_FAILED\"}").await == 1.0)
-        .await;
+    until_true("the alarm", async || {
+        running.metric("vibrissa_alarms_raised_total{fleet=\"f\",kind=\"SETPOINT_FAILED\"}").await == 1.0
+    })
+    .await;
     some_rounds(&mut robot).await;
     assert_eq!(robot.setpoints_left(), [&setpoint; 0]);
     assert_eq!(states(&running).await, ["REJECTED"]);

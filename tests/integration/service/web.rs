@@ -18,7 +18,7 @@ pub(crate) async fn json(address: SocketAddr, path: &str) -> Value {
     serde_json::from_str(&body).unwrap()
 }
 
-/// Every metric by its name with labels, such as `vibrissa_refused_total{reason="not_json"}`.
+/// Every metric by its name with labels, such as `vibrissa_database_up`.
 #[derive(Debug, Clone)]
 pub(crate) struct Metrics(BTreeMap<String, f64>);
 
@@ -41,8 +41,14 @@ impl Metrics {
 
     /// What was refused, by reason.
     pub(crate) fn refused(&self) -> BTreeMap<String, f64> {
-        let reason =
-            |name: &str| Some(name.strip_prefix("vibrissa_refused_total{reason=\"")?.strip_suffix("\"}")?.to_owned());
-        self.0.iter().filter_map(|(name, &value)| Some((reason(name)?, value))).collect()
+        let before = "vibrissa_messages_refused_total{fleet=\"f\",reason=\"";
+        let reason = |name: &str| Some(name.strip_prefix(before)?.strip_suffix("\"}")?.to_owned());
+        let some = self.0.iter().filter(|&(_, &value)| value > 0.0);
+        some.filter_map(|(name, &value)| Some((reason(name)?, value))).collect()
+    }
+
+    /// The names of all series, with their labels.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
     }
 }

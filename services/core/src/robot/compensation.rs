@@ -59,6 +59,18 @@ impl Compensation {
         self.compensator as usize
     }
 
+    /// Case of the paper.
+    #[must_use]
+    pub fn case(&self) -> Case {
+        self.case
+    }
+
+    /// Mean error (Eq. 35) that was predicted when it was decided, as a ratio.
+    #[must_use]
+    pub fn predicted_error(&self) -> f64 {
+        self.predicted_error
+    }
+
     /// Whether it waits for an operator's approval: no setpoint was sent for it.
     #[must_use]
     pub fn is_proposed(&self) -> bool {
@@ -141,7 +153,7 @@ impl Robot {
         self.changed = true;
         self.undecided = true;
         self.whiskers[ended.target()].undecided = true;
-        effects.push(Effect::Ended { compensation: id, reason });
+        effects.push(Effect::Ended { compensation: id, case: ended.case, reason });
         // Nothing was sent for a proposed one.
         if reason != EndReason::SetpointFailed && !ended.proposed {
             self.release(ended.compensator());

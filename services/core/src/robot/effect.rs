@@ -47,6 +47,8 @@ pub enum Effect {
     Ended {
         /// Which.
         compensation: u32,
+        /// Its case.
+        case: Case,
         /// Why.
         reason: EndReason,
     },

@@ -139,7 +139,9 @@ impl Robot {
         })
     }
 
-    fn error(&self, params: &Params, running: &Compensation) -> Option<CompensationError> {
+    /// The compensation error (Eq. 35) of a compensation of this robot, as it is known now; none before it is measured.
+    #[must_use]
+    pub fn error(&self, params: &Params, running: &Compensation) -> Option<CompensationError> {
         let length_variance = {
             let estimate = self.whiskers[running.compensator()].filter.length();
             (estimate.sd_mm / estimate.length.mm()).powi(2)

@@ -61,6 +61,12 @@ impl Sequence {
         &self.held
     }
 
+    /// The first number that lies beyond every one that was received.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.held.last().map_or(self.next, |&(_, last)| last + 1)
+    }
+
     /// Messages that were never received, and are not waited for any more.
     #[must_use]
     pub fn given_up(&self) -> u64 {

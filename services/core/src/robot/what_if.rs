@@ -107,7 +107,7 @@ impl WhatIf {
         for effect in effects {
             match effect {
                 Effect::Decided(decision) => answer.decisions.push(*decision),
-                Effect::Ended { compensation, reason } => answer.ended.push((compensation, reason)),
+                Effect::Ended { compensation, reason, .. } => answer.ended.push((compensation, reason)),
                 Effect::Command(command) if is_new(command.whisker) => answer.setpoints.push(Planned {
                     whisker: command.whisker,
                     pressure: command.pressure,

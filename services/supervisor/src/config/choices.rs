@@ -40,6 +40,15 @@ impl From<ModeArg> for Mode {
     }
 }
 
+/// What is shown to Prometheus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SeriesArg {
+    /// Fleets as wholes.
+    Fleets,
+    /// Each robot and whisker, too.
+    Whiskers,
+}
+
 /// What a setpoint is solved for.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum ObjectiveArg {

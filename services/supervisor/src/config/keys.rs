@@ -122,6 +122,8 @@ keys! {
         "The claim with the role: viewer, operator, engineer or admin, or a list with one of them";
     HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
         "The claim with the fleets: a list of names, or * for all";
+    MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
+        "What is shown to Prometheus: fleets (as wholes) or whiskers (each robot and whisker too: four series a whisker)";
     ModelFormulation: "model.formulation", Kind::Text, Some(r#""published""#),
         "How the paper's equations are read: published (as printed) or consistent (as its Table 2 would have it)";
     PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),

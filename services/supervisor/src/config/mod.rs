@@ -39,7 +39,7 @@ use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
 use crate::service::ServiceOptions;
 use crate::store::DatabaseAddress;
-use choices::{FormulationArg, LongerForShorterArg, ModeArg, ObjectiveArg};
+use choices::{FormulationArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
 
 /// A configuration that was checked as a whole. `Debug` shows no secret.
 #[derive(Debug, Clone)]
@@ -64,6 +64,8 @@ pub struct Config {
     pub http: SocketAddr,
     /// Who is let in there, besides those whose tokens the database has.
     pub access: AccessOptions,
+    /// Whether each robot and whisker is shown to Prometheus.
+    pub metrics_per_whisker: bool,
     /// How the paper's equations are read.
     pub formulation: Formulation,
     /// Who says that a compensation begins.
@@ -125,6 +127,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         text.parse().map_err(|_| format!("must be an address and a port such as 127.0.0.1:8080, not {text:?}"))
     });
     let access = http::access(reader);
+    let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let mode = reader.word::<ModeArg>(Key::PolicyMode);
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
     let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
@@ -144,6 +147,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         mqtt_port: mqtt_port?,
         http: http?,
         access: access?,
+        metrics_per_whisker: series? == SeriesArg::Whiskers,
         formulation: formulation?,
         mode: mode?.into(),
         objective: objective?.into(),
@@ -235,6 +239,7 @@ impl From<Config> for ServiceOptions {
             mqtt_port: config.mqtt_port,
             http: config.http,
             access: config.access,
+            metrics_per_whisker: config.metrics_per_whisker,
             params,
         }
     }

@@ -54,6 +54,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         fleets: vec![Name::new(scenario::FLEET)?],
         database: DatabaseAddress::Sqlite(database.clone()),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        metrics_per_whisker: false,
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http,

@@ -7,7 +7,7 @@ use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
-use super::{Engine, Incoming, Known, publication};
+use super::{Engine, Incoming, Known, publication, survey};
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
 use vibrissa_edge as edge;
@@ -32,7 +32,7 @@ impl Engine {
         if *fleet != self.fleet || !kind.is_from_robot() {
             return Ok(());
         }
-        self.metrics.messages.with_label_values(&[kind.as_str()]).inc();
+        self.metrics.messages_received.count([kind.as_str()]);
         match protocol::decode(&topic, &incoming.payload) {
             Ok(message) => self.take(robot, &message, incoming.received).await,
             Err(refusal) => {
@@ -54,7 +54,7 @@ impl Engine {
     }
 
     pub(super) fn refuse(&self, reason: &'static str, problem: impl std::fmt::Display, topic: &str) {
-        self.metrics.refused.with_label_values(&[reason]).inc();
+        self.metrics.messages_refused.count([reason]);
         debug!(reason, %problem, topic, "refused");
     }
 
@@ -107,6 +107,7 @@ impl Engine {
             whisker_ids: Vec::new(),
             boots: BTreeMap::new(),
             seqs: publication::Seqs::default(),
+            stated: survey::Stated::default(),
         };
         self.robots.insert(name.clone(), known);
         Ok(true)
@@ -150,7 +151,7 @@ impl Engine {
         }
         let boot_id = told.boot_id.as_str();
         let event = Event::Contacts { boot_id, seq: told.seq, contacts: &contacts };
-        let given_up_before = self.given_up(name, boot_id);
+        let (given_up_before, end) = (self.given_up(name, boot_id), self.end(name, boot_id));
         match self.step(name, now, &event, Some(told)) {
             Some(Outcome::NotYet(admission)) => {
                 let reason = match admission {
@@ -160,13 +161,20 @@ impl Engine {
                 self.refuse(reason, "contacts that cannot be taken yet", name.as_str());
                 return;
             }
-            Some(Outcome::Duplicate) => self.metrics.duplicates.inc(),
-            Some(Outcome::Taken | Outcome::OldBoot | Outcome::Refused(_)) | None => {}
+            Some(Outcome::Duplicate) => self.metrics.messages_duplicate.inc(),
+            Some(Outcome::Taken) => {
+                if told.seq < end {
+                    self.metrics.messages_resent.inc();
+                }
+                self.taken
+                    .push(survey::Taken { felt: told.contacts.last().map(|last| Micros(last.t_us)), received: now });
+            }
+            Some(Outcome::OldBoot | Outcome::Refused(_)) | None => {}
         }
         let given_up = self.given_up(name, boot_id) - given_up_before;
         if given_up > 0 {
             warn!(robot = %name, messages = given_up, "lost: the robot has not sent them again");
-            self.metrics.given_up.inc_by(given_up);
+            self.metrics.messages_given_up.inc_by(given_up);
         }
         self.receipts_due.insert((name.clone(), boot_id.to_owned()));
     }
@@ -177,22 +185,31 @@ impl Engine {
         sequence.map_or(0, Sequence::given_up)
     }
 
+    /// The first number of a boot's contacts messages that lies beyond all that were received.
+    fn end(&self, name: &Name, boot_id: &str) -> u64 {
+        let sequence = self.robots.get(name).and_then(|known| known.robot.sequence(boot_id));
+        sequence.map_or(0, Sequence::end)
+    }
+
     fn take_setpoint_state(&mut self, name: &Name, told: &protocol::SetpointState, now: Micros) {
         let Some(known) = self.robots.get(name) else { return };
         let found = known
             .robot
             .commands_under_way()
             .find(|command| publication::command_id(&self.fleet, name, command.key) == told.command_id)
-            .map(|command| (command.key, command.pressure));
-        let Some((command, pressure)) = found else {
+            .map(|command| (survey::Answering::to(command), command.pressure));
+        let Some((answering, pressure)) = found else {
             debug!(robot = %name, command_id = told.command_id, "a state of a setpoint that is not under way");
             return;
         };
         match edge::setpoint_report(told, pressure) {
             Ok(report) => {
                 let robot_time = Micros(told.t_us);
-                let event = Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time };
+                let event =
+                    Event::Setpoint { boot_id: told.boot_id.as_str(), command: answering.command, report, robot_time };
+                self.answering = Some(answering);
                 self.step(name, now, &event, None);
+                self.answering = None;
             }
             Err(problem) => self.refuse(problem.label(), problem, "setpoint_state"),
         }

@@ -33,7 +33,7 @@ impl Engine {
         let pending = match self.writer.pending(&self.lease, ACTIONS_MAX).await {
             Ok(pending) => pending,
             Err(problem) => {
-                self.metrics.database_errors.inc();
+                self.program.database_failed();
                 warn!(%problem, fleet = %self.fleet, "cannot see what operators ask; looking again");
                 return;
             }
@@ -53,7 +53,7 @@ impl Engine {
                 None if action.kind == CALIBRATION => CALIBRATION,
                 None => "UNKNOWN",
             };
-            self.metrics.actions.with_label_values(&[kind, state]).inc();
+            self.metrics.actions.count([kind, state]);
             info!(fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor, "asked");
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
             self.batch.records.push(Record::Answer { action_id, state, problem, done_us });
@@ -140,6 +140,7 @@ impl Engine {
         self.params = Arc::new(Params { policy, ..(*self.params).clone() });
         self.policy_version += 1;
         self.batch.records.push(Record::Policy(Box::new(self.policy_row(action, &policy))));
+        self.show_params();
         let names: Vec<Name> = self.robots.keys().cloned().collect();
         for name in names {
             self.step(&name, now, &Event::PolicyChanged, None);

@@ -9,6 +9,7 @@ pub mod mail;
 mod outage;
 mod publication;
 mod record;
+mod survey;
 
 pub(crate) use record::wide_id;
 
@@ -27,14 +28,13 @@ use vibrissa_protocol::{self as protocol, BootId, Name};
 
 use crate::fault::{self, Fault};
 use crate::mailroom::Mailroom;
-use crate::metrics::Metrics;
+use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
 use crate::store::batch::Record;
 use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
-use vibrissa_edge::words::Word;
 
-pub use publication::Publication;
+pub use publication::{Publication, Stopwatch};
 
 use outage::{LeaseLost, Outage};
 
@@ -44,6 +44,8 @@ const GATHER: Duration = Duration::from_millis(10);
 const GATHER_MAX: usize = 4096;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
+/// How often all robots are counted for the metrics.
+const SURVEY: Duration = Duration::from_secs(1);
 /// How often receipts are sent.
 const RECEIPTS: Duration = Duration::from_millis(100);
 
@@ -66,6 +68,8 @@ struct Known {
     boots: BTreeMap<String, i64>,
     /// Next `seq` of each topic to this robot.
     seqs: publication::Seqs,
+    /// What was measured last of each compensation.
+    stated: survey::Stated,
 }
 
 /// Why an engine has ended.
@@ -84,7 +88,9 @@ pub struct Engine {
     lease: Lease,
     params: Arc<Params>,
     writer: Writer,
-    metrics: Metrics,
+    /// What all fleets count together.
+    program: Metrics,
+    metrics: FleetMetrics,
     readiness: Readiness,
     /// When the message was received that was handled last.
     handled: Micros,
@@ -92,6 +98,10 @@ pub struct Engine {
     shed: u64,
     robots: BTreeMap<Name, Known>,
     batch: Batch,
+    /// Times of the contacts messages in the batch.
+    taken: Vec<survey::Taken>,
+    /// The setpoint that the message in hand is an answer to.
+    answering: Option<survey::Answering>,
     effects: Vec<Effect>,
     publications: Vec<Publication>,
     touched: BTreeSet<Name>,
@@ -122,7 +132,7 @@ impl Engine {
         boot_id: BootId,
         params: Arc<Params>,
         mut writer: Writer,
-        metrics: Metrics,
+        program: Metrics,
         readiness: Readiness,
         mailroom: Mailroom,
     ) -> Result<Self, StoreError> {
@@ -137,7 +147,10 @@ impl Engine {
             }
         }
         info!(%fleet, epoch, robots = robots.len(), "supervising");
-        Ok(Self {
+        let metrics = program.of_fleet(&fleet);
+        // As if heard: a fleet that stays silent is silent from here on.
+        metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
+        let mut engine = Self {
             bell: mailroom.bell(&fleet),
             mailroom,
             answered: Vec::new(),
@@ -147,17 +160,23 @@ impl Engine {
             lease,
             params,
             writer,
-            shed: metrics.shed.get(),
+            shed: metrics.messages_shed.get(),
+            program,
             metrics,
             readiness,
             handled: Micros::default(),
             robots,
             batch,
+            taken: Vec::new(),
+            answering: None,
             effects: Vec::new(),
             publications: Vec::new(),
             touched: BTreeSet::new(),
             receipts_due: BTreeSet::new(),
-        })
+        };
+        engine.show_params();
+        engine.survey_robots();
+        Ok(engine)
     }
 
     /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
@@ -165,6 +184,8 @@ impl Engine {
     pub async fn run(mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
         let mut ticks = interval(TICK);
         let mut receipts = interval(RECEIPTS);
+        let mut surveys = interval(SURVEY);
+        surveys.set_missed_tick_behavior(MissedTickBehavior::Skip);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
         receipts.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let bell = self.bell.clone();
@@ -186,6 +207,11 @@ impl Engine {
                 }
                 _ = receipts.tick() => {
                     self.receipts(&outbox);
+                    Ok(())
+                }
+                _ = surveys.tick() => {
+                    self.survey_queues(&inbox, &outbox);
+                    self.survey_robots();
                     Ok(())
                 }
             };
@@ -253,7 +279,7 @@ impl Engine {
     /// Tells the core what time it is.
     fn tick(&mut self, inbox: &Inbox) {
         let now = self.now(inbox);
-        let shed = self.metrics.shed.get();
+        let shed = self.metrics.messages_shed.get();
         if self.metrics.broker_connected.get() == 0 || shed != self.shed {
             self.listen_anew();
         }
@@ -262,17 +288,6 @@ impl Engine {
         for name in names {
             self.step(&name, now, &Event::Tick, None);
         }
-        self.count_whiskers();
-    }
-
-    fn count_whiskers(&self) {
-        let mut counts: BTreeMap<&'static str, i64> = BTreeMap::new();
-        for known in self.robots.values() {
-            for view in (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index)) {
-                *counts.entry(view.fault.map_or(view.condition.word(), Word::word)).or_default() += 1;
-            }
-        }
-        self.metrics.set_whiskers(&counts);
     }
 
     /// Writes the batch; a database that is away is waited for, while the inbox fills and then sheds.
@@ -286,7 +301,7 @@ impl Engine {
             let begun = Instant::now();
             match self.writer.commit(&self.lease, &self.batch).await {
                 Ok(()) => {
-                    self.metrics.commit_seconds.observe(begun.elapsed().as_secs_f64());
+                    self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
                     break;
                 }
                 Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
@@ -294,6 +309,7 @@ impl Engine {
         }
         self.end_of(&outage);
         self.batch = Batch::default();
+        self.time_taken();
         self.mailroom.answered(self.answered.drain(..));
         if !self.batch.records.is_empty() {
             self.mailroom.changed();
@@ -305,12 +321,12 @@ impl Engine {
     /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
     fn publish(&mut self, outbox: &mpsc::Sender<Publication>) {
         if !self.lease.is_fresh() {
-            self.metrics.unpublished.inc_by(self.publications.len() as u64);
+            self.metrics.publications_dropped.inc_by(self.publications.len() as u64);
             self.publications.clear();
         }
         for publication in self.publications.drain(..) {
             if outbox.try_send(publication).is_err() {
-                self.metrics.unpublished.inc();
+                self.metrics.publications_dropped.inc();
             }
         }
     }
@@ -335,7 +351,9 @@ fn take_up(stored: StoredRobot, epoch: u64, params: &Params, batch: &mut Batch) 
         }
         None => (Robot::new(epoch, stored.numbers), Vec::new()),
     };
-    Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs: publication::Seqs::default() }
+    let stated = survey::Stated::of(&robot, params);
+    let seqs = publication::Seqs::default();
+    Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs, stated }
 }
 
 /// A pressure as a bare number, if there is one.

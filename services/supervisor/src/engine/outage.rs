@@ -33,7 +33,7 @@ impl Engine {
             warn!(%problem, "nothing more is written");
             return Err(LeaseLost);
         }
-        self.metrics.database_errors.inc();
+        self.program.database_failed();
         error!(%problem, fleet = %self.fleet, "{so}; trying again");
         self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {problem}")));
         outage.since.get_or_insert_with(Instant::now);

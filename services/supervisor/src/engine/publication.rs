@@ -1,13 +1,15 @@
 //! What goes out: setpoints, receipts, requests.
 
+use prometheus::Histogram;
 use tokio::sync::mpsc;
 use uuid::Uuid;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey};
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name, QualityOfService, RequestKind, RobotTopic, Timestamp, encode};
 
-use super::Engine;
-use vibrissa_edge::words::setpoint_reason;
+use super::{Engine, wall_clock};
+use vibrissa_edge::words::{Word, setpoint_reason};
 
 /// Names of setpoints are made from this and (fleet, robot, epoch, version): the same setpoint has the same
 /// name whenever and wherever it is sent again.
@@ -26,6 +28,29 @@ pub struct Publication {
     pub qos: QualityOfService,
     /// MQTT message expiry, for setpoints.
     pub expiry_s: Option<u32>,
+    /// What is stopped when it is on its way, for setpoints that were not sent before.
+    pub stopwatch: Option<Stopwatch>,
+}
+
+/// The time from what led to a setpoint, into a metric.
+#[derive(Debug, Clone)]
+pub struct Stopwatch {
+    pub(super) since: Micros,
+    pub(super) seconds: Histogram,
+}
+
+impl Stopwatch {
+    /// Writes down the time that it took.
+    pub fn stop(&self) {
+        self.seconds.observe(wall_clock().since(self.since).as_s());
+    }
+}
+
+/// Whether a setpoint was sent before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sent {
+    First,
+    Again,
 }
 
 /// The next `seq` of each topic to one robot, in this boot of the supervisor.
@@ -55,7 +80,7 @@ pub(super) fn gain(command: &Command) -> Vec<(f64, f64)> {
 }
 
 impl Engine {
-    pub(super) fn publish_setpoint(&mut self, name: &Name, command: &Command) {
+    pub(super) fn publish_setpoint(&mut self, name: &Name, command: &Command, sent: Sent) {
         let Some(known) = self.robots.get_mut(name) else { return };
         let Some(whisker) = known.robot.whisker(command.whisker) else { return };
         let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
@@ -79,7 +104,18 @@ impl Engine {
         };
         // The broker drops what the robot would refuse anyway; one second more for the clocks.
         let expiry_s = self.params.command.time_to_live.as_s().ceil() as u32 + 1;
-        self.push(name, RobotTopic::Setpoint, encode(&setpoint), Some(expiry_s));
+        let stopwatch = match sent {
+            Sent::First => {
+                let seconds = self.metrics.setpoint_publication_seconds.of(command.reason.word());
+                Some(Stopwatch { since: command.issued, seconds })
+            }
+            Sent::Again => {
+                self.metrics.setpoints_resent.inc();
+                None
+            }
+        };
+        let publication = self.publication(name, RobotTopic::Setpoint, encode(&setpoint));
+        self.publications.push(Publication { expiry_s: Some(expiry_s), stopwatch, ..publication });
     }
 
     /// Sends the setpoints under way again to a robot that was born or heard of anew: it may have said what
@@ -88,23 +124,24 @@ impl Engine {
         let Some(known) = self.robots.get(name) else { return };
         let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
         for command in &under_way {
-            self.publish_setpoint(name, command);
+            self.publish_setpoint(name, command, Sent::Again);
         }
     }
 
     pub(super) fn publish_request(&mut self, name: &Name, request: RequestKind) {
         let Some(known) = self.robots.get_mut(name) else { return };
         let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut known.seqs.request), request };
-        self.push(name, RobotTopic::Request, encode(&request), None);
+        self.publications.push(self.publication(name, RobotTopic::Request, encode(&request)));
     }
 
-    fn push(&mut self, name: &Name, kind: RobotTopic, payload: Vec<u8>, expiry_s: Option<u32>) {
-        self.publications.push(Publication {
+    fn publication(&self, name: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
+        Publication {
             topic: kind.of(&self.fleet, name).to_string(),
             payload,
             qos: kind.quality_of_service(),
-            expiry_s,
-        });
+            expiry_s: None,
+            stopwatch: None,
+        }
     }
 
     /// Says how far the contacts of each boot are committed; call it after a commit only.
@@ -124,8 +161,8 @@ impl Engine {
                 next: sequence.next(),
                 held: sequence.held().iter().copied().take(HELD_MAX).collect(),
             };
-            self.push(&name, RobotTopic::Receipt, encode(&receipt), None);
-            self.metrics.receipts.inc();
+            self.publications.push(self.publication(&name, RobotTopic::Receipt, encode(&receipt)));
+            self.metrics.receipts_sent.inc();
         }
         self.publish(outbox);
     }

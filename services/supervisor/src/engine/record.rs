@@ -1,12 +1,13 @@
 //! Effects become rows and publications.
 
 use tracing::{error, info, warn};
-use vibrissa_core::robot::effect::{Command, CompensationError, Decision, Effect, ErrorBin, Refinement};
+use vibrissa_core::robot::effect::{Command, CommandState, CompensationError, Decision, Effect, ErrorBin, Refinement};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
 
-use super::publication::command_id;
+use super::publication::{Sent, command_id};
 use super::{Engine, mpa};
+use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use crate::store::batch::{
     CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow,
     RobotRow, SetpointRow, WhiskerRow,
@@ -21,13 +22,13 @@ pub(crate) fn wide_id(robot_id: i64, number: u32) -> i64 {
 impl Engine {
     /// Puts one effect into the batch or among the publications.
     pub(super) fn record(&mut self, name: &Name, now: Micros, effect: Effect, source: Option<&protocol::Contacts>) {
-        let Some(known) = self.robots.get(name) else { return };
+        let Some(known) = self.robots.get_mut(name) else { return };
         let robot_id = known.robot_id;
         let recorded_us = now.0 as i64;
         let whisker_id = |index: usize| known.whisker_ids.get(index).copied().unwrap_or_default();
         match effect {
             Effect::Contact(contact) => {
-                self.metrics.contacts.with_label_values(&[contact.used.word()]).inc();
+                self.metrics.contacts.count([contact.used.word()]);
                 let Some((source, felt)) =
                     source.and_then(|source| Some((source, source.contacts.get(contact.position)?)))
                 else {
@@ -74,6 +75,7 @@ impl Engine {
             }),
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
+                self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
                 info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trimmed");
                 self.batch.records.push(Record::Trim {
                     trim_id: wide_id(robot_id, trim.id),
@@ -88,24 +90,36 @@ impl Engine {
             }
             Effect::Decided(decision) => {
                 let row = decision_row(robot_id, recorded_us, &decision, whisker_id);
-                let case = row.candidates.iter().find(|one| one.chosen).map_or("NONE", |one| one.case);
-                self.metrics.decisions.with_label_values(&[case]).inc();
+                self.metrics.compensations.count(match row.candidates.iter().find(|one| one.chosen) {
+                    None => [NO_CASE, UNSERVED],
+                    Some(one) if decision.proposed => [one.case, PROPOSED],
+                    Some(one) => [one.case, STARTED],
+                });
                 self.batch.records.push(Record::Decision(Box::new(row)));
             }
-            Effect::Ended { compensation, reason } => self.batch.records.push(Record::Ended {
-                compensation_id: wide_id(robot_id, compensation),
-                ended_us: recorded_us,
-                end_reason: reason.word(),
-            }),
+            Effect::Ended { compensation, case, reason } => {
+                self.metrics.compensations.count([case.word(), reason.word()]);
+                self.batch.records.push(Record::Ended {
+                    compensation_id: wide_id(robot_id, compensation),
+                    ended_us: recorded_us,
+                    end_reason: reason.word(),
+                });
+            }
             Effect::Command(command) => {
-                self.metrics.setpoints.with_label_values(&["PENDING"]).inc();
+                self.metrics.setpoints.count([CommandState::Pending.word()]);
                 let row = setpoint_row(robot_id, &self.fleet, name, &command, whisker_id(command.whisker));
                 self.batch.records.push(Record::Setpoint(Box::new(row)));
-                self.publish_setpoint(name, &command);
+                self.publish_setpoint(name, &command, Sent::First);
             }
-            Effect::Resend(command) => self.publish_setpoint(name, &command),
+            Effect::Resend(command) => self.publish_setpoint(name, &command, Sent::Again),
             Effect::CommandState { command, state, rejection, pressure } => {
-                self.metrics.setpoints.with_label_values(&[state.word()]).inc();
+                self.metrics.setpoints.count([state.word()]);
+                if let Some(rejection) = rejection {
+                    self.metrics.setpoints_rejected.count([rejection.word()]);
+                }
+                if state == CommandState::Applied {
+                    self.time_applied(command);
+                }
                 self.batch.records.push(Record::SetpointState {
                     command_id: command_id(&self.fleet, name, command),
                     recorded_us,
@@ -129,16 +143,20 @@ impl Engine {
                 }));
             }
             Effect::Error(error) => {
-                self.metrics.compensation_error.observe(error.mean);
+                known.stated.state(&error);
+                if let Some(case) = known.case_of(error.compensation) {
+                    self.metrics.compensation_error_ratio.of(case.word()).observe(error.mean);
+                }
                 self.batch.records.push(Record::Error(Box::new(error_row(robot_id, recorded_us, &error))));
             }
             Effect::Refined(look) => {
                 let row = refinement_row(robot_id, recorded_us, &look);
+                self.metrics.refinements.count([row.outcome]);
                 info!(robot = %name, outcome = row.outcome, error = look.error, "a setpoint was looked at");
                 self.batch.records.push(Record::Refinement(Box::new(row)));
             }
             Effect::Alarm { whisker, kind } => {
-                self.metrics.alarms.with_label_values(&[kind.word()]).inc();
+                self.metrics.alarms_raised.count([kind.word()]);
                 warn!(robot = %name, whisker, alarm = kind.word(), "alarm");
                 self.batch.records.push(Record::Alarm {
                     whisker_id: whisker_id(whisker),
@@ -147,6 +165,9 @@ impl Engine {
                 });
             }
             Effect::Approved { compensation } => {
+                if let Some(case) = known.case_of(compensation) {
+                    self.metrics.compensations.count([case.word(), APPROVED]);
+                }
                 self.batch.records.push(Record::Approved { compensation_id: wide_id(robot_id, compensation) })
             }
             Effect::AlarmCleared { whisker, kind } => {

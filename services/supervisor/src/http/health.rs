@@ -5,7 +5,7 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Json, Response};
 use serde_json::json;
 
-use super::App;
+use super::{App, FOLLOWERS_MAX};
 
 pub(super) async fn livez() -> &'static str {
     "alive\n"
@@ -25,6 +25,8 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 }
 
 pub(super) async fn metrics(State(app): State<App>) -> Response {
+    let open = FOLLOWERS_MAX - app.followers.available_permits();
+    app.metrics.http.streams.set(open as i64);
     match app.metrics.text() {
         Ok(text) => ([(header::CONTENT_TYPE, prometheus::TEXT_FORMAT)], text).into_response(),
         Err(problem) => (StatusCode::INTERNAL_SERVER_ERROR, problem.to_string()).into_response(),

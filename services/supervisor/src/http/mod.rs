@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
-use axum::middleware::{from_fn, from_fn_with_state};
+use axum::middleware::from_fn_with_state;
 use axum::response::Json;
 use axum::routing::get;
 use tokio::net::TcpListener;
@@ -136,6 +136,7 @@ pub fn router(app: App) -> (Router, Document) {
     document::complete(&mut document);
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
     let served = document.clone();
+    let metrics = app.metrics.http.clone();
     let docs = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
     let router = Router::new()
         .merge(api.route_layer(from_fn_with_state(gate, access::check)))
@@ -148,6 +149,6 @@ pub fn router(app: App) -> (Router, Document) {
         .merge(docs)
         .merge(console::routes())
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
-        .layer(from_fn(passage::passage));
+        .layer(from_fn_with_state(metrics, passage::passage));
     (router, document)
 }

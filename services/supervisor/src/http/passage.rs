@@ -1,9 +1,9 @@
 //! What every request passes through: a name, a place in the log, a limit in time; and every problem gets its
 //! request's name on the way out.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use axum::extract::Request;
+use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -11,6 +11,7 @@ use tracing::Instrument;
 use uuid::Uuid;
 
 use super::problem::{Kind, Problem};
+use crate::metrics::HttpMetrics;
 
 /// How long an answer may take to begin.
 pub const PATIENCE: Duration = Duration::from_secs(20);
@@ -24,7 +25,10 @@ const ID_LENGTH_MAX: usize = 128;
 pub struct RequestId(pub String);
 
 /// Lets a request through.
-pub async fn passage(mut request: Request, next: Next) -> Response {
+pub async fn passage(State(metrics): State<HttpMetrics>, mut request: Request, next: Next) -> Response {
+    let begun = Instant::now();
+    let method = request.method().clone();
+    let route = request.extensions().get::<MatchedPath>().cloned();
     let id = request
         .headers()
         .get(&REQUEST_ID)
@@ -43,6 +47,7 @@ pub async fn passage(mut request: Request, next: Next) -> Response {
     }
     .instrument(span)
     .await;
+    metrics.answered(&method, route.as_ref().map(MatchedPath::as_str), response.status(), begun.elapsed());
     finish(response, id, path)
 }
 

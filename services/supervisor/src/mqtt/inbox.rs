@@ -9,7 +9,7 @@ use tracing::warn;
 use vibrissa_protocol::RobotTopic;
 
 use crate::engine::{Incoming, wall_clock};
-use crate::metrics::Metrics;
+use crate::metrics::FleetMetrics;
 
 /// The label under which messages other than contacts are counted as refused when there is no room for them.
 const INBOX_FULL: &str = "inbox_full";
@@ -33,6 +33,16 @@ const BOUNDS: Bounds =
 pub struct Inbox {
     messages: mpsc::Receiver<Incoming>,
     bytes: Arc<AtomicUsize>,
+    bytes_max: usize,
+}
+
+/// How full an inbox is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Filling {
+    /// Messages.
+    pub messages: usize,
+    /// Bytes.
+    pub bytes: usize,
 }
 
 impl Inbox {
@@ -48,6 +58,18 @@ impl Inbox {
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
     }
+
+    /// How much waits.
+    #[must_use]
+    pub fn filling(&self) -> Filling {
+        Filling { messages: self.messages.len(), bytes: self.bytes.load(Ordering::Relaxed) }
+    }
+
+    /// How much may wait.
+    #[must_use]
+    pub fn capacity(&self) -> Filling {
+        Filling { messages: self.messages.max_capacity(), bytes: self.bytes_max }
+    }
 }
 
 /// The end that fills an inbox.
@@ -56,7 +78,7 @@ pub(super) struct Intake {
     sender: mpsc::Sender<Incoming>,
     bytes: Arc<AtomicUsize>,
     bounds: Bounds,
-    metrics: Metrics,
+    metrics: FleetMetrics,
     /// Something has been left out since there was room last; said once.
     shedding: bool,
     /// Something was left out that the broker retains.
@@ -64,15 +86,15 @@ pub(super) struct Intake {
 }
 
 /// An inbox and the end that fills it.
-pub(super) fn inbox(metrics: Metrics) -> (Intake, Inbox) {
+pub(super) fn inbox(metrics: FleetMetrics) -> (Intake, Inbox) {
     bounded(BOUNDS, metrics)
 }
 
-fn bounded(bounds: Bounds, metrics: Metrics) -> (Intake, Inbox) {
+fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
     let (sender, messages) = mpsc::channel(bounds.messages);
     let bytes = Arc::new(AtomicUsize::new(0));
     let intake = Intake { sender, bytes: bytes.clone(), bounds, metrics, shedding: false, missed: false };
-    (intake, Inbox { messages, bytes })
+    (intake, Inbox { messages, bytes, bytes_max: bounds.bytes })
 }
 
 fn weight(topic: &[u8], payload: &[u8]) -> usize {
@@ -107,9 +129,9 @@ impl Intake {
 
     fn leave_out(&mut self, topic: &[u8], is_contacts: bool) {
         if is_contacts {
-            self.metrics.shed.inc();
+            self.metrics.messages_shed.inc();
         } else {
-            self.metrics.refused.with_label_values(&[INBOX_FULL]).inc();
+            self.metrics.messages_refused.count([INBOX_FULL]);
             let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
             self.missed |= retained.map(RobotTopic::as_str).any(|kind| topic.ends_with(kind.as_bytes()));
         }
@@ -132,7 +154,10 @@ impl Intake {
 
 #[cfg(test)]
 mod tests {
+    use vibrissa_protocol::Name;
+
     use super::*;
+    use crate::metrics::Metrics;
 
     const SMALL: Bounds = Bounds { messages: 100, messages_reserved: 10, bytes: 100_000, bytes_reserved: 20_000 };
 
@@ -151,14 +176,18 @@ mod tests {
         most
     }
 
-    fn left_out(metrics: &Metrics) -> (u64, u64) {
-        (metrics.shed.get(), metrics.refused.with_label_values(&[INBOX_FULL]).get())
+    fn counted() -> FleetMetrics {
+        Metrics::new(false).unwrap().of_fleet(&Name::new("f").unwrap())
+    }
+
+    fn left_out(metrics: &FleetMetrics) -> (u64, u64) {
+        (metrics.messages_shed.get(), metrics.messages_refused.of([INBOX_FULL]).get())
     }
 
     #[tokio::test]
     async fn floods_of_any_kind_stay_within_both_bounds_and_are_counted() {
         for (kind, payload_bytes) in [("status", 10), ("connection", 5_000), ("contacts", 10), ("contacts", 5_000)] {
-            let metrics = Metrics::new().unwrap();
+            let metrics = counted();
             let (mut intake, mut inbox) = bounded(SMALL, metrics.clone());
             let most = flood(&mut intake, kind, payload_bytes, 5_000);
             assert!(most <= SMALL.bytes, "{kind} of {payload_bytes}: {most} bytes");
@@ -178,7 +207,7 @@ mod tests {
     #[tokio::test]
     async fn contacts_leave_room_for_everything_else() {
         for payload_bytes in [10, 5_000] {
-            let metrics = Metrics::new().unwrap();
+            let metrics = counted();
             let (mut intake, _inbox) = bounded(SMALL, metrics.clone());
             flood(&mut intake, "contacts", payload_bytes, 1_000);
             flood(&mut intake, "setpoint_state", 200, SMALL.messages_reserved);
@@ -188,7 +217,7 @@ mod tests {
 
     #[tokio::test]
     async fn what_is_retained_is_asked_for_again_once_there_is_room() {
-        let (mut intake, mut inbox) = bounded(SMALL, Metrics::new().unwrap());
+        let (mut intake, mut inbox) = bounded(SMALL, counted());
         flood(&mut intake, "factsheet", 10, SMALL.messages + 1);
         assert!(!intake.take_missed(), "there is no room yet");
         for _ in 0..SMALL.messages {
@@ -205,7 +234,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_message_does_not_keep_the_buffer_alive_that_it_came_in() {
-        let (mut intake, mut inbox) = bounded(SMALL, Metrics::new().unwrap());
+        let (mut intake, mut inbox) = bounded(SMALL, counted());
         let buffer = Bytes::from(vec![b'x'; 1_000_000]);
         intake.take(&topic("status"), &buffer.slice(..10));
         assert!(buffer.is_unique(), "only we hold it");

@@ -32,8 +32,12 @@ pub fn publish(connection: &Connection, mut outbox: mpsc::Receiver<Publication>)
     tokio::spawn(async move {
         while let Some(publication) = outbox.recv().await {
             let options = options_of(&publication);
-            if client.publish(publication.topic, publication.payload, options).await.is_err() {
+            let Publication { topic, payload, stopwatch, .. } = publication;
+            if client.publish(topic, payload, options).await.is_err() {
                 break;
+            }
+            if let Some(stopwatch) = stopwatch {
+                stopwatch.stop();
             }
         }
         let farewell = async {

@@ -10,10 +10,14 @@ use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::{Connection, stopped};
-use crate::metrics::Metrics;
+use crate::metrics::FleetMetrics;
 
 /// Receives until `stop`: everything that robots say goes into the inbox.
-pub fn receive(connection: &Connection, metrics: Metrics, mut stop: watch::Receiver<bool>) -> (Inbox, JoinHandle<()>) {
+pub fn receive(
+    connection: &Connection,
+    metrics: FleetMetrics,
+    mut stop: watch::Receiver<bool>,
+) -> (Inbox, JoinHandle<()>) {
     let (intake, inbox) = inbox(metrics.clone());
     let mut receiver =
         Receiver { connection: connection.clone(), metrics: metrics.clone(), intake, backoff: Backoff::new() };
@@ -29,7 +33,7 @@ pub fn receive(connection: &Connection, metrics: Metrics, mut stop: watch::Recei
 
 struct Receiver {
     connection: Connection,
-    metrics: Metrics,
+    metrics: FleetMetrics,
     intake: Intake,
     backoff: Backoff,
 }
@@ -65,6 +69,9 @@ impl Receiver {
                     }
                     // Connected means: robots are heard.
                     self.backoff.reset();
+                    if self.metrics.broker_connected.get() == 0 {
+                        self.metrics.broker_connections.inc();
+                    }
                     self.metrics.broker_connected.set(1);
                     self.connection.link.connected(Side::Receiving);
                     Ok(())

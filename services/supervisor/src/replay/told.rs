@@ -259,7 +259,7 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         }
         Effect::Trim(trim) => Told::Trim(trim_line(trim, place(trim.whisker)?)),
         Effect::Decided(decision) => Told::Decision(decision_line(decision, place(decision.target)?, robot)),
-        Effect::Ended { compensation, reason } => {
+        Effect::Ended { compensation, reason, .. } => {
             Told::Ended { compensation: *compensation, end_reason: reason.word() }
         }
         Effect::Command(command) => Told::Setpoint(setpoint_line(command, place(command.whisker)?)),

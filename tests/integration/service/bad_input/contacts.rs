@@ -154,7 +154,7 @@ async fn a_second_message_of_the_same_number_changes_nothing() {
     robot.receipted().await;
     assert_recorded(&running, &expected).await;
     assert_eq!(running.database.contacts().await[0].strain, first.contacts[0].strain);
-    assert_eq!(running.metric("vibrissa_duplicates_total").await, 3.0);
+    assert_eq!(running.metric("vibrissa_messages_duplicate_total{fleet=\"f\"}").await, 3.0);
     running.service.stop().await;
 }
 
@@ -195,6 +195,6 @@ async fn contacts_under_another_robots_boot_are_not_taken() {
     other.receipted().await;
     assert_recorded(&running, &expected).await;
     assert_eq!(running.metrics().await.refused(), counts(&["unknown_boot", "malformed", "unknown_boot"]));
-    assert_eq!(running.metric("vibrissa_duplicates_total").await, 0.0);
+    assert_eq!(running.metric("vibrissa_messages_duplicate_total{fleet=\"f\"}").await, 0.0);
     running.service.stop().await;
 }

@@ -1,0 +1,229 @@
+//! What is told of the fleet as a whole: counts of what there is, and how long things took. Prometheus asks for it; nothing
+//! that is decided rests on it.
+
+use std::collections::BTreeMap;
+
+use tokio::sync::mpsc;
+use vibrissa_core::policy::Case;
+use vibrissa_core::robot::effect::{Command, CommandKey, CompensationError, Reason};
+use vibrissa_core::robot::{Params, Robot, WhiskerView};
+use vibrissa_core::units::Micros;
+use vibrissa_edge::words::Word;
+
+use super::{Engine, Known, Publication, wall_clock};
+use crate::metrics::{INBOX, OUTBOX, RobotSample, WhiskerSample, Word as Label};
+use crate::mqtt::Inbox;
+
+const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
+const METERS_PER_MILLIMETRE: f64 = 1e-3;
+
+/// Times of a contacts message.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Taken {
+    /// Its newest contact, by the robot's clock; none if it has none.
+    pub(super) felt: Option<Micros>,
+    /// Its receipt.
+    pub(super) received: Micros,
+}
+
+/// A setpoint that an answer is to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Answering {
+    pub(super) command: CommandKey,
+    /// When what led to it was received.
+    since: Micros,
+    reason: Reason,
+}
+
+impl Answering {
+    pub(super) fn to(command: &Command) -> Self {
+        Self { command: command.key, since: command.issued, reason: command.reason }
+    }
+}
+
+/// The compensation errors that were measured last, with and without the published gain, by compensation.
+#[derive(Debug, Default)]
+pub(super) struct Stated(BTreeMap<u32, (f64, Option<f64>)>);
+
+impl Stated {
+    /// As they are known of a robot that is taken up.
+    pub(super) fn of(robot: &Robot, params: &Params) -> Self {
+        let mut stated = Self::default();
+        for error in robot.compensations().iter().filter_map(|one| robot.error(params, one)) {
+            stated.state(&error);
+        }
+        stated
+    }
+
+    pub(super) fn state(&mut self, error: &CompensationError) {
+        self.0.insert(error.compensation, (error.mean, error.with_gain.map(|(mean, _)| mean)));
+    }
+}
+
+impl Known {
+    /// The case of a compensation that is in force or proposed.
+    pub(super) fn case_of(&self, compensation: u32) -> Option<Case> {
+        self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.case())
+    }
+}
+
+/// What is known of the compensations of one case.
+#[derive(Debug, Default)]
+struct CaseSurvey {
+    in_force: i64,
+    predicted: Mean,
+    measured: Mean,
+    with_gain: Mean,
+    worst: Option<f64>,
+}
+
+#[derive(Debug, Default, Clone, Copy)]
+struct Mean {
+    sum: f64,
+    count: u32,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    fn value(self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / f64::from(self.count))
+    }
+}
+
+/// What there is in a fleet.
+#[derive(Debug, Default)]
+struct Survey {
+    robots: BTreeMap<Label, i64>,
+    whiskers: BTreeMap<Label, i64>,
+    alarms: BTreeMap<Label, i64>,
+    cases: BTreeMap<Label, CaseSurvey>,
+    setpoints_under_way: i64,
+}
+
+impl Survey {
+    fn add(&mut self, known: &mut Known) {
+        let (_, link) = known.robot.connection_state();
+        *self.robots.entry(link.word()).or_default() += 1;
+        for view in views(&known.robot) {
+            *self.whiskers.entry(health(&view)).or_default() += 1;
+            for kind in view.standing.kinds() {
+                *self.alarms.entry(kind.word()).or_default() += 1;
+            }
+        }
+        self.setpoints_under_way += known.robot.commands_under_way().count() as i64;
+        let in_force = known.robot.compensations().iter().filter(|one| !one.is_proposed());
+        known.stated.0.retain(|&id, _| in_force.clone().any(|one| one.id() == id));
+        for one in in_force {
+            let case = self.cases.entry(one.case().word()).or_default();
+            case.in_force += 1;
+            let Some(&(error, with_gain)) = known.stated.0.get(&one.id()) else { continue };
+            // Of the same compensations, so that the two means can be held against each other.
+            case.predicted.add(one.predicted_error());
+            case.measured.add(error);
+            case.worst = Some(case.worst.map_or(error, |worst| worst.max(error)));
+            if let Some(with_gain) = with_gain {
+                case.with_gain.add(with_gain);
+            }
+        }
+    }
+}
+
+fn views(robot: &Robot) -> impl Iterator<Item = WhiskerView<'_>> {
+    (0..robot.whisker_count()).filter_map(|index| robot.whisker(index))
+}
+
+/// Fault, or else condition.
+fn health(view: &WhiskerView<'_>) -> Label {
+    view.fault.map_or(view.condition.word(), Word::word)
+}
+
+impl Engine {
+    /// Counts robots, whiskers, alarms and compensations.
+    pub(super) fn survey_robots(&mut self) {
+        let mut survey = Survey::default();
+        for known in self.robots.values_mut() {
+            survey.add(known);
+        }
+        let count = |counts: &BTreeMap<Label, i64>, word| counts.get(word).copied().unwrap_or_default();
+        self.metrics.robots.set_all(|word| count(&survey.robots, word));
+        self.metrics.whiskers.set_all(|word| count(&survey.whiskers, word));
+        self.metrics.alarms_standing.set_all(|word| count(&survey.alarms, word));
+        self.metrics.setpoints_under_way.set(survey.setpoints_under_way);
+        let cases = &survey.cases;
+        self.metrics.compensations_in_force.set_all(|case| cases.get(case).map_or(0, |one| one.in_force));
+        let mean = |which: fn(&CaseSurvey) -> Option<f64>| move |case| cases.get(case).and_then(which);
+        self.metrics.compensation_error_mean_ratio.set_all(mean(|one| one.measured.value()));
+        self.metrics.compensation_error_worst_ratio.set_all(mean(|one| one.worst));
+        self.metrics.compensation_error_with_gain_mean_ratio.set_all(mean(|one| one.with_gain.value()));
+        self.metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
+        if let Some(whiskers) = &self.program.whiskers {
+            whiskers.show(
+                self.fleet.as_str(),
+                self.robots.iter().map(|(name, known)| sample(name.as_str(), known)).collect(),
+            );
+        }
+    }
+
+    /// How full the queues are.
+    pub(super) fn survey_queues(&self, inbox: &Inbox, outbox: &mpsc::Sender<Publication>) {
+        let (filling, capacity) = (inbox.filling(), inbox.capacity());
+        let waiting = outbox.max_capacity() - outbox.capacity();
+        let of = |inbox: usize, outbox: usize| {
+            move |queue| match queue {
+                INBOX => inbox as i64,
+                OUTBOX => outbox as i64,
+                _ => 0,
+            }
+        };
+        self.metrics.queue_messages.set_all(of(filling.messages, waiting));
+        self.metrics.queue_capacity_messages.set_all(of(capacity.messages, outbox.max_capacity()));
+        self.metrics.inbox_bytes.set(filling.bytes as i64);
+        self.metrics.inbox_capacity_bytes.set(capacity.bytes as i64);
+    }
+
+    /// Which parameters are in force.
+    pub(super) fn show_params(&self) {
+        let policy = &self.params.policy;
+        self.metrics.policy_mode.set_all(|mode| i64::from(mode == policy.mode.word()));
+        self.metrics.policy_version.set(self.policy_version);
+        self.metrics.compensation_error_limit_ratio.set(policy.predicted_error_max);
+        self.metrics.detector_arl_contacts.set(self.params.detection.contacts_between_false_alarms);
+    }
+
+    /// Writes down how long the contacts messages took that are committed now.
+    pub(super) fn time_taken(&mut self) {
+        let now = wall_clock();
+        for taken in self.taken.drain(..) {
+            self.metrics.received_to_commit_seconds.observe(now.since(taken.received).as_s());
+            if let Some(felt) = taken.felt {
+                self.metrics.contact_to_commit_seconds.observe(now.since(felt).as_s());
+            }
+            self.metrics.last_contact_timestamp_seconds.set(taken.received.as_s());
+        }
+    }
+
+    /// Writes down how long it took until a setpoint was applied.
+    pub(super) fn time_applied(&self, command: CommandKey) {
+        if let Some(answering) = self.answering.filter(|answering| answering.command == command) {
+            let seconds = wall_clock().since(answering.since).as_s();
+            self.metrics.setpoint_application_seconds.of(answering.reason.word()).observe(seconds);
+        }
+    }
+}
+
+fn sample(robot: &str, known: &Known) -> RobotSample {
+    let whiskers = views(&known.robot).map(|view| WhiskerSample {
+        array: view.array.to_owned(),
+        whisker: view.sheet.number,
+        length_m: view.length.length.mm() * METERS_PER_MILLIMETRE,
+        pressure_pa: view.pressure.map(|pressure| pressure.mpa() * PASCALS_PER_MEGAPASCAL),
+        setpoint_pa: view.setpoint.mpa() * PASCALS_PER_MEGAPASCAL,
+        health: health(&view),
+    });
+    let heard = views(&known.robot).filter_map(|view| view.heard).max();
+    RobotSample { robot: robot.to_owned(), heard_s: heard.map(Micros::as_s), whiskers: whiskers.collect() }
+}

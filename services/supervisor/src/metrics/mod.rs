@@ -1,0 +1,102 @@
+//! What the service counts, in base units; each metric is declared once: those of the program here, those of fleets in
+//! [`fleet`], those of single whiskers, which are off unless asked for, in [`whiskers`].
+//!
+//! Labels have values of the program or of its configuration alone. Robots' names come from topics, and whoever may
+//! publish can make them up.
+
+mod fleet;
+mod http;
+mod kinds;
+mod labels;
+mod whiskers;
+
+use std::sync::Arc;
+
+use prometheus::{Encoder, IntCounter, IntGauge, IntGaugeVec, Opts, Registry, Result, TextEncoder};
+use vibrissa_protocol::Name;
+
+pub use fleet::FleetMetrics;
+pub use http::HttpMetrics;
+pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
+pub use labels::{APPROVED, CASES, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
+pub use whiskers::{RobotSample, WhiskerMetrics, WhiskerSample};
+
+/// Every metric.
+#[derive(Debug, Clone)]
+pub struct Metrics {
+    registry: Registry,
+    families: Arc<fleet::Families>,
+    build: IntGaugeVec,
+    /// Failed attempts at the database.
+    pub database_errors: IntCounter,
+    /// Whether the last attempt at the database succeeded.
+    pub database_up: IntGauge,
+    /// Requests over HTTP.
+    pub http: HttpMetrics,
+    /// Single robots and whiskers, if they are wanted.
+    pub whiskers: Option<WhiskerMetrics>,
+}
+
+impl Metrics {
+    /// Declares every metric; those of single robots and whiskers only if they are wanted.
+    ///
+    /// # Errors
+    /// Two have the same name.
+    pub fn new(per_whisker: bool) -> Result<Self> {
+        let registry = Registry::new();
+        #[cfg(target_os = "linux")]
+        registry.register(Box::new(prometheus::process_collector::ProcessCollector::for_self()))?;
+        let build = IntGaugeVec::new(
+            Opts::new("vibrissa_build_info", "1, with what this program is and works with."),
+            &["version", "database", "broker", "supervisor"],
+        )?;
+        let database_errors = IntCounter::new("vibrissa_database_errors_total", "Failed attempts at the database.")?;
+        let database_up = IntGauge::new("vibrissa_database_up", "1 while the last attempt at the database succeeded.")?;
+        registry.register(Box::new(build.clone()))?;
+        registry.register(Box::new(database_errors.clone()))?;
+        registry.register(Box::new(database_up.clone()))?;
+        let whiskers = per_whisker.then(WhiskerMetrics::declare).transpose()?;
+        if let Some(whiskers) = &whiskers {
+            registry.register(Box::new(whiskers.clone()))?;
+        }
+        Ok(Self {
+            families: Arc::new(fleet::Families::declare(&registry)?),
+            http: HttpMetrics::declare(&registry)?,
+            build,
+            database_errors,
+            database_up,
+            whiskers,
+            registry,
+        })
+    }
+
+    /// Says what this program is and works with.
+    pub fn is(&self, supervisor: &str, database: Word, broker: Word) {
+        self.build.with_label_values(&[env!("CARGO_PKG_VERSION"), database, broker, supervisor]).set(1);
+    }
+
+    /// The metrics of one fleet of the configuration. Asking for them makes them be shown.
+    #[must_use]
+    pub fn of_fleet(&self, fleet: &Name) -> FleetMetrics {
+        self.families.of(fleet.as_str())
+    }
+
+    /// Counts an attempt at the database that failed.
+    pub fn database_failed(&self) {
+        self.database_errors.inc();
+        self.database_up.set(0);
+    }
+
+    /// Prometheus' text format.
+    ///
+    /// # Errors
+    /// A metric cannot be written down.
+    pub fn text(&self) -> Result<Vec<u8>> {
+        let mut text = Vec::new();
+        TextEncoder::new().encode(&self.registry.gather(), &mut text)?;
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests;

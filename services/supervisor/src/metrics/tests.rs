@@ -1,0 +1,98 @@
+use std::time::Duration;
+
+use axum::http::{Method, StatusCode};
+use prometheus::core::Collector;
+
+use super::*;
+
+fn shown(metrics: &Metrics) -> String {
+    String::from_utf8(metrics.text().unwrap()).unwrap()
+}
+
+fn fleet() -> Name {
+    Name::new("f").unwrap()
+}
+
+#[test]
+fn every_series_of_a_fleet_is_there_from_the_start() {
+    let metrics = Metrics::new(false).unwrap();
+    assert!(!shown(&metrics).contains("fleet="));
+    let of_fleet = metrics.of_fleet(&fleet());
+    let before = shown(&metrics);
+    assert!(before.contains("vibrissa_messages_refused_total{fleet=\"f\",reason=\"unknown_topic\"} 0"), "{before}");
+    assert!(
+        before.contains("vibrissa_compensations_total{case=\"NONE\",fleet=\"f\",outcome=\"UNSERVED\"} 0"),
+        "{before}"
+    );
+    assert!(before.contains("vibrissa_setpoints_total{fleet=\"f\",state=\"APPLIED\"} 0"), "{before}");
+    of_fleet.messages_refused.count(["unknown_topic"]);
+    of_fleet.compensations.count(["SELF_COMPENSATION", "STARTED"]);
+    assert_eq!(shown(&metrics).lines().count(), before.lines().count());
+    assert_eq!(metrics.of_fleet(&fleet()).messages_refused.of(["unknown_topic"]).get(), 1);
+}
+
+#[test]
+fn a_fleet_that_is_elsewhere_has_nothing_here_and_its_quantities_are_not_shown() {
+    let metrics = Metrics::new(false).unwrap();
+    let of_fleet = metrics.of_fleet(&fleet());
+    of_fleet.whiskers.set_all(|health| i64::from(health == "HEALTHY") * 7);
+    of_fleet.compensation_error_mean_ratio.set_all(|case| (case == "SELF_COMPENSATION").then_some(0.16));
+    let text = shown(&metrics);
+    assert!(text.contains("vibrissa_whiskers{fleet=\"f\",health=\"HEALTHY\"} 7"), "{text}");
+    assert!(
+        text.contains("vibrissa_compensation_error_mean_ratio{case=\"SELF_COMPENSATION\",fleet=\"f\"} 0.16"),
+        "{text}"
+    );
+    assert!(!text.contains("vibrissa_compensation_error_mean_ratio{case=\"SHORTER"), "{text}");
+    of_fleet.forget();
+    let text = shown(&metrics);
+    assert!(text.contains("vibrissa_whiskers{fleet=\"f\",health=\"HEALTHY\"} 0"), "{text}");
+    assert!(!text.contains("vibrissa_compensation_error_mean_ratio{"), "{text}");
+}
+
+#[test]
+fn paths_and_methods_that_somebody_made_up_are_one_series() {
+    let metrics = Metrics::new(false).unwrap();
+    let made_up = |number: u32| {
+        let method = Method::from_bytes(format!("M{number}").as_bytes()).unwrap();
+        metrics.http.answered(&method, None, StatusCode::NOT_FOUND, Duration::from_millis(1));
+    };
+    made_up(0);
+    let before = shown(&metrics).lines().count();
+    (1..1000).for_each(made_up);
+    let text = shown(&metrics);
+    assert_eq!(text.lines().count(), before);
+    assert!(
+        text.contains("vibrissa_http_requests_total{method=\"other\",route=\"other\",status=\"404\"} 1000"),
+        "{text}"
+    );
+}
+
+#[test]
+fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot() {
+    assert!(Metrics::new(false).unwrap().whiskers.is_none());
+    let metrics = Metrics::new(true).unwrap();
+    let whiskers = metrics.whiskers.clone().unwrap();
+    let sample = RobotSample {
+        robot: "r".to_owned(),
+        heard_s: Some(12.5),
+        whiskers: vec![WhiskerSample {
+            array: "left".to_owned(),
+            whisker: 3,
+            length_m: 0.065,
+            pressure_pa: None,
+            setpoint_pa: 100_000.0,
+            health: "TRIMMED",
+        }],
+    };
+    whiskers.show("f", vec![sample]);
+    let text = shown(&metrics);
+    let place = "{array=\"left\",fleet=\"f\",robot=\"r\",whisker=\"3\"}";
+    assert!(text.contains(&format!("vibrissa_whisker_length_meters{place} 0.065\n")), "{text}");
+    assert!(text.contains(&format!("vibrissa_whisker_setpoint_pascals{place} 100000\n")), "{text}");
+    assert!(text.contains("vibrissa_robot_heard_timestamp_seconds{fleet=\"f\",robot=\"r\"} 12.5\n"), "{text}");
+    assert!(!text.contains("vibrissa_whisker_pressure_pascals{"), "not measured yet: {text}");
+    whiskers.show("f", Vec::new());
+    assert!(!shown(&metrics).contains("robot="));
+    assert_eq!(whiskers.desc().len(), 5);
+}
