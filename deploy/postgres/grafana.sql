@@ -1,10 +1,9 @@
--- The role that dashboards read with: what they show, and nothing else. It can be run again, and must be after an update
--- that adds a table to the list below. psql runs it as the owner of the tables, in their database, after the supervisors
--- have made them; the role's password is in the file that GRAFANA_PASSWORD_FILE names:
+-- The role that Grafana reads with: what its dashboards and alerts need, and nothing else. It can be run again, and must
+-- be after an update that adds a table to the list below. psql runs it as the owner of the tables, in their database, after
+-- the supervisors have made them; the role's password is in the file that GRAFANA_PASSWORD_FILE names:
 --
---   GRAFANA_PASSWORD_FILE=grafana.password psql -X -v ON_ERROR_STOP=1 -f grafana.sql 'postgres://vibrissa@db/vibrissa'
+--   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://vibrissa@db/vibrissa'
 
--- Without "-v ON_ERROR_STOP=1", too.
 \set ON_ERROR_STOP on
 \set password `cat "$GRAFANA_PASSWORD_FILE"`
 
@@ -16,11 +15,11 @@ ALTER ROLE grafana SET default_transaction_read_only = on;
 ALTER ROLE grafana SET statement_timeout = '15s';
 SELECT format('GRANT CONNECT ON DATABASE %I TO grafana', current_database()) \gexec
 GRANT USAGE ON SCHEMA public TO grafana;
--- What it was allowed once is not for ever. Tokens, actions, policies and calibrations are no dashboard's.
+-- What it was allowed once is not for ever. Tokens, actions, policies and calibrations are not for Grafana.
 REVOKE ALL ON ALL TABLES IN SCHEMA public FROM grafana;
 GRANT SELECT ON
-    alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors, compensation_refinements,
-    compensations, contacts, epochs, health_changes, leases, setpoint_states, setpoints, trims
+    alarm_shelves, alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors,
+    compensation_refinements, compensations, contacts, epochs, health_changes, leases, setpoint_states, setpoints, trims
     TO grafana;
 -- Without the bytes of the core's states.
 GRANT SELECT (robot_id, fleet, robot, boot_id, connection, model, updated_us, held) ON robots TO grafana;

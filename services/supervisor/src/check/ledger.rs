@@ -38,8 +38,29 @@ pub(super) struct Ledger {
     pub(super) at_least_once: u64,
     /// Whether the order of what comes again is looked at: only while nothing is receipted.
     pub(super) judges_order: bool,
+    /// Few: each is made by hand.
+    receipts: Vec<Receipted>,
     /// Messages that came again while it was.
     ordered: u64,
+}
+
+/// A receipt that went out.
+#[derive(Debug)]
+struct Receipted {
+    next: u64,
+    held: Vec<u64>,
+    at: Instant,
+}
+
+impl Receipted {
+    fn covers(&self, seq: u64) -> Option<(Instant, Cover)> {
+        let cover = match seq {
+            _ if seq < self.next => Cover::Next,
+            _ if self.held.contains(&seq) => Cover::Held,
+            _ => return None,
+        };
+        Some((self.at, cover))
+    }
 }
 
 impl Ledger {
@@ -59,7 +80,9 @@ impl Ledger {
         let order = self.arrivals;
         let overtaken = self.overtaken(seq);
         let Some(known) = self.sent.get_mut(&seq) else {
-            let first = Sent { payload: payload.clone(), times: vec![at], last: order, covered: None };
+            // It may have been on its way when it was receipted.
+            let covered = self.receipts.iter().find_map(|receipt| receipt.covers(seq));
+            let first = Sent { payload: payload.clone(), times: vec![at], last: order, covered };
             self.sent.insert(seq, first);
             return;
         };
@@ -97,14 +120,11 @@ impl Ledger {
 
     /// A receipt goes out that covers everything below `next`, and those.
     pub(super) fn cover(&mut self, next: u64, held: &[u64], at: Instant) {
+        let receipt = Receipted { next, held: held.to_vec(), at };
         for (&seq, sent) in &mut self.sent {
-            let cover = match seq {
-                _ if seq < next => Cover::Next,
-                _ if held.contains(&seq) => Cover::Held,
-                _ => continue,
-            };
-            sent.covered.get_or_insert((at, cover));
+            sent.covered = sent.covered.or_else(|| receipt.covers(seq));
         }
+        self.receipts.push(receipt);
     }
 
     /// Numbers that are not covered, lowest first.
@@ -205,6 +225,15 @@ mod tests {
             assert_eq!(robot.ledger.uncovered(), [1]);
             assert_eq!(robot.outcome(Rule::ReceiptHeld), expected);
         }
+    }
+
+    #[test]
+    fn regress_what_comes_first_after_its_receipt_does_not_wait_for_one() {
+        let mut robot = Robot::new(&[3]);
+        robot.ledger.cover(4, &[6], robot.at);
+        robot.sends(&[0, 6, 4, 5, 4, 5]);
+        assert_eq!(robot.ledger.uncovered(), [4, 5]);
+        assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Pass);
     }
 
     #[test]

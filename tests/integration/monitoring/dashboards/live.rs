@@ -12,6 +12,7 @@ use super::expand::Chosen;
 use super::shape::drill_downs;
 use super::stage::Stage;
 use super::{ALL, Dashboard, list, targets, text};
+use crate::alerts::named_alerts;
 
 /// History that the plans are made for: this many times what the test's fleet has made.
 const HISTORY: u32 = 10;
@@ -38,6 +39,7 @@ async fn every_query_shows_something_of_a_fleet_that_is_supervised() {
     for query in &queries {
         plan_uses_indexes(&mut link, query, &choices[0]).await;
     }
+    alerts_can_be_asked(&mut link).await;
     reads_and_no_more(&mut link).await;
 }
 
@@ -193,6 +195,15 @@ async fn plan_uses_indexes(link: &mut PgConnection, query: &Query, chosen: &Chos
     let plan: Vec<String> = plan.iter().map(|row| row.get(0)).collect();
     let scans = plan.iter().any(|line| line.contains("Seq Scan on contacts"));
     assert!(!scans, "{} reads every contact:\n{}", query.place, plan.join("\n"));
+}
+
+/// What Grafana's alerts ask is asked as the same role.
+async fn alerts_can_be_asked(link: &mut PgConnection) {
+    for (alert, rule) in named_alerts() {
+        let query = text(&rule["data"][0]["model"]["rawSql"]).to_owned();
+        assert!(query.contains("SELECT"), "{alert}");
+        link.execute(AssertSqlSafe(query)).await.unwrap_or_else(|problem| panic!("{alert}: {problem}"));
+    }
 }
 
 /// Even if it does not keep to reading by itself.

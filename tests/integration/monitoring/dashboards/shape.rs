@@ -108,6 +108,19 @@ pub(super) fn drill_downs(dashboard: &Dashboard) -> impl Iterator<Item = (&Value
 }
 
 #[test]
+fn alerts_lead_to_dashboards() {
+    let project = folder().parent().unwrap().to_owned();
+    for file in ["deploy/prometheus/rules/vibrissa.yml", "dashboards/provisioning/alerting/whiskers.yml"] {
+        let alerts = std::fs::read_to_string(project.join(file)).unwrap();
+        let named: Vec<&str> = alerts.lines().filter_map(|line| line.trim().strip_prefix("dashboard: ")).collect();
+        assert!(named.len() >= 5, "{file}: {named:?}");
+        for uid in named {
+            assert!(ALL.iter().any(|dashboard| dashboard.uid() == uid), "{file}: {uid} is no dashboard");
+        }
+    }
+}
+
+#[test]
 fn every_variable_that_is_used_is_one() {
     for dashboard in ALL.iter() {
         let queries = dashboard.panels().flat_map(targets).map(|(_, target)| target);
