@@ -15,12 +15,16 @@ ALTER ROLE grafana SET default_transaction_read_only = on;
 ALTER ROLE grafana SET statement_timeout = '15s';
 SELECT format('GRANT CONNECT ON DATABASE %I TO grafana', current_database()) \gexec
 GRANT USAGE ON SCHEMA public TO grafana;
--- What it was allowed once is not for ever. Tokens, actions, policies and calibrations are not for Grafana.
+-- What it was allowed once is not for ever. Tokens, actions and calibrations are not for Grafana.
 REVOKE ALL ON ALL TABLES IN SCHEMA public FROM grafana;
 GRANT SELECT ON
     alarm_shelves, alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors,
     compensation_refinements, compensations, contacts, epochs, health_changes, leases, setpoint_states, setpoints, trims
     TO grafana;
+-- What is decided by, not who set it and why.
+GRANT SELECT (
+    fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, change_margin, changed_us
+) ON policies TO grafana;
 -- Without the bytes of the core's states.
 GRANT SELECT (robot_id, fleet, robot, boot_id, connection, model, updated_us, held) ON robots TO grafana;
 GRANT SELECT (

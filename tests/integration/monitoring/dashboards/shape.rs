@@ -6,6 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use super::{ALL, Dashboard, folder, list, targets, text};
+use crate::alerts::named_alerts;
 
 #[test]
 fn dashboards_are_what_their_sources_make() {
@@ -108,15 +109,10 @@ pub(super) fn drill_downs(dashboard: &Dashboard) -> impl Iterator<Item = (&Value
 }
 
 #[test]
-fn alerts_lead_to_dashboards() {
-    let project = folder().parent().unwrap().to_owned();
-    for file in ["deploy/prometheus/rules/vibrissa.yml", "dashboards/provisioning/alerting/whiskers.yml"] {
-        let alerts = std::fs::read_to_string(project.join(file)).unwrap();
-        let named: Vec<&str> = alerts.lines().filter_map(|line| line.trim().strip_prefix("dashboard: ")).collect();
-        assert!(named.len() >= 5, "{file}: {named:?}");
-        for uid in named {
-            assert!(ALL.iter().any(|dashboard| dashboard.uid() == uid), "{file}: {uid} is no dashboard");
-        }
+fn grafanas_alerts_lead_to_dashboards() {
+    for (alert, rule) in named_alerts() {
+        let uid = text(&rule["annotations"]["dashboard"]);
+        assert!(ALL.iter().any(|dashboard| dashboard.uid() == uid), "{alert}: {uid} is no dashboard");
     }
 }
 
