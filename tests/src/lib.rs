@@ -7,6 +7,7 @@ pub mod mosquitto;
 pub mod observer;
 pub mod postgres;
 pub mod process;
+pub mod prometheus;
 pub mod proxy;
 pub mod python;
 pub mod robot;

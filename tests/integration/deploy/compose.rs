@@ -41,7 +41,7 @@ fn texts(value: &Value) -> Vec<&str> {
 #[test]
 fn it_has_what_it_promises() {
     let expected =
-        ["broker", "grafana", "postgres", "prometheus", "simulator", "supervisor-1", "supervisor-2"].to_vec();
+        ["broker", "grafana", "grafana-role", "postgres", "prometheus", "simulator", "supervisor-1", "supervisor-2"];
     assert_eq!(services().into_keys().collect::<Vec<_>>(), expected);
 }
 
@@ -70,7 +70,9 @@ fn no_service_is_root_or_can_become_it_or_write_to_its_image() {
 #[test]
 fn every_service_that_can_be_asked_for_its_health_is() {
     for (name, service) in services() {
-        assert_eq!(service.get("healthcheck").is_some(), name != "simulator", "{name}");
+        // The one ends if it cannot go on, the other when it has done what it is for.
+        let is_asked = !["simulator", "grafana-role"].contains(&name);
+        assert_eq!(service.get("healthcheck").is_some(), is_asked, "{name}");
     }
     let prometheus = std::fs::read_to_string(project().join("deploy/prometheus/prometheus.yml")).unwrap();
     for supervisor in ["supervisor-1", "supervisor-2"] {
@@ -136,4 +138,26 @@ fn what_is_mounted_from_here_is_read_only() {
     for (name, volume) in RESOLVED["volumes"].as_object().unwrap() {
         assert!(volume.get("external").is_none(), "{name}");
     }
+}
+
+#[test]
+fn grafana_opens_on_a_dashboard_and_reads_with_a_role_of_its_own() {
+    let grafana = services()["grafana"];
+    let mounted = |path: &str| {
+        let inside = path.strip_prefix("/etc/vibrissa/").unwrap_or_else(|| panic!("{path} is not mounted"));
+        std::fs::read_to_string(project().join(inside)).unwrap_or_else(|problem| panic!("{path}: {problem}"))
+    };
+    let home = grafana["environment"]["GF_DASHBOARDS_DEFAULT_HOME_DASHBOARD_PATH"].as_str().unwrap();
+    assert!(mounted(home).contains("\"uid\": \"vibrissa-fleet\""));
+    let source = mounted("/etc/vibrissa/dashboards/provisioning/datasources/postgres.yml");
+    let password = source.split("password: $__file{/run/secrets/").nth(1).and_then(|rest| rest.split('}').next());
+    let secrets = |service: &Value| {
+        let named = service["secrets"].as_array().unwrap().iter();
+        named.map(|one| one["source"].as_str().or(one.as_str()).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(secrets(grafana), [password.unwrap()]);
+    assert!(source.contains("user: grafana\n") && source.contains("type: grafana-postgresql-datasource\n"));
+    let role = services()["grafana-role"];
+    let its_password = role["environment"]["GRAFANA_PASSWORD_FILE"].as_str().unwrap();
+    assert!(secrets(role).iter().any(|one| its_password == format!("/run/secrets/{one}")), "{its_password}");
 }

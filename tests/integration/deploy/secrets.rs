@@ -51,7 +51,9 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
     let [one, other] = [0, 1].map(|_| tempfile::tempdir().unwrap());
     let (first, elsewhere) = (make(one.path(), true), make(other.path(), true));
     let names = [
+        "grafana_postgres_password",
         "mosquitto_passwords",
+        "postgres_grafana_password",
         "postgres_password",
         "robots_mqtt_password",
         "supervisor_http_token",
@@ -60,11 +62,13 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
     ];
     assert_eq!(first.keys().collect::<Vec<_>>(), names);
     assert_eq!(first["postgres_password"], first["supervisor_postgres_password"]);
+    assert_eq!(first["grafana_postgres_password"], first["postgres_grafana_password"]);
+    assert_ne!(first["grafana_postgres_password"], first["postgres_password"]);
     assert_ne!(first["supervisor_mqtt_password"], first["robots_mqtt_password"]);
     for name in names {
         assert_ne!(first[name], elsewhere[name], "{name}");
     }
-    for name in &names[1..] {
+    for name in names.iter().filter(|name| **name != "mosquitto_passwords") {
         assert_eq!(first[*name].trim_end().len(), 32, "{name}");
     }
     assert_eq!(make(one.path(), true), first);
@@ -100,7 +104,13 @@ fn only_who_reads_a_password_can() {
     let folder = tempfile::tempdir().unwrap();
     make(folder.path(), true);
     assert_eq!(folder.path().metadata().unwrap().mode() & 0o777, 0o700);
-    let owners = [("mosquitto_passwords", 1883), ("postgres_password", 999), ("supervisor_mqtt_password", 10001)];
+    let owners = [
+        ("grafana_postgres_password", 472),
+        ("mosquitto_passwords", 1883),
+        ("postgres_grafana_password", 999),
+        ("postgres_password", 999),
+        ("supervisor_mqtt_password", 10001),
+    ];
     for (name, owner) in owners {
         let file = folder.path().join(name).metadata().unwrap();
         // The folder's owner is who has started the script.

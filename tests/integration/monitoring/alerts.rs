@@ -55,7 +55,7 @@ fn alerts() -> BTreeMap<String, Value> {
 }
 
 /// The alerts of Grafana by their titles.
-fn named_alerts() -> BTreeMap<String, Value> {
+pub(crate) fn named_alerts() -> BTreeMap<String, Value> {
     let groups = yaml("dashboards/provisioning/alerting/whiskers.yml");
     let rules = list(&groups["groups"]).flat_map(|group| list(&group["rules"]));
     rules.map(|rule| (text(&rule["title"]).to_owned(), rule.clone())).collect()

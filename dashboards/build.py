@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Makes the dashboards of this folder out of what `source` says they show.
+
+    dashboards/build.py           writes them
+    dashboards/build.py --check   says which are not what would be written, and fails if any
+
+Nothing beyond Python's own library is needed. What Grafana reads are the files that come out, so they are kept.
+"""
+
+import json
+import pathlib
+import sys
+
+# Nothing is left beside the sources.
+sys.dont_write_bytecode = True
+
+from source import compensation, fleet, robot, supervisor, whisker
+
+DASHBOARDS = [fleet, compensation, robot, whisker, supervisor]
+
+
+def main(arguments):
+    if arguments not in ([], ["--check"]):
+        sys.exit(__doc__)
+    folder = pathlib.Path(__file__).parent
+    texts = {f"{one.NAME}.json": json.dumps(one.dashboard(), indent=2, ensure_ascii=False) + "\n" for one in DASHBOARDS}
+    stale = [name for name, text in texts.items() if not is_same(folder / name, text)]
+    stale += [file.name for file in folder.glob("*.json") if file.name not in texts]
+    if arguments:
+        print("\n".join(f"{name} is not what is made here" for name in stale), end="")
+        return bool(stale)
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return False
+
+
+def is_same(file, text):
+    return file.is_file() and file.read_text(encoding="utf-8") == text
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,201 @@
+"""What supervisors rest on and answer to: database, broker, leases, robots and people, HTTP, their processes."""
+
+from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
+from .rows import time
+from .series import any_of, buckets, largest, lately, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
+
+
+def database():
+    commit = "vibrissa_database_commit_seconds"
+    return [
+        heatmap(
+            "Commits", "How long transactions took.", "s", promql(buckets(of_fleet, commit), "{{le}}", form="heatmap")
+        ),
+        timeseries(
+            "Commit times",
+            "Of the commits made lately.",
+            "s",
+            [promql(mean(of_fleet, commit), "mean")] + shares(of_fleet, commit),
+            size=(12, 8),
+        ),
+        timeseries(
+            "Commits per second",
+            "Each has the contacts, decisions, setpoints and states of some milliseconds.",
+            "cps",
+            [promql(total(rate(of_fleet(commit + "_count")), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Database",
+            "Whether a supervisor's last attempt succeeded (1), and failed attempts per second.",
+            "none",
+            [
+                promql(largest(of_all("vibrissa_database_up"), "instance"), "{{instance}} up"),
+                promql(total(rate(of_all("vibrissa_database_errors_total")), "instance"), "{{instance}} errors"),
+            ],
+        ),
+        timeseries(
+            "Broker",
+            "Whether a fleet's messages are received (1), and connections made per minute.",
+            "none",
+            [
+                promql(largest(of_fleet("vibrissa_broker_connected"), "fleet"), "{{fleet}} connected"),
+                promql(
+                    f"60 * {total(rate(of_fleet('vibrissa_broker_connections_total')), 'fleet')}",
+                    "{{fleet}} connections",
+                ),
+            ],
+        ),
+    ]
+
+
+def ownership():
+    held = promql(largest(of_fleet("vibrissa_lease_held"), "fleet, instance"), "{{fleet}} by {{instance}}")
+    mode = promql(largest(of_fleet("vibrissa_policy_mode"), "fleet, mode") + " == 1", "{{fleet}}: {{mode}}")
+    version = promql(largest(of_fleet("vibrissa_policy_version"), "fleet"), "{{fleet}}: version")
+    changes = total(lately(of_fleet("vibrissa_lease_changes_total")), "fleet, instance, change")
+    return [
+        timeseries("Leases", "Which supervisor holds which fleet (1).", "none", [held]),
+        timeseries(
+            "Epochs",
+            "Each change of owner raises a fleet's epoch, which orders setpoints.",
+            "none",
+            [promql(largest(of_fleet("vibrissa_lease_epoch"), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Policies",
+            "Whether compensations are made (AUTOMATIC) or proposed (ADVISE), and the policy's version: 0 is the"
+            " configuration's.",
+            "none",
+            [mode, version],
+        ),
+        table(
+            "Owners",
+            "Whose each fleet is, and until when without a word.",
+            sql(OWNERS),
+            [by_name("until", unit="dateTimeFromNow")],
+            (12, 8),
+        ),
+        table("Epochs", "Who took which fleet in this time or last, the newest first.", sql(EPOCHS), [], (12, 8)),
+        timeseries(
+            "Changes of leases",
+            "Leases taken and lost in the panel's interval.",
+            "none",
+            [promql(changes, "{{fleet}} {{change}} by {{instance}}")],
+            size=(24, 6),
+            bars=True,
+        ),
+    ]
+
+
+def outgoing():
+    publication = lambda share: promql(
+        quantile(share, of_fleet, "vibrissa_setpoint_publication_seconds", by="reason"),
+        f"{{{{reason}}}} {100 * share:g} %",
+    )
+    actions = total(lately(of_fleet("vibrissa_actions_total")), "kind, state")
+    rejected = f"60 * {per_second('vibrissa_setpoints_rejected_total', 'error')}"
+    return [
+        timeseries(
+            "Until a setpoint is published",
+            "From the message that led to a setpoint, over the commit, to its publication.",
+            "s",
+            [publication(0.5), publication(0.99)],
+        ),
+        timeseries(
+            "Setpoints refused by robots",
+            "Per minute, by the robot's word for it.",
+            "cpm",
+            [promql(any_of(rejected, "error"), "{{error}}")],
+            bars=True,
+            stacked=True,
+        ),
+        timeseries(
+            "Actions of operators",
+            "Actions in the panel's interval by kind and by what became of them.",
+            "none",
+            [promql(any_of(actions, "kind", "state"), "{{kind}} {{state}}")],
+            bars=True,
+            stacked=True,
+        ),
+    ]
+
+
+def http():
+    by_route = (
+        "histogram_quantile(0.95, "
+        + total(rate(of_all("vibrissa_http_request_seconds_bucket")), "le, method, route")
+        + ") >= 0"
+    )
+    return [
+        timeseries(
+            "Requests by route",
+            "Requests per second.",
+            "reqps",
+            [promql(total(rate(of_all("vibrissa_http_requests_total")), "method, route"), "{{method}} {{route}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Requests by status",
+            "Requests per second.",
+            "reqps",
+            [promql(total(rate(of_all("vibrissa_http_requests_total")), "status"), "{{status}}")],
+            stacked=True,
+        ),
+        timeseries(
+            "Answers",
+            "95 % were answered within this time; live streams are not in it.",
+            "s",
+            [promql(by_route, "{{method}} {{route}}")],
+        ),
+        timeseries(
+            "Live streams",
+            "Open streams of pages that follow what happens.",
+            "none",
+            [promql(total(of_all("vibrissa_http_streams"), "instance"), "{{instance}}")],
+            size=(24, 6),
+        ),
+    ]
+
+
+def processes():
+    files = f"{of_all('process_open_fds')} / {of_all('process_max_fds')}"
+    info = table(
+        "Programs",
+        "What runs where.",
+        promql(of_all("vibrissa_build_info"), "{{supervisor}}", instant=True, form="table"),
+        hidden("Time", "Value", "__name__", "job"),
+        (24, 6),
+    )
+    each = lambda expression: [promql(expression, "{{instance}}")]
+    return [
+        timeseries(
+            "Processor",
+            "Processor time per second: 100 % is one core.",
+            "percentunit",
+            each(rate(of_all("process_cpu_seconds_total"))),
+        ),
+        timeseries("Memory", "Resident memory.", "bytes", each(of_all("process_resident_memory_bytes"))),
+        timeseries("Files and connections", "Open ones over those that are allowed.", "percentunit", each(files)),
+        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads")), (12, 8)),
+        timeseries(
+            "Up for",
+            "Time since the process started.",
+            "dtdurations",
+            each(f"time() - {of_all('process_start_time_seconds')}"),
+            (12, 8),
+        ),
+        info,
+    ]
+
+
+OWNERS = f"""
+    SELECT l.fleet, l.holder, l.epoch, l.commits, {time("l.expires_us")} AS until FROM leases l
+    WHERE l.fleet IN (${{fleet:sqlstring}}) ORDER BY l.fleet
+"""
+
+# There is no more than one row for each change of owner.
+EPOCHS = """
+    SELECT e.fleet, e.epoch, e.holder, to_timestamp(e.began_us / 1e6) AS began FROM epochs e
+    WHERE e.fleet IN (${fleet:sqlstring}) AND e.began_us <= $__unixEpochNanoTo() / 1000
+    ORDER BY e.began_us DESC LIMIT 100
+"""

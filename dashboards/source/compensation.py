@@ -1,0 +1,251 @@
+"""What compensations leave of the error, by everything that it depends on, beside what the paper measured."""
+
+from . import rows, variables, words
+from .fleet import error_steps, in_force
+from .grafana import (
+    bargauge,
+    barchart,
+    by_name,
+    drill_down,
+    heatmap,
+    promql,
+    sql,
+    stat,
+    table,
+    timeseries,
+    xychart,
+)
+from .layout import whole
+from .rows import FLEETS, between
+from .series import any_of, buckets, gained, largest, mean, of_fleet, quantile, rate, total
+
+NAME = "compensation"
+
+MEASURED = "vibrissa_compensation_error_mean_ratio"
+WITH_GAIN = "vibrissa_compensation_error_with_gain_mean_ratio"
+PREDICTED = "vibrissa_compensation_predicted_error_mean_ratio"
+PAPER = [
+    promql(f"vector({words.PAPER_CASE_1})", "paper, case 1 (shorter for longer, and itself)"),
+    promql(f"vector({words.PAPER_CASE_2})", "paper, case 2 (longer for shorter)"),
+]
+DASHED = {"custom__lineStyle": {"fill": "dash", "dash": [10, 10]}, "custom__showPoints": "never"}
+PAPER_LINES = [
+    by_name(PAPER[0]["legendFormat"], color={"mode": "fixed", "fixedColor": "green"}, **DASHED),
+    by_name(PAPER[1]["legendFormat"], color={"mode": "fixed", "fixedColor": "orange"}, **DASHED),
+]
+
+
+def dashboard():
+    """The dashboard."""
+    return whole(
+        "vibrissa-compensation",
+        "What compensations leave of the error (Eq. 35): over time, by case, by contact ratio, against what was"
+        " predicted.",
+        variables.sources() + variables.supervisors() + variables.fleets(),
+        [
+            ("Compensations in force", now()),
+            ("Over time", over_time()),
+            ("By contact ratio, and against what was predicted", by_ratio()),
+            ("Where it is worst", tables()),
+            ("The closed loop", refinements()),
+        ],
+        rows.happenings(FLEETS),
+    )
+
+
+def weighted(name):
+    """The mean over all compensations in force, by their number in each case."""
+    count = f"({of_fleet('vibrissa_compensations_in_force')} and {of_fleet(name)})"
+    return f"{total(f'{of_fleet(name)} * {count}')} / {total(count)}"
+
+
+def now():
+    limit = promql(largest(of_fleet("vibrissa_compensation_error_limit_ratio")), "limit")
+    worst = promql(largest(of_fleet("vibrissa_compensation_error_worst_ratio")), "worst")
+    share = lambda title, description, target, steps=None: stat(title, description, "percentunit", target, steps)
+    return [
+        share(
+            "Measured",
+            "Mean measured error, weighted by the number of each case.",
+            promql(weighted(MEASURED), "measured"),
+            error_steps(),
+        ),
+        share(
+            "With the gain",
+            "The same with the published gain applied to the compensators' strain.",
+            promql(weighted(WITH_GAIN), "with gain"),
+            error_steps(),
+        ),
+        share("Predicted", "What was predicted when these were decided.", promql(weighted(PREDICTED), "predicted")),
+        share("Worst", "The largest measured error of one compensation.", worst, error_steps()),
+        share("Limit", "The policy's largest predicted error: above it nobody is asked to serve.", limit),
+        stat(
+            "In force", "Compensations in force with a measured error.", "none", promql(total(in_force()), "in force")
+        ),
+    ]
+
+
+def over_time():
+    by_case = lambda name, what: promql(f"avg by (case) ({of_fleet(name)})", what + ", {{case}}")
+    stated = "vibrissa_compensation_error_ratio"
+    return [
+        timeseries(
+            "Compensation error by case",
+            "Mean measured error of the compensations in force, with what the paper measured: 20.385 % where a shorter"
+            " whisker serves for a longer one, as a trimmed one that serves itself does; 36.18 % where a longer one"
+            " serves for a shorter one.",
+            "percentunit",
+            [promql(f"avg by (case) ({of_fleet(MEASURED)})", "{{case}}")] + PAPER,
+            size=(12, 10),
+            overrides=PAPER_LINES,
+        ),
+        timeseries(
+            "Predicted, measured, with the gain",
+            "By case: what was predicted, what is measured, and what the published gain leaves of it.",
+            "percentunit",
+            [by_case(PREDICTED, "predicted"), by_case(MEASURED, "measured"), by_case(WITH_GAIN, "with gain")],
+            size=(12, 10),
+        ),
+        heatmap(
+            "Errors as they were stated",
+            "How often errors came into each range; an error is stated anew as contacts come in.",
+            "percentunit",
+            promql(buckets(of_fleet, stated), "{{le}}", form="heatmap"),
+        ),
+        timeseries(
+            "Errors as they were stated: mean and spread",
+            "Of the errors stated lately.",
+            "percentunit",
+            [
+                promql(mean(of_fleet, stated), "mean"),
+                promql(quantile(0.5, of_fleet, stated), "50 %"),
+                promql(quantile(0.9, of_fleet, stated), "90 %"),
+            ]
+            + PAPER,
+            size=(12, 8),
+            overrides=PAPER_LINES,
+        ),
+    ]
+
+
+def by_ratio():
+    identity = by_name("any", custom__show="lines", color={"mode": "fixed", "fixedColor": "text"})
+    return [
+        barchart(
+            "Compensation error by contact ratio",
+            "As Fig. 10 of the paper, and at the same contact ratios: the newest measured error of each compensation of"
+            " this time, averaged over those of a case; and what was predicted for them.",
+            "percentunit",
+            sql(BY_RATIO),
+            "contact ratio",
+            (14, 10),
+        ),
+        xychart(
+            "Predicted against measured",
+            "Each compensation once, with its newest measured error: below the line it does better than was predicted.",
+            "percentunit",
+            [sql(AGAINST), sql('SELECT unnest(ARRAY[0, 0.6]) AS same, unnest(ARRAY[0, 0.6]) AS "any"')],
+            [
+                (0, "predicted", "measured", "measured"),
+                (0, "predicted", "with gain", "with the gain"),
+                (1, "same", "any", "as predicted"),
+            ],
+            (10, 10),
+            [identity],
+        ),
+    ]
+
+
+def tables():
+    to_whisker = drill_down(
+        "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
+    )
+    to_robot = drill_down("vibrissa-robot", "Show the robot", fleet="fleet", robot="robot")
+    errors = [
+        by_name(name, unit="percentunit", decimals=1) for name in ("measured", "low", "high", "with gain", "predicted")
+    ]
+    pressures = [by_name(name, unit="pressurepa") for name in ("pressure", "before")]
+    return [
+        table(
+            "Worst whiskers",
+            "Compensations in force, the largest measured error first, with its 95 % interval; a click shows the"
+            " whisker.",
+            sql(WORST),
+            [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot), *errors, *pressures],
+            (24, 10),
+        ),
+    ]
+
+
+def refinements():
+    outcomes = total(gained(of_fleet("vibrissa_refinements_total")), "outcome")
+    return [
+        timeseries(
+            "Looks at setpoints",
+            "Looks at compensations' setpoints per hour, by what came of them: REFINED, or why the pressure stays.",
+            "none",
+            [
+                promql(
+                    any_of(f"3600 * {total(rate(of_fleet('vibrissa_refinements_total')), 'outcome')}", "outcome"),
+                    "{{outcome}}",
+                )
+            ],
+            size=(12, 8),
+            bars=True,
+            stacked=True,
+        ),
+        bargauge(
+            "Outcomes",
+            "The same, counted over this time.",
+            "none",
+            promql(outcomes, "{{outcome}}", instant=True),
+            defaults={"decimals": 0},
+        ),
+    ]
+
+
+# The newest error of each compensation in this time.
+NEWEST = f"""
+    compensations c JOIN robots r USING (robot_id)
+    CROSS JOIN LATERAL (
+        SELECT e.* FROM compensation_errors e
+        WHERE e.compensation_id = c.compensation_id AND {between("e.recorded_us")}
+        ORDER BY e.recorded_us DESC LIMIT 1
+    ) e
+"""
+
+MEASURED_CASES = ",\n        ".join(
+    f"""avg(b.error) FILTER (WHERE c.compensation_case = '{case}') AS "{label}" """.strip()
+    for case, label in words.CASES.items()
+)
+
+BY_RATIO = f"""
+    SELECT to_char(b.ratio, 'FM0.00') AS "contact ratio",
+        {MEASURED_CASES},
+        avg(p.predicted) AS predicted
+    FROM {NEWEST.strip()}
+    JOIN compensation_error_bins b ON b.compensation_error_id = e.compensation_error_id
+    {rows.PREDICTED_AT_RATIO.strip()}
+    WHERE {FLEETS} GROUP BY b.ratio ORDER BY b.ratio
+"""
+
+AGAINST = f"""
+    SELECT c.predicted_error AS predicted, e.error AS measured, e.error_with_gain AS "with gain"
+    FROM {NEWEST.strip()}
+    WHERE {FLEETS} AND c.predicted_error IS NOT NULL
+"""
+
+WORST = f"""
+    SELECT {rows.PLACE}, c.compensation_case AS "case", s.whisker AS "served by", e.error AS measured,
+        e.error_low AS low,
+        e.error_high AS high, e.error_with_gain AS "with gain", c.predicted_error AS predicted, e.contacts,
+        1e6 * e.pressure_mpa AS pressure, 1e6 * c.pressure_before_mpa AS before
+    FROM compensations c
+    {rows.OF_TARGET}
+    JOIN whiskers s ON s.whisker_id = c.compensator_whisker_id
+    CROSS JOIN LATERAL (
+        SELECT * FROM compensation_errors e
+        WHERE e.compensation_id = c.compensation_id ORDER BY e.recorded_us DESC LIMIT 1
+    ) e
+    WHERE {FLEETS} AND c.ended_us IS NULL ORDER BY e.error DESC LIMIT 50
+"""

@@ -1,0 +1,75 @@
+"""Dashboards in the JSON of Grafana 12 (schema 42): rows of panels that find their places by themselves."""
+
+SCHEMA = 42
+WIDTH = 24
+
+# The dashboards in the order of their links: uid, title, and what each is for.
+ALL = [
+    ("vibrissa-fleet", "Fleets", "Robots, whiskers, trims, alarms"),
+    ("vibrissa-compensation", "Compensation error", "What compensations leave, beside the paper's"),
+    ("vibrissa-robot", "Robot", "One robot and its whiskers"),
+    ("vibrissa-whisker", "Whisker", "One whisker over time"),
+    ("vibrissa-supervisor", "Supervisors", "The supervisors themselves"),
+]
+
+
+def whole(uid, description, variables, rows, annotations=(), refresh="10s", since="now-1h"):
+    """A dashboard; `rows` are (title, panels)."""
+    title = next(title for known, title, _ in ALL if known == uid)
+    return {
+        "uid": uid,
+        "title": f"vibrissa: {title}",
+        "description": description,
+        "tags": ["vibrissa"],
+        "schemaVersion": SCHEMA,
+        "version": 1,
+        "editable": False,
+        "graphTooltip": 1,
+        "fiscalYearStartMonth": 0,
+        "timezone": "browser",
+        "refresh": refresh,
+        "time": {"from": since, "to": "now"},
+        "timepicker": {},
+        "templating": {"list": list(variables)},
+        "annotations": {"list": list(annotations)},
+        "links": [link_to(*other) for other in ALL if other[0] != uid],
+        "panels": placed(rows),
+    }
+
+
+def link_to(uid, title, tooltip):
+    """A link at the top of a dashboard; the time and the variables go along."""
+    return {
+        "type": "link",
+        "title": title,
+        "tooltip": tooltip,
+        "url": f"/d/{uid}",
+        "icon": "dashboard",
+        "tags": [],
+        "asDropdown": False,
+        "includeVars": True,
+        "keepTime": True,
+        "targetBlank": False,
+    }
+
+
+def placed(rows):
+    """Panels with their numbers and places: from left to right, a new line where there is no room."""
+    panels, y = [], 0
+    for title, members in rows:
+        panels.append(
+            {"type": "row", "title": title, "collapsed": False, "panels": [], "gridPos": place(0, y, WIDTH, 1)}
+        )
+        x, height, y = 0, 0, y + 1
+        for panel in members:
+            width, tall = panel.pop("size")
+            if x + width > WIDTH:
+                x, height, y = 0, 0, y + height
+            panels.append({**panel, "gridPos": place(x, y, width, tall)})
+            x, height = x + width, max(height, tall)
+        y += height
+    return [{"id": number, **panel} for number, panel in enumerate(panels, 1)]
+
+
+def place(x, y, width, height):
+    return {"x": x, "y": y, "w": width, "h": height}

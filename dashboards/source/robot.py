@@ -1,0 +1,236 @@
+"""One robot: its whiskers, what happened to them, and the fleet around it."""
+
+from . import rows, variables, words
+from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
+from .layout import whole
+from .rows import ROBOT, between, bucket, time
+from .series import largest, of_fleet, shares, total
+
+NAME = "robot"
+
+OF_ROBOT = f"FROM {rows.WHISKERS} WHERE {ROBOT} AND w.position IS NOT NULL"
+NAMED = """a."array" || '/' || w.whisker"""
+
+
+def dashboard():
+    """The dashboard."""
+    return whole(
+        "vibrissa-robot",
+        "One robot: its whiskers now and over time, its compensations, setpoints and alarms.",
+        variables.sources() + variables.supervisors() + variables.robot(),
+        [
+            ("Now", now()),
+            ("Whiskers", whiskers()),
+            ("Over time", over_time()),
+            ("Decisions, setpoints, alarms", tables()),
+            ("Its fleet", fleet()),
+        ],
+        rows.happenings(ROBOT),
+    )
+
+
+def now():
+    count = lambda condition: sql(f"SELECT count(*) FILTER (WHERE {condition}) AS whiskers {OF_ROBOT}")
+    standing = (
+        "SELECT count(*) AS alarms FROM alarms o JOIN"
+        f" {rows.WHISKERS.replace('whiskers w', 'whiskers w USING (whisker_id)')} WHERE {ROBOT} AND o.cleared_us IS"
+        " NULL"
+    )
+    text = {"textMode": "value"}
+    connection = stat(
+        "Connection",
+        "ONLINE, OFFLINE after a good-bye, CONNECTION_BROKEN after none.",
+        "string",
+        sql(f"SELECT r.connection FROM robots r WHERE {ROBOT}"),
+    )
+    connection["options"].update(text, reduceOptions={"calcs": ["lastNotNull"], "fields": "/.*/", "values": False})
+    return [
+        connection,
+        stat("Whiskers", "Whiskers of its newest factsheet.", "none", count("TRUE")),
+        stat(
+            "Healthy",
+            "Whole, learned, and without a fault.",
+            "none",
+            count("w.condition = 'HEALTHY' AND w.fault IS NULL"),
+        ),
+        stat(
+            "Trimmed",
+            "Whiskers that were cut.",
+            "none",
+            count("w.condition = 'TRIMMED'"),
+            [(None, "green"), (1, "red")],
+        ),
+        stat(
+            "Alarms standing", "Alarms whose cause is not over.", "none", sql(standing), [(None, "green"), (1, "red")]
+        ),
+        stat(
+            "Heard",
+            "When a whisker of it was heard of last.",
+            "dateTimeFromNow",
+            sql(f"SELECT 1000 * extract(epoch FROM {time('max(w.heard_us)')})::double precision AS heard {OF_ROBOT}"),
+        ),
+    ]
+
+
+def whiskers():
+    to_whisker = drill_down(
+        "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
+    )
+    lengths = [by_name(name, unit="lengthmm", decimals=1) for name in ("whole", "length", "low", "high")]
+    pressures = [by_name(name, unit="pressurepa") for name in ("pressure", "setpoint")]
+    places = hidden("fleet", "robot")
+    return [
+        table(
+            "Whiskers",
+            "Each whisker with its length and 95 % interval; a click shows it.",
+            sql(WHISKERS),
+            [
+                by_name("whisker", links=to_whisker),
+                *lengths,
+                *pressures,
+                *places,
+                by_name("heard", unit="dateTimeFromNow"),
+            ],
+            (24, 10),
+        ),
+    ]
+
+
+def over_time():
+    contacts = lambda value: sql(CONTACTS.replace("{value}", value), "time_series")
+    partition = {
+        "id": "partitionByValues",
+        "options": {"fields": ["whisker"], "keepFields": False, "naming": {"asLabels": False}},
+    }
+    lines = {"custom": {"axisSoftMin": None}, "size": (12, 9)}
+    return [
+        timeline(
+            "Health",
+            "Each whisker's fault or, without one, its condition.",
+            [sql(HEALTH)],
+            words.HEALTH,
+            transformations=[partition],
+        ),
+        timeseries(
+            "Lengths",
+            "Estimated lengths after each contact, averaged over the panel's interval; times are the robot's.",
+            "lengthmm",
+            [contacts("avg(c.length_mm)")],
+            **lines,
+        ),
+        timeseries(
+            "Pressures",
+            "Measured pressures, averaged over the panel's interval; times are the robot's.",
+            "pressurepa",
+            [contacts("1e6 * avg(c.pressure_mpa)")],
+            **lines,
+        ),
+    ]
+
+
+def tables():
+    to_whisker = drill_down(
+        "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
+    )
+    places = hidden("fleet", "robot")
+    linked = [by_name("whisker", links=to_whisker), *places]
+    errors = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "measured")]
+    pressure, reached = (by_name(name, unit="pressurepa") for name in ("pressure", "reached"))
+    return [
+        table(
+            "Compensations",
+            "Decisions of this time about its whiskers, and those in force, the newest first.",
+            sql(COMPENSATIONS),
+            [*linked, *errors, pressure],
+        ),
+        table(
+            "Setpoints",
+            "Setpoints of this time, the newest first.",
+            sql(SETPOINTS),
+            [*linked, pressure, reached],
+            (12, 9),
+        ),
+        table("Alarms", "Alarms of this time and those that stand, the newest first.", sql(ALARMS), linked, (12, 9)),
+    ]
+
+
+def fleet():
+    silence = f"time() - {largest(of_fleet('vibrissa_last_contact_timestamp_seconds') + ' > 0')}"
+    return [
+        timeseries(
+            "From contact to commit",
+            "From the newest contact of a message, by the robots' clocks, until it is recorded; over the whole fleet.",
+            "s",
+            shares(of_fleet, "vibrissa_contact_to_commit_seconds"),
+        ),
+        timeseries(
+            "From message to applied setpoint",
+            "From the message that led to a setpoint to its APPLIED; over the whole fleet.",
+            "s",
+            shares(of_fleet, "vibrissa_setpoint_application_seconds", by=(0.5, 0.95)),
+        ),
+        timeseries(
+            "Messages that wait, and silence",
+            "Messages in the fleet's inbox; the time since its last contacts message, on the right.",
+            "none",
+            [
+                promql(total(of_fleet("vibrissa_queue_messages", 'queue="inbox"')), "inbox"),
+                promql(silence, "silence"),
+            ],
+            overrides=[by_name("silence", unit="s", custom__axisPlacement="right")],
+        ),
+    ]
+
+
+WHISKERS = f"""
+    SELECT {rows.PLACE}, w.condition, w.fault, w.whole_length_mm AS whole, w.length_mm AS length,
+        w.length_mm - {rows.Z95} * w.length_sd_mm AS low, w.length_mm + {rows.Z95} * w.length_sd_mm AS high,
+        1e6 * w.pressure_mpa AS pressure, 1e6 * w.setpoint_mpa AS setpoint,
+        w.contacts, w.held, {time("w.heard_us")} AS heard
+    {OF_ROBOT} ORDER BY a."array", w.whisker
+"""
+
+# {{value}} is what is asked of the contacts: each whisker's come by their index.
+CONTACTS = f"""
+    SELECT c."time", {NAMED} AS metric, c.value
+    FROM {rows.WHISKERS}
+    CROSS JOIN LATERAL (
+        SELECT {bucket("c.t_us")} AS "time", {{value}} AS value FROM contacts c
+        WHERE c.whisker_id = w.whisker_id AND {between("c.t_us")} GROUP BY 1
+    ) c
+    WHERE {ROBOT} AND w.position IS NOT NULL ORDER BY 1, 2
+"""
+
+HEALTH = f"""
+    SELECT {time("s.us")} AS "time", {NAMED} AS whisker, s.state
+    FROM {rows.WHISKERS} CROSS JOIN LATERAL ({rows.health("w.whisker_id")}) s
+    WHERE {ROBOT} AND w.position IS NOT NULL ORDER BY a."array", w.whisker, s.us
+"""
+
+COMPENSATIONS = f"""
+    SELECT {rows.PLACE}, {time("c.decided_us")} AS decided, c.compensation_case AS "case", s.whisker AS "served by",
+        1e6 * c.pressure_mpa AS pressure, c.predicted_error AS predicted, e.error AS measured, e.contacts, c.approval,
+        {time("c.ended_us")} AS ended, c.end_reason AS "why"
+    FROM compensations c
+    {rows.OF_TARGET}
+    LEFT JOIN whiskers s ON s.whisker_id = c.compensator_whisker_id
+    LEFT JOIN LATERAL (
+        SELECT e.error, e.contacts FROM compensation_errors e
+        WHERE e.compensation_id = c.compensation_id ORDER BY e.recorded_us DESC LIMIT 1
+    ) e ON TRUE
+    WHERE {ROBOT} AND (c.ended_us IS NULL OR {between("c.decided_us")}) ORDER BY c.decided_us DESC LIMIT 200
+"""
+
+SETPOINTS = f"""
+    SELECT {rows.PLACE}, {time("s.issued_us")} AS issued, s.reason, 1e6 * s.pressure_mpa AS pressure, s.state, s.error,
+        1e6 * s.reached_mpa AS reached
+    FROM setpoints s {rows.OF_WHISKER}
+    WHERE {ROBOT} AND {between("s.issued_us")} ORDER BY s.issued_us DESC LIMIT 200
+"""
+
+ALARMS = f"""
+    SELECT {rows.PLACE}, o.kind, {time("o.raised_us")} AS raised, {time("o.cleared_us")} AS over,
+        o.acknowledged_by AS "acknowledged by"
+    FROM alarms o {rows.OF_WHISKER}
+    WHERE {ROBOT} AND (o.cleared_us IS NULL OR {between("o.raised_us")}) ORDER BY o.raised_us DESC LIMIT 200
+"""

@@ -1,0 +1,118 @@
+"""Parts of queries in SQL. Times of the database are microseconds since 1970 UTC as integers, and so are the bounds
+here: expressions that an index on such a column serves."""
+
+from .grafana import POSTGRES, sql, tidy
+
+FROM_US = "$__unixEpochNanoFrom() / 1000"
+TO_US = "$__unixEpochNanoTo() / 1000"
+# Not beyond now, which a dashboard's time may be.
+SO_FAR_US = f"least({TO_US}, (extract(epoch FROM now()) * 1000000)::bigint)"
+# Factor of a standard deviation for a 95 % interval.
+Z95 = "1.959963984540054"
+
+FLEETS = "r.fleet IN (${fleet:sqlstring})"
+ROBOT = "r.fleet = ${fleet:sqlstring} AND r.robot = ${robot:sqlstring}"
+WHISKER = f"""{ROBOT} AND a."array" = ${{array:sqlstring}} AND w.whisker::text = ${{whisker:sqlstring}}"""
+
+WHISKERS = "whiskers w JOIN arrays a USING (array_id) JOIN robots r ON r.robot_id = w.robot_id"
+# The chosen whisker's number: looked up once, before anything that it selects.
+WHISKER_ID = f"(SELECT w.whisker_id FROM {WHISKERS} WHERE {WHISKER})"
+
+# What a whisker's row leads to, for tables that have its number, and for compensations by their target.
+OF_WHISKER = f"JOIN {WHISKERS.replace(' JOIN', ' USING (whisker_id) JOIN', 1)}"
+OF_TARGET = OF_WHISKER.replace("USING (whisker_id)", "ON w.whisker_id = c.target_whisker_id")
+
+PLACE = """r.fleet, r.robot, a."array", w.whisker"""
+
+
+# Of the compensation of `e`, what was predicted at the contact ratio of `b`: texts count 0.45, 0.50 .. 1.00.
+PREDICTED_AT_RATIO = """
+    LEFT JOIN LATERAL (
+        SELECT one.text::double precision AS predicted
+        FROM compensation_candidates k,
+            json_array_elements_text(k.predicted_error_by_ratio::json) WITH ORDINALITY AS one (text, number)
+        WHERE k.compensation_id = e.compensation_id AND k.chosen AND abs(0.4 + 0.05 * one.number - b.ratio) < 1e-6
+    ) p ON TRUE
+"""
+
+
+def between(column):
+    """In the dashboard's time."""
+    return f"{column} BETWEEN {FROM_US} AND {TO_US}"
+
+
+def time(column):
+    return f"to_timestamp({column} / 1e6)"
+
+
+def bucket(column):
+    """The beginning of the panel's interval that holds it."""
+    step = "($__interval_ms * 1000::bigint)"
+    return f"to_timestamp({column} / {step} * {step} / 1e6)"
+
+
+def steps(events, initial):
+    """States that hold until the next one: what it was at the begin, each change, and what it is at the end.
+
+    `events` gives rows (us, state) before any time, in a query that ends in its WHERE clause; `initial` is what it was
+    before the first of them."""
+    last = "SELECT state FROM ({events}) e WHERE us {until} ORDER BY us DESC LIMIT 1"
+    at_begin = last.format(events=events, until=f"< {FROM_US}")
+    at_end = last.format(events=events, until=f"<= {TO_US}")
+    return f"""
+        SELECT us, state FROM ({events}) e WHERE {between("us")}
+        UNION ALL SELECT {FROM_US}, coalesce(({at_begin}), {initial})
+        UNION ALL SELECT {SO_FAR_US}, coalesce(({at_end}), {initial})
+    """
+
+
+def health(whisker_id):
+    """A whisker's fault or, without one, its condition: rows (us, state)."""
+    newest = """
+        SELECT x.becomes FROM health_changes x
+        WHERE x.whisker_id = h.whisker_id AND x.kind = '{kind}' AND x.recorded_us <= h.recorded_us
+        ORDER BY x.recorded_us DESC, x.health_change_id DESC LIMIT 1
+    """
+    fault, condition = newest.format(kind="FAULT"), newest.format(kind="CONDITION")
+    changes = f"""
+        SELECT h.recorded_us AS us, coalesce(({fault}), ({condition}), 'LEARNING') AS state
+        FROM health_changes h WHERE h.whisker_id = {whisker_id}
+    """
+    return steps(changes, "'LEARNING'")
+
+
+def short(value):
+    """A number for people."""
+    return f"round(({value})::numeric, 1)"
+
+
+def annotation(name, color, query):
+    """Moments that are marked in every panel over time."""
+    target = {key: value for key, value in sql(query).items() if key != "datasource"}
+    return {
+        "name": name,
+        "datasource": POSTGRES,
+        "enable": True,
+        "hide": False,
+        "iconColor": color,
+        "target": {"refId": "Anno", **target},
+    }
+
+
+def happenings(place):
+    """Trims and setpoints of whatever `place` selects."""
+    named = """r.robot || '/' || a."array" || '/' || w.whisker"""
+    trims = f"""
+        SELECT {time("t.detected_us")} AS "time", 'trim' AS tags,
+            {named} || ': ' || {short('t.length_before_mm')} || ' mm to ' || {short('t.length_after_mm')} || ' mm'
+            AS text
+        FROM trims t {OF_WHISKER}
+        WHERE {place} AND {between("t.detected_us")} ORDER BY t.detected_us DESC LIMIT 200
+    """
+    setpoints = f"""
+        SELECT {time("s.issued_us")} AS "time", 'setpoint,' || lower(s.reason) AS tags,
+            {named} || ': ' || {short('1000 * s.pressure_mpa')} || ' kPa, ' || s.state AS text
+        FROM setpoints s {OF_WHISKER}
+        WHERE {place} AND {between("s.issued_us")} ORDER BY s.issued_us DESC LIMIT 200
+    """
+    return [annotation("Trims", "red", tidy(trims)), annotation("Setpoints", "blue", tidy(setpoints))]

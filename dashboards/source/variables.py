@@ -1,0 +1,134 @@
+"""What is chosen at the top of a dashboard: data sources, supervisors, and the place of a whisker."""
+
+from .grafana import POSTGRES, PROMETHEUS, tidy
+
+
+def sources():
+    """Both data sources, by names that say which is which."""
+    return [
+        source(
+            "prometheus_datasource",
+            "Prometheus data source",
+            "prometheus",
+            "The Prometheus that scrapes the supervisors.",
+        ),
+        source("postgres_datasource", "PostgreSQL data source", POSTGRES["type"], "The supervisors' database."),
+    ]
+
+
+def source(name, label, query, description):
+    return {
+        "type": "datasource",
+        "name": name,
+        "label": label,
+        "description": description,
+        "query": query,
+        "regex": "",
+        "current": {},
+        "options": [],
+        "refresh": 1,
+        "hide": 0,
+        "multi": False,
+        "includeAll": False,
+        "skipUrlSync": False,
+    }
+
+
+def supervisors():
+    """Which supervisors: all, unless told otherwise."""
+    return [
+        several("job", "Job", "Prometheus' name for the supervisors.", labels("vibrissa_build_info", "job"), ".+"),
+        several(
+            "instance",
+            "Instance",
+            "A supervisor's address.",
+            labels('vibrissa_build_info{job=~"$job"}', "instance"),
+            ".+",
+        ),
+    ]
+
+
+LEASES = 'vibrissa_lease_held{job=~"$job",instance=~"$instance"}'
+
+
+def fleets():
+    """Which fleets: all, unless told otherwise."""
+    return [several("fleet", "Fleet", "Robots that are supervised together.", labels(LEASES, "fleet"))]
+
+
+def robot():
+    """One robot of one fleet."""
+    return [
+        one("fleet", "Fleet", "Robots that are supervised together.", "SELECT DISTINCT fleet FROM robots ORDER BY 1"),
+        one(
+            "robot",
+            "Robot",
+            "A robot of the fleet.",
+            "SELECT robot FROM robots WHERE fleet = ${fleet:sqlstring} ORDER BY 1",
+        ),
+    ]
+
+
+def whisker():
+    """One whisker of one robot."""
+    return robot() + [
+        one(
+            "array",
+            "Array",
+            "An array of the robot.",
+            """
+            SELECT a."array" FROM arrays a JOIN robots r USING (robot_id)
+            WHERE r.fleet = ${fleet:sqlstring} AND r.robot = ${robot:sqlstring} ORDER BY 1
+            """,
+        ),
+        one(
+            "whisker",
+            "Whisker",
+            "A whisker's number in its array.",
+            """
+            SELECT w.whisker::text FROM whiskers w JOIN arrays a USING (array_id)
+            JOIN robots r ON r.robot_id = a.robot_id
+            WHERE r.fleet = ${fleet:sqlstring} AND r.robot = ${robot:sqlstring} AND a."array" = ${array:sqlstring}
+            ORDER BY w.whisker
+            """,
+        ),
+    ]
+
+
+def labels(series, label):
+    return f"label_values({series}, {label})"
+
+
+def several(name, label, description, query, all_value=None):
+    """Any number of what Prometheus knows."""
+    everything = {"selected": True, "text": ["All"], "value": ["$__all"]}
+    made = variable(name, label, description, PROMETHEUS, query, {"query": query, "refId": name, "qryType": 1})
+    made.update(multi=True, includeAll=True, current=everything, sort=1)
+    return {**made, "allValue": all_value} if all_value else made
+
+
+def one(name, label, description, query):
+    """One of what the database has."""
+    return variable(name, label, description, POSTGRES, tidy(query), tidy(query))
+
+
+def variable(name, label, description, datasource, definition, query):
+    return {
+        "type": "query",
+        "name": name,
+        "label": label,
+        "description": description,
+        "datasource": datasource,
+        "definition": definition,
+        "query": query,
+        "regex": "",
+        "current": {},
+        "options": [],
+        # When the dashboard's time changes: what there is may have changed, too.
+        "refresh": 2,
+        "sort": 0,
+        "hide": 0,
+        "multi": False,
+        "includeAll": False,
+        "skipUrlSync": False,
+    }

@@ -1,0 +1,209 @@
+"""One whisker: its length, sensitivity, pressure and compensation error over time, and everything decided about it."""
+
+from . import rows, variables, whisker_rows, words
+from .fleet import error_steps
+from .grafana import barchart, by_name, drill_down, hidden, sql, stat, table, timeline, timeseries
+from .layout import whole
+from .rows import WHISKER, WHISKERS
+
+NAME = "whisker"
+
+FREE = {"axisSoftMin": None}
+THIS = f"FROM {WHISKERS} WHERE {WHISKER}"
+
+
+def dashboard():
+    """The dashboard."""
+    return whole(
+        "vibrissa-whisker",
+        "One whisker: length, sensitivity, pressure and compensation error over time, decisions with everyone who was"
+        " asked.",
+        # No query goes to Prometheus, but the other dashboards are led to with the same data source.
+        variables.sources() + variables.supervisors() + variables.whisker(),
+        [
+            ("Now", now()),
+            ("Length and sensitivity", lengths()),
+            ("Pressure", pressures()),
+            ("Compensation error", errors()),
+            ("Decisions, setpoints, alarms", tables()),
+        ],
+        rows.happenings(WHISKER),
+    )
+
+
+def now():
+    one = lambda column: sql(f"SELECT {column} {THIS}")
+    health = stat(
+        "Health", "Its fault or, without one, its condition.", "string", one("coalesce(w.fault, w.condition) AS health")
+    )
+    health["options"]["reduceOptions"]["fields"] = "/.*/"
+    return [
+        health,
+        stat("Length", "Estimated length now.", "lengthmm", one("w.length_mm AS length"), defaults={"decimals": 1}),
+        stat(
+            "Lost",
+            "What is missing of its whole length.",
+            "lengthmm",
+            one("w.whole_length_mm - w.length_mm AS lost"),
+            defaults={"decimals": 1},
+        ),
+        stat("Setpoint", "The pressure that it is to have.", "pressurepa", one("1e6 * w.setpoint_mpa AS setpoint")),
+        stat(
+            "Compensation error",
+            "The newest measured error of the compensation that it is in, for itself or for another.",
+            "percentunit",
+            sql(whisker_rows.NEWEST_ERROR),
+            error_steps(),
+        ),
+        stat("Contacts", "Contacts since it is known.", "locale", one("w.contacts")),
+    ]
+
+
+def band(low, high, of):
+    """Draws two series as the borders of what lies between them."""
+    border = {"custom__lineWidth": 0, "custom__showPoints": "never", "color": {"mode": "fixed", "fixedColor": "blue"}}
+    return [
+        by_name(of, color={"mode": "fixed", "fixedColor": "blue"}, custom__lineWidth=2),
+        by_name(low, **border),
+        by_name(high, custom__fillBelowTo=low, custom__fillOpacity=15, **border),
+    ]
+
+
+def lengths():
+    return [
+        timeseries(
+            "Length",
+            "Estimated length with its 95 % interval, averaged over the panel's interval; times are the robot's.",
+            "lengthmm",
+            [sql(whisker_rows.LENGTH, "time_series")],
+            size=(12, 10),
+            custom=FREE,
+            overrides=band("low", "high", "length"),
+        ),
+        timeseries(
+            "Sensitivity against the model's",
+            "Measured over predicted sensitivity of the contacts that were used: 100 % where the estimated length"
+            " explains what is felt.",
+            "percentunit",
+            [sql(whisker_rows.RESIDUAL, "time_series")],
+            size=(12, 10),
+            custom=FREE,
+            overrides=band("low", "high", "measured over predicted"),
+        ),
+        timeline(
+            "Health",
+            "Its fault or, without one, its condition.",
+            [sql(whisker_rows.HEALTH)],
+            words.HEALTH,
+            (12, 6),
+        ),
+        timeseries(
+            "Contacts by use",
+            "Contacts per panel's interval by what they were used for; times are the robot's.",
+            "none",
+            [sql(whisker_rows.USE, "time_series")],
+            size=(12, 6),
+            bars=True,
+            stacked=True,
+        ),
+    ]
+
+
+def pressures():
+    stepped = by_name("setpoint", custom__lineInterpolation="stepAfter", custom__lineWidth=2)
+    return [
+        timeseries(
+            "Pressure, set and measured",
+            "What it is to have, and what the robot measures at contacts.",
+            "pressurepa",
+            [sql(whisker_rows.PRESSURE, "time_series"), sql(whisker_rows.SETPOINT, "time_series")],
+            size=(14, 9),
+            overrides=[stepped],
+        ),
+        barchart(
+            "Sensitivity by contact ratio",
+            "Strain for each millimetre of deflection, of this time's contacts, as measured: it falls with the distance"
+            " from the base.",
+            "none",
+            sql(whisker_rows.SENSITIVITY),
+            "contact ratio",
+            (10, 9),
+        ),
+    ]
+
+
+def errors():
+    return [
+        timeseries(
+            "Compensation error over time",
+            "Measured error (Eq. 35) of the compensations that it is in, with its 95 % interval; what was predicted;"
+            " and what the published gain leaves.",
+            "percentunit",
+            [sql(whisker_rows.ERROR, "time_series")],
+            size=(12, 10),
+            overrides=band("low", "high", "measured"),
+        ),
+        barchart(
+            "Compensation error by contact ratio",
+            "As Fig. 10 of the paper: the newest measured error of the compensation that it is in, with its 95 %"
+            " interval, and what was predicted.",
+            "percentunit",
+            sql(whisker_rows.BY_RATIO),
+            "contact ratio",
+            (12, 10),
+        ),
+    ]
+
+
+def tables():
+    other = drill_down(
+        "vibrissa-whisker", "Show this whisker", fleet="fleet", robot="robot", array="array", whisker="asked"
+    )
+    places = hidden("fleet", "robot", "array")
+    shares = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "low", "high")]
+    in_pascals = lambda *names: [by_name(name, unit="pressurepa") for name in names]
+    return [
+        table(
+            "Decisions and who was asked",
+            "Decisions of this time about it, with everyone who was asked, what Eq. 34 and 35 predict for them, and why"
+            " they were not chosen; a click shows the one asked.",
+            sql(whisker_rows.CANDIDATES),
+            [
+                by_name("asked", links=other),
+                *places,
+                *shares,
+                *in_pascals("pressure", "before"),
+                by_name("length", unit="lengthmm", decimals=1),
+            ],
+            (24, 10),
+        ),
+        table(
+            "Trims",
+            "Cuts that were found in this time.",
+            sql(whisker_rows.TRIMS),
+            [by_name(name, unit="lengthmm", decimals=1) for name in ("before", "after", "+-")],
+            (8, 9),
+        ),
+        table(
+            "Setpoints",
+            "Its setpoints of this time with every state that they came into, the newest first.",
+            sql(whisker_rows.SETPOINTS),
+            in_pascals("pressure", "reached"),
+            (16, 9),
+        ),
+        table(
+            "Looks at its compensation",
+            "Looks at the setpoint of the compensations that it is in, the newest first.",
+            sql(whisker_rows.REFINEMENTS),
+            [by_name(name, unit="percentunit", decimals=1) for name in ("error", "with gain", "expected")]
+            + in_pascals("pressure", "best"),
+            (12, 9),
+        ),
+        table(
+            "Alarms",
+            "Its alarms of this time and those that stand, the newest first.",
+            sql(whisker_rows.ALARMS),
+            [],
+            (12, 9),
+        ),
+    ]

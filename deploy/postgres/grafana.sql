@@ -1,0 +1,36 @@
+-- The role that Grafana reads with: what its dashboards and alerts need, and nothing else. It can be run again, and must
+-- be after an update that adds a table to the list below. psql runs it as the owner of the tables, in their database, after
+-- the supervisors have made them; the role's password is in the file that GRAFANA_PASSWORD_FILE names:
+--
+--   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://vibrissa@db/vibrissa'
+
+\set ON_ERROR_STOP on
+\set password `cat "$GRAFANA_PASSWORD_FILE"`
+
+BEGIN;
+SELECT 'CREATE ROLE grafana' WHERE NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'grafana') \gexec
+-- More than Grafana opens, and no end to a query that nobody waits for any more.
+ALTER ROLE grafana LOGIN NOSUPERUSER NOCREATEDB NOCREATEROLE NOINHERIT CONNECTION LIMIT 20 PASSWORD :'password';
+ALTER ROLE grafana SET default_transaction_read_only = on;
+ALTER ROLE grafana SET statement_timeout = '15s';
+SELECT format('GRANT CONNECT ON DATABASE %I TO grafana', current_database()) \gexec
+GRANT USAGE ON SCHEMA public TO grafana;
+-- What it was allowed once is not for ever. Tokens, actions and calibrations are not for Grafana.
+REVOKE ALL ON ALL TABLES IN SCHEMA public FROM grafana;
+GRANT SELECT ON
+    alarm_shelves, alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors,
+    compensation_refinements, compensations, contacts, epochs, health_changes, leases, setpoint_states, setpoints, trims
+    TO grafana;
+-- What is decided by, not who set it and why.
+GRANT SELECT (
+    fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, change_margin, changed_us
+) ON policies TO grafana;
+-- Without the bytes of the core's states.
+GRANT SELECT (robot_id, fleet, robot, boot_id, connection, model, updated_us, held) ON robots TO grafana;
+GRANT SELECT (
+    whisker_id, array_id, robot_id, whisker, position, x_mm, y_mm, model, whole_length_mm, nominal_pressure_mpa,
+    pressure_max_mpa, length_mm, length_sd_mm, condition, fault, pressure_mpa, setpoint_mpa, contacts, heard_us, held,
+    leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact,
+    erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high
+) ON whiskers TO grafana;
+COMMIT;

@@ -1,0 +1,62 @@
+//! What Grafana puts into a query before it is asked: values of variables, and its macros.
+
+use std::collections::BTreeMap;
+
+/// Values that are chosen, and the time that is looked at.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Chosen {
+    /// Values by variable.
+    pub(super) variables: BTreeMap<&'static str, Vec<String>>,
+    /// Begin of the time: microseconds since 1970 UTC.
+    pub(super) from_us: i64,
+    /// Its end.
+    pub(super) to_us: i64,
+}
+
+impl Chosen {
+    /// As the PostgreSQL data source does it, with intervals of one second.
+    ///
+    /// # Panics
+    /// Something is left that Grafana would have to put in.
+    pub(super) fn sql(&self, query: &str) -> String {
+        let mut query = query.to_owned();
+        for (name, values) in &self.variables {
+            let quoted: Vec<String> = values.iter().map(|value| format!("'{}'", value.replace('\'', "''"))).collect();
+            query = query.replace(&format!("${{{name}:sqlstring}}"), &quoted.join(","));
+        }
+        let nanoseconds = |us: i64| (1000 * us).to_string();
+        let query = query
+            .replace("$__unixEpochNanoFrom()", &nanoseconds(self.from_us))
+            .replace("$__unixEpochNanoTo()", &nanoseconds(self.to_us))
+            .replace("$__interval_ms", "1000");
+        assert!(!query.contains('$'), "not all is put in: {query}");
+        query
+    }
+
+    /// As the Prometheus data source does it where it scrapes each second: $__rate_interval is four times that.
+    ///
+    /// # Panics
+    /// Something is left that Grafana would have to put in.
+    pub(super) fn promql(&self, query: &str) -> String {
+        let mut query = query.replace("$__rate_interval", "4s");
+        query = query.replace("$__range", &format!("{}s", (self.to_us - self.from_us) / 1_000_000));
+        for (name, values) in &self.variables {
+            query = query.replace(&format!("${name}\""), &format!("{}\"", values.join("|")));
+        }
+        assert!(!query.contains('$'), "not all is put in: {query}");
+        query
+    }
+}
+
+#[test]
+fn values_cannot_leave_their_quotes() {
+    let variables =
+        BTreeMap::from([("fleet", vec!["a".to_owned(), "o'b; DROP".to_owned()]), ("job", vec![".+".to_owned()])]);
+    let chosen = Chosen { variables, from_us: 1_000_000, to_us: 61_000_000 };
+    let query =
+        "fleet IN (${fleet:sqlstring}) AND us BETWEEN $__unixEpochNanoFrom() / 1000 AND $__unixEpochNanoTo() / 1000";
+    let expected = "fleet IN ('a','o''b; DROP') AND us BETWEEN 1000000000 / 1000 AND 61000000000 / 1000";
+    assert_eq!(chosen.sql(query), expected);
+    let query = r#"increase(x{job=~"$job"}[$__range]) > rate(x[$__rate_interval])"#;
+    assert_eq!(chosen.promql(query), r#"increase(x{job=~".+"}[60s]) > rate(x[4s])"#);
+}

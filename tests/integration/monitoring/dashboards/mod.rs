@@ -1,0 +1,78 @@
+//! The dashboards: as Grafana's linter wants them, as Grafana reads them, and with a real fleet behind them.
+
+mod expand;
+mod lint;
+mod live;
+mod promql;
+mod shape;
+mod stage;
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+/// The folder of the dashboards.
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("dashboards")
+}
+
+/// One dashboard.
+struct Dashboard {
+    file: String,
+    json: Value,
+}
+
+/// Every dashboard, by its file's name.
+static ALL: LazyLock<Vec<Dashboard>> = LazyLock::new(|| {
+    let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> =
+        files.filter(|path| path.extension().is_some_and(|ending| ending == "json")).collect();
+    files.sort();
+    let read = |path: PathBuf| Dashboard {
+        file: path.file_name().unwrap().to_str().unwrap().to_owned(),
+        json: serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap(),
+    };
+    files.into_iter().map(read).collect()
+});
+
+impl Dashboard {
+    fn title(&self) -> &str {
+        self.json["title"].as_str().unwrap()
+    }
+
+    fn uid(&self) -> &str {
+        self.json["uid"].as_str().unwrap()
+    }
+
+    /// Its panels, rows' headings not among them.
+    fn panels(&self) -> impl Iterator<Item = &Value> {
+        list(&self.json["panels"]).filter(|panel| panel["type"] != "row")
+    }
+
+    fn variables(&self) -> impl Iterator<Item = &Value> {
+        list(&self.json["templating"]["list"])
+    }
+
+    fn variable(&self, name: &str) -> Option<&Value> {
+        self.variables().find(|variable| variable["name"] == name)
+    }
+
+    /// Every query in PromQL, with its panel.
+    fn promql(&self) -> impl Iterator<Item = (&Value, &Value)> {
+        self.panels().flat_map(targets).filter(|(_, target)| target.get("expr").is_some())
+    }
+}
+
+/// Its queries.
+fn targets(panel: &Value) -> impl Iterator<Item = (&Value, &Value)> {
+    list(&panel["targets"]).map(move |target| (panel, target))
+}
+
+fn list(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or_default()
+}

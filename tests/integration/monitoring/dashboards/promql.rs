@@ -1,0 +1,62 @@
+//! As much of PromQL as its rules need: where series are selected, and what is asked of them.
+
+/// A selector of series.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Selector<'a> {
+    /// The metric.
+    pub(super) metric: &'a str,
+    /// What is between its braces; none without braces.
+    pub(super) matchers: Option<&'a str>,
+    /// What is between the brackets behind it.
+    pub(super) range: Option<&'a str>,
+    /// The function or aggregation that it is in directly, empty if none.
+    pub(super) within: &'a str,
+}
+
+/// Every selector of the supervisors' metrics.
+pub(super) fn selectors(expression: &str) -> Vec<Selector<'_>> {
+    let mut found = Vec::new();
+    let mut begin = 0;
+    while begin < expression.len() {
+        let length = word(&expression[begin..]);
+        let metric = &expression[begin..begin + length];
+        if ["vibrissa_", "process_"].iter().any(|prefix| metric.starts_with(prefix)) {
+            let (matchers, rest) = enclosed(&expression[begin + length..], '{', '}');
+            let (range, _) = enclosed(rest, '[', ']');
+            found.push(Selector { metric, matchers, range, within: caller(&expression[..begin]) });
+        }
+        // Matchers are full of words, none of which is a metric.
+        begin += length.max(1);
+    }
+    found
+}
+
+/// How long the word is that it begins with.
+fn word(text: &str) -> usize {
+    text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len())
+}
+
+fn enclosed(text: &str, open: char, close: char) -> (Option<&str>, &str) {
+    match text.strip_prefix(open).and_then(|rest| rest.split_once(close)) {
+        Some((inner, rest)) => (Some(inner), rest),
+        None => (None, text),
+    }
+}
+
+/// The word before the parenthesis that the text ends with.
+fn caller(before: &str) -> &str {
+    let Some(before) = before.trim_end().strip_suffix('(') else { return "" };
+    let begin = before.rfind(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).map_or(0, |at| at + 1);
+    &before[begin..]
+}
+
+#[test]
+fn selectors_are_found_with_what_is_asked_of_them() {
+    let text =
+        r#"sum by (vibe) (rate(vibrissa_a_total{job=~"$job"}[$__rate_interval])) / vibrissa_b + time() - x{y="z"}"#;
+    let [a, b] = selectors(text).try_into().unwrap();
+    let matchers = Some(r#"job=~"$job""#);
+    let range = Some("$__rate_interval");
+    assert_eq!(a, Selector { metric: "vibrissa_a_total", matchers, range, within: "rate" });
+    assert_eq!(b, Selector { metric: "vibrissa_b", matchers: None, range: None, within: "" });
+}

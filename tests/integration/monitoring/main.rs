@@ -1,0 +1,6 @@
+//! What people watch supervisors with: dashboards and alerts, on a real Prometheus and a real PostgreSQL.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod alerts;
+mod dashboards;
