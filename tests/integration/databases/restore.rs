@@ -36,6 +36,8 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        metrics_per_whisker: false,
+        traces: None,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         http: ([127, 0, 0, 1], 0).into(),

@@ -73,6 +73,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         metrics_per_whisker: false,
+        traces: None,
         broker: None,
         mqtt_port: 0,
         http: "127.0.0.1:0".parse().unwrap(),
