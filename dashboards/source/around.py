@@ -57,8 +57,9 @@ def ownership():
         timeseries("Leases", "Which supervisor holds which fleet (1).", "none", [held]),
         timeseries(
             "Epochs",
-            "Each change of owner raises a fleet's epoch, which orders setpoints.",
-            "none",
+            "When the newest epoch of a fleet began, which is its number (in milliseconds since 1970): each change of owner"
+            " begins one, and it orders setpoints.",
+            "dateTimeAsIso",
             [promql(largest(of_fleet("vibrissa_lease_epoch"), "fleet"), "{{fleet}}")],
         ),
         timeseries(

@@ -7,6 +7,7 @@ pub mod check_robot;
 pub mod config;
 pub mod contract;
 pub mod evaluate;
+pub mod metrics;
 pub mod paper;
 pub mod record;
 pub mod replay;
@@ -63,6 +64,8 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     /// The MQTT contract for robots' engineers: AsyncAPI 3.0 and JSON Schemas.
     Contract(contract::ContractArgs),
+    /// What Prometheus is told: every metric with its labels and its meaning, in Markdown.
+    Metrics,
 }
 
 /// Runs a command.
@@ -88,6 +91,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Metrics => metrics::run(&mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Contract(args) => contract::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -70,9 +70,9 @@ of_fleet! {
     /// From the receipt of a contacts message to its commit.
     received_to_commit_seconds: Histogram = "vibrissa_received_to_commit_seconds",
         "From the receipt of a contacts message to its commit.", LAG_SECONDS;
-    /// When a contacts message was received last, since 1970 UTC; 0 before the first.
+    /// When a contacts message was received last, or else the fleet was taken up here, since 1970 UTC; 0 elsewhere.
     last_contact_timestamp_seconds: Gauge = "vibrissa_last_contact_timestamp_seconds",
-        "When a contacts message was received last, since 1970 UTC; 0 before the first.";
+        "When a contacts message was received last, or else the fleet was taken up here, since 1970 UTC; 0 elsewhere.";
     /// What waits, by queue.
     queue_messages: Gauges = "vibrissa_queue_messages", "Messages that wait, by queue.", labels::QUEUE;
     /// What may wait, by queue.
@@ -157,7 +157,8 @@ of_fleet! {
     /// 1 while the fleet is supervised here.
     lease_held: IntGauge = "vibrissa_lease_held", "1 while the fleet is supervised here.";
     /// The epoch in which it was supervised here last.
-    lease_epoch: IntGauge = "vibrissa_lease_epoch", "The epoch in which the fleet was supervised here last.";
+    lease_epoch: IntGauge = "vibrissa_lease_epoch",
+        "The epoch in which the fleet was supervised here last: milliseconds since 1970 at its beginning, or more.";
     /// Leases taken, and lost or given back.
     lease_changes: Counters = "vibrissa_lease_changes_total",
         "Times that the fleet was taken up here, and lost or given back.", labels::CHANGE;
@@ -171,6 +172,16 @@ of_fleet! {
 }
 
 impl FleetMetrics {
+    /// Those that are shown only while they are known.
+    pub(super) fn quantities(&self) -> [&Quantities; 4] {
+        [
+            &self.compensation_error_mean_ratio,
+            &self.compensation_error_worst_ratio,
+            &self.compensation_error_with_gain_mean_ratio,
+            &self.compensation_predicted_error_mean_ratio,
+        ]
+    }
+
     /// Says that nothing is known of the fleet here any more.
     pub fn forget(&self) {
         let none = |_| 0;
@@ -184,12 +195,7 @@ impl FleetMetrics {
         ] {
             gauges.set_all(none);
         }
-        for quantities in [
-            &self.compensation_error_mean_ratio,
-            &self.compensation_error_worst_ratio,
-            &self.compensation_error_with_gain_mean_ratio,
-            &self.compensation_predicted_error_mean_ratio,
-        ] {
+        for quantities in self.quantities() {
             quantities.set_all(|_| None);
         }
         for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected] {

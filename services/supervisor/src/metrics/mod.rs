@@ -4,6 +4,7 @@
 //! Labels have values of the program or of its configuration alone. Robots' names come from topics, and whoever may
 //! publish can make them up.
 
+mod document;
 mod fleet;
 mod http;
 mod kinds;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 use prometheus::{Encoder, IntCounter, IntGauge, IntGaugeVec, Opts, Registry, Result, TextEncoder};
 use vibrissa_protocol::Name;
 
+pub use document::document;
 pub use fleet::FleetMetrics;
 pub use http::HttpMetrics;
 pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};

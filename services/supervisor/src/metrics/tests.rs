@@ -96,3 +96,9 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
     assert!(!shown(&metrics).contains("robot="));
     assert_eq!(whiskers.desc().len(), 5);
 }
+
+#[test]
+fn the_document_of_the_metrics_is_what_they_are() {
+    let written = include_str!("../../../../docs/metrics.md");
+    assert_eq!(written, document().unwrap(), "write it anew: vibrissa metrics > docs/metrics.md");
+}
