@@ -9,11 +9,12 @@ use super::promql::selectors;
 use super::{ALL, Dashboard, folder, list, targets, text};
 
 /// Units that are used here, of those that Grafana knows (its `valueFormats/categories.ts`).
-const UNITS: [&str; 15] = [
+const UNITS: [&str; 16] = [
     "bool_yes_no",
     "bytes",
     "cpm",
     "cps",
+    "dateTimeAsIso",
     "dateTimeFromNow",
     "dtdurations",
     "lengthmm",
