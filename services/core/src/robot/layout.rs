@@ -29,7 +29,9 @@ enum Fate {
 }
 
 impl Robot {
-    pub(super) fn is_as_known(&self, factsheet: &Factsheet) -> bool {
+    /// Whether a factsheet says nothing new of what is on the robot.
+    #[must_use]
+    pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
         let known = self.whiskers.iter().map(|one| (self.arrays[usize::from(one.array)].name.as_str(), &one.sheet));
         let told =
             factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));

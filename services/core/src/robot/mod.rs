@@ -277,12 +277,18 @@ impl Robot {
     ) -> Outcome {
         match self.sequences.admit(boot_id, seq, now) {
             Admission::New => {}
-            Admission::Duplicate => return Outcome::Duplicate,
+            Admission::Duplicate => {
+                self.changed |= self.has_gap(boot_id);
+                return Outcome::Duplicate;
+            }
             Admission::UnknownBoot => {
                 self.ask_for_factsheet(now, effects);
                 return Outcome::NotYet(Admission::UnknownBoot);
             }
-            Admission::TooManyGaps => return Outcome::NotYet(Admission::TooManyGaps),
+            Admission::TooManyGaps => {
+                self.changed = true;
+                return Outcome::NotYet(Admission::TooManyGaps);
+            }
         }
         self.changed = true;
         let newest = !self.is_old(boot_id);

@@ -47,6 +47,18 @@ impl Robot {
         self.held
     }
 
+    /// Whether contacts messages of a boot are missing: then also one that is not taken moves the times from which the
+    /// missing ones are waited for.
+    #[must_use]
+    pub fn has_gap(&self, boot_id: &str) -> bool {
+        self.sequence(boot_id).is_some_and(|sequence| !sequence.held().is_empty())
+    }
+
+    /// Names of its arrays, in the order of the factsheet.
+    pub fn arrays(&self) -> impl Iterator<Item = &str> {
+        self.arrays.iter().map(|array| array.name.as_str())
+    }
+
     /// Number of whiskers; indices are below.
     #[must_use]
     pub fn whisker_count(&self) -> usize {

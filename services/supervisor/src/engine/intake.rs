@@ -1,205 +1,232 @@
 //! Messages in: decoded, held against what is known, and given to the core as events.
 
-use std::collections::BTreeMap;
-
+use bytes::Bytes;
 use tracing::{debug, warn};
+use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
+use vibrissa_protocol::{self as protocol, Message, Name, Refusal, RobotTopic, Topic};
 
-use super::{Engine, Incoming, Known, publication, survey};
+use super::committer::Committer;
+use super::gathering::{Gathering, Source};
+use super::shard::{Known, Shard};
+use super::{publication, survey};
+use crate::metrics::FleetMetrics;
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
 use vibrissa_edge as edge;
 
 /// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
-const ROBOTS_MAX: usize = 10_000;
+pub(super) const ROBOTS_MAX: usize = 10_000;
 
-impl Engine {
-    pub(super) async fn handle(&mut self, incoming: &Incoming) -> Result<(), StoreError> {
-        let Ok(text) = std::str::from_utf8(&incoming.topic) else {
-            self.refuse("unknown_topic", "a topic that is not UTF-8", "");
-            return Ok(());
+/// A message of a robot of the fleet.
+#[derive(Debug)]
+pub(super) struct Parcel {
+    pub(super) topic: Topic,
+    pub(super) robot: Name,
+    pub(super) kind: RobotTopic,
+    pub(super) payload: Bytes,
+    pub(super) received: Micros,
+}
+
+impl FleetMetrics {
+    /// Counts what is not taken, and says why.
+    pub(super) fn refuse(&self, reason: &'static str, problem: impl std::fmt::Display, topic: &str) {
+        self.messages_refused.count([reason]);
+        debug!(reason, %problem, topic, "refused");
+    }
+}
+
+impl Shard {
+    /// A message for which nothing needs a number.
+    pub(super) fn handle(&mut self, parcel: &Parcel) {
+        let (Some(message), now) = (self.decode(parcel), parcel.received) else { return };
+        let gathering = &mut self.gathering;
+        let Some(known) = self.robots.get_mut(&parcel.robot) else {
+            let problem = "neither birth nor factsheet was received of this robot";
+            gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
+            return;
         };
-        let topic = match Topic::parse(text) {
-            Ok(topic) => topic,
-            Err(refusal) => {
-                self.refuse(refusal.label(), &refusal, text);
+        match &message {
+            Message::Contacts(told) => gathering.take_contacts(known, told, now),
+            Message::Status(told) => gathering.take_status(known, told, now),
+            Message::SetpointState(told) => gathering.take_setpoint_state(known, told, now),
+            // Handled with their numbers.
+            Message::Connection(_) | Message::Factsheet(_) => {}
+            // Not from robots: other supervisors' messages, which the subscriptions leave out.
+            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+        }
+    }
+
+    /// A birth, a farewell or a factsheet: a robot becomes known by it, and what comes before is not taken, and sent again.
+    /// The broker retains both.
+    pub(super) async fn handle_numbered(
+        &mut self,
+        parcel: &Parcel,
+        committer: &mut Committer,
+        is_full: bool,
+    ) -> Result<(), StoreError> {
+        let Some(message) = self.decode(parcel) else { return Ok(()) };
+        if !self.robots.contains_key(&parcel.robot) {
+            if is_full {
+                let problem = format!("the fleet has {ROBOTS_MAX} robots already");
+                self.gathering.metrics.refuse("too_many_robots", problem, parcel.robot.as_str());
                 return Ok(());
             }
-        };
-        let Topic::Robot { fleet, robot, kind } = &topic else { return Ok(()) };
-        if *fleet != self.fleet || !kind.is_from_robot() {
-            return Ok(());
+            self.make_known(&parcel.robot, committer).await?;
         }
-        self.metrics.messages_received.count([kind.as_str()]);
-        match protocol::decode(&topic, &incoming.payload) {
-            Ok(message) => self.take(robot, &message, incoming.received).await,
-            Err(refusal) => {
-                self.refuse(refusal.label(), &refusal, text);
-                if *kind == RobotTopic::Contacts {
-                    self.account_for_refused(robot, &incoming.payload, incoming.received).await?;
+        let Some(known) = self.robots.get_mut(&parcel.robot) else { return Ok(()) };
+        match &message {
+            Message::Connection(told) => {
+                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+                self.gathering.step(known, parcel.received, &event, None);
+                if told.state == protocol::ConnectionState::Online {
+                    self.gathering.ask_after_setpoints(known);
                 }
                 Ok(())
+            }
+            Message::Factsheet(told) => self.gathering.take_factsheet(known, told, parcel.received, committer).await,
+            Message::Contacts(_)
+            | Message::Status(_)
+            | Message::SetpointState(_)
+            | Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::SupervisorState(_) => Ok(()),
+        }
+    }
+
+    /// The message; none if it is refused, which is counted.
+    fn decode(&mut self, parcel: &Parcel) -> Option<Message> {
+        match protocol::decode(&parcel.topic, &parcel.payload) {
+            Ok(message) => Some(message),
+            Err(refusal) => {
+                self.refused(parcel, &refusal);
+                None
             }
         }
     }
 
     /// A refused `contacts` message whose number can be read is receipted: sent again it would be refused
     /// again, for ever, before everything that comes after it.
-    async fn account_for_refused(&mut self, robot: &Name, payload: &[u8], now: Micros) -> Result<(), StoreError> {
-        let Some(envelope) = protocol::envelope(payload) else { return Ok(()) };
+    fn refused(&mut self, parcel: &Parcel, refusal: &Refusal) {
+        self.gathering.metrics.refuse(refusal.label(), refusal, &parcel.topic.to_string());
+        if parcel.kind != RobotTopic::Contacts {
+            return;
+        }
+        let (Some(envelope), Some(known)) = (protocol::envelope(&parcel.payload), self.robots.get_mut(&parcel.robot))
+        else {
+            return;
+        };
         let contacts = protocol::Contacts { boot_id: envelope.boot_id, seq: envelope.seq, contacts: Vec::new() };
-        self.take(robot, &Message::Contacts(contacts), now).await
+        self.gathering.take_contacts(known, &contacts, parcel.received);
     }
 
-    pub(super) fn refuse(&self, reason: &'static str, problem: impl std::fmt::Display, topic: &str) {
-        self.metrics.messages_refused.count([reason]);
-        debug!(reason, %problem, topic, "refused");
-    }
-
-    async fn take(&mut self, name: &Name, message: &Message, now: Micros) -> Result<(), StoreError> {
-        if !self.robots.contains_key(name) && !self.make_known(name, message).await? {
-            return Ok(());
-        }
-        match message {
-            Message::Connection(told) => {
-                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
-                self.step(name, now, &event, None);
-                if told.state == protocol::ConnectionState::Online {
-                    self.ask_after_setpoints(name);
-                }
-            }
-            Message::Factsheet(told) => self.take_factsheet(name, told, now).await?,
-            Message::Contacts(told) => self.take_contacts(name, told, now),
-            Message::Status(told) => {
-                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
-                match whiskers {
-                    Ok(whiskers) => {
-                        let robot_time = Micros(told.t_us);
-                        let event = Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers };
-                        self.step(name, now, &event, None);
-                    }
-                    Err(problem) => self.refuse(problem.label(), problem, "status"),
-                }
-            }
-            Message::SetpointState(told) => self.take_setpoint_state(name, told, now),
-            // Not from robots: other supervisors' messages, which the subscriptions leave out.
-            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
-        }
+    async fn make_known(&mut self, name: &Name, committer: &mut Committer) -> Result<(), StoreError> {
+        let robot_id = committer.writer.robot_id(&committer.lease, name.as_str()).await?;
+        let robot = Robot::new(committer.lease.epoch(), Numbers::default());
+        self.robots.insert(name.clone(), Known::new(name.clone(), robot_id, robot));
         Ok(())
     }
+}
 
-    /// A robot becomes known by its birth or factsheet, which the broker retains: what comes before is not
-    /// taken, and sent again. False if it is not taken.
-    async fn make_known(&mut self, name: &Name, message: &Message) -> Result<bool, StoreError> {
-        if !matches!(message, Message::Connection(_) | Message::Factsheet(_)) {
-            self.refuse("unknown_robot", "neither birth nor factsheet was received of this robot", name.as_str());
-            return Ok(false);
-        }
-        if self.robots.len() >= ROBOTS_MAX {
-            self.refuse("too_many_robots", format!("the fleet has {ROBOTS_MAX} robots already"), name.as_str());
-            return Ok(false);
-        }
-        let known = Known {
-            robot_id: self.writer.robot_id(&self.lease, name.as_str()).await?,
-            robot: Robot::new(self.lease.epoch(), Numbers::default()),
-            whisker_ids: Vec::new(),
-            boots: BTreeMap::new(),
-            seqs: publication::Seqs::default(),
-            stated: survey::Stated::default(),
-        };
-        self.robots.insert(name.clone(), known);
-        Ok(true)
-    }
-
-    async fn take_factsheet(&mut self, name: &Name, told: &protocol::Factsheet, now: Micros) -> Result<(), StoreError> {
+impl Gathering {
+    async fn take_factsheet(
+        &mut self,
+        known: &mut Known,
+        told: &protocol::Factsheet,
+        now: Micros,
+        committer: &mut Committer,
+    ) -> Result<(), StoreError> {
         let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
         let factsheet = match edge::factsheet(told, &models) {
             Ok(factsheet) => factsheet,
             Err(problem) => {
-                warn!(robot = %name, %problem, "factsheet refused");
-                self.refuse(problem.label(), problem, "factsheet");
+                warn!(robot = %known.name, %problem, "factsheet refused");
+                self.metrics.refuse(problem.label(), problem, "factsheet");
                 return Ok(());
             }
         };
-        let Some(known) = self.robots.get_mut(name) else { return Ok(()) };
         let boot_id = told.boot_id.as_str();
+        let Committer { lease, writer, .. } = committer;
         if !known.boots.contains_key(boot_id) {
-            let boot = self.writer.boot(&self.lease, known.robot_id, boot_id, now.0 as i64).await?;
+            let boot = writer.boot(lease, known.robot_id, boot_id, now.0 as i64).await?;
             known.boots.insert(boot_id.to_owned(), boot);
         }
-        // The layout is numbered from a copy first, so that a database that is away changes nothing.
-        let mut laid_out = known.robot.clone();
-        laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
-        let ids = self.writer.whisker_ids(&self.lease, known.robot_id, &laid_out).await?;
-        if ids != known.whisker_ids {
-            known.whisker_ids = ids;
-            self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });
+        let is_numbered = known.robot.is_as_known(&factsheet) && known.whisker_ids.len() == known.robot.whisker_count();
+        if !is_numbered {
+            // The layout is numbered from a copy first, so that a database that is away changes nothing.
+            let mut laid_out = known.robot.clone();
+            laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
+            let ids = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
+            if ids != known.whisker_ids {
+                known.whisker_ids = ids;
+                self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });
+            }
         }
-        self.step(name, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
+        self.step(known, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
         Ok(())
     }
 
-    fn take_contacts(&mut self, name: &Name, told: &protocol::Contacts, now: Micros) {
-        let mut contacts = Vec::with_capacity(told.contacts.len());
+    fn take_status(&mut self, known: &mut Known, told: &protocol::Status, now: Micros) {
+        let whiskers: Result<Vec<WhiskerStatus<'_>>, _> = told.whiskers.iter().map(edge::status).collect();
+        match whiskers {
+            Ok(whiskers) => {
+                let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                self.step(known, now, &Event::Status { boot_id, robot_time, whiskers: &whiskers }, None);
+            }
+            Err(problem) => self.metrics.refuse(problem.label(), problem, "status"),
+        }
+    }
+
+    fn take_contacts(&mut self, known: &mut Known, told: &protocol::Contacts, now: Micros) {
+        let mut contacts: Vec<Contact<'_>> = Vec::with_capacity(told.contacts.len());
         for contact in &told.contacts {
             match edge::contact(contact) {
                 Ok(contact) => contacts.push(contact),
-                Err(problem) => self.refuse(problem.label(), problem, "contacts"),
+                Err(problem) => self.metrics.refuse(problem.label(), problem, "contacts"),
             }
         }
         let boot_id = told.boot_id.as_str();
         let event = Event::Contacts { boot_id, seq: told.seq, contacts: &contacts };
-        let (given_up_before, end) = (self.given_up(name, boot_id), self.end(name, boot_id));
-        match self.step(name, now, &event, Some(told)) {
-            Some(Outcome::NotYet(admission)) => {
+        let (given_up_before, end) = counted(known, boot_id);
+        let source = Source { told, boot: known.boot(boot_id) };
+        match self.step(known, now, &event, Some(source)) {
+            Outcome::NotYet(admission) => {
                 let reason = match admission {
                     Admission::TooManyGaps => "too_many_gaps",
                     Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
                 };
-                self.refuse(reason, "contacts that cannot be taken yet", name.as_str());
+                self.metrics.refuse(reason, "contacts that cannot be taken yet", known.name.as_str());
                 return;
             }
-            Some(Outcome::Duplicate) => self.metrics.messages_duplicate.inc(),
-            Some(Outcome::Taken) => {
+            Outcome::Duplicate => self.metrics.messages_duplicate.inc(),
+            Outcome::Taken => {
                 if told.seq < end {
                     self.metrics.messages_resent.inc();
                 }
-                self.taken
-                    .push(survey::Taken { felt: told.contacts.last().map(|last| Micros(last.t_us)), received: now });
+                let felt = told.contacts.last().map(|last| Micros(last.t_us));
+                self.taken.push(survey::Taken { felt, received: now });
             }
-            Some(Outcome::OldBoot | Outcome::Refused(_)) | None => {}
+            Outcome::OldBoot | Outcome::Refused(_) => {}
         }
-        let given_up = self.given_up(name, boot_id) - given_up_before;
+        let given_up = counted(known, boot_id).0 - given_up_before;
         if given_up > 0 {
-            warn!(robot = %name, messages = given_up, "lost: the robot has not sent them again");
+            warn!(robot = %known.name, messages = given_up, "lost: the robot has not sent them again");
             self.metrics.messages_given_up.inc_by(given_up);
         }
-        self.receipts_due.insert((name.clone(), boot_id.to_owned()));
+        self.receipt(known, boot_id);
     }
 
-    /// Contacts messages of a boot that are not waited for any more.
-    fn given_up(&self, name: &Name, boot_id: &str) -> u64 {
-        let sequence = self.robots.get(name).and_then(|known| known.robot.sequence(boot_id));
-        sequence.map_or(0, Sequence::given_up)
-    }
-
-    /// The first number of a boot's contacts messages that lies beyond all that were received.
-    fn end(&self, name: &Name, boot_id: &str) -> u64 {
-        let sequence = self.robots.get(name).and_then(|known| known.robot.sequence(boot_id));
-        sequence.map_or(0, Sequence::end)
-    }
-
-    fn take_setpoint_state(&mut self, name: &Name, told: &protocol::SetpointState, now: Micros) {
-        let Some(known) = self.robots.get(name) else { return };
+    fn take_setpoint_state(&mut self, known: &mut Known, told: &protocol::SetpointState, now: Micros) {
         let found = known
             .robot
             .commands_under_way()
-            .find(|command| publication::command_id(&self.fleet, name, command.key) == told.command_id)
+            .find(|command| publication::command_id(&self.fleet, &known.name, command.key) == told.command_id)
             .map(|command| (survey::Answering::to(command), command.pressure));
         let Some((answering, pressure)) = found else {
-            debug!(robot = %name, command_id = told.command_id, "a state of a setpoint that is not under way");
+            let command_id = &told.command_id;
+            debug!(robot = %known.name, command_id, "a state of a setpoint that is not under way");
             return;
         };
         match edge::setpoint_report(told, pressure) {
@@ -208,10 +235,15 @@ impl Engine {
                 let event =
                     Event::Setpoint { boot_id: told.boot_id.as_str(), command: answering.command, report, robot_time };
                 self.answering = Some(answering);
-                self.step(name, now, &event, None);
+                self.step(known, now, &event, None);
                 self.answering = None;
             }
-            Err(problem) => self.refuse(problem.label(), problem, "setpoint_state"),
+            Err(problem) => self.metrics.refuse(problem.label(), problem, "setpoint_state"),
         }
     }
+}
+
+/// Contacts messages of a boot that are not waited for any more, and the first number beyond all that were received.
+fn counted(known: &Known, boot_id: &str) -> (u64, u64) {
+    known.robot.sequence(boot_id).map_or((0, 0), |sequence: &Sequence| (sequence.given_up(), sequence.end()))
 }

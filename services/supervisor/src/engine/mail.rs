@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use serde::Deserialize;
+use tokio::time::Instant;
 use tracing::{error, info, warn};
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::PolicyParams;
@@ -12,6 +13,8 @@ use vibrissa_edge::actions::{self, ActionKind, PolicyChange, Request, Subject};
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
+use super::committer::LeaseLost;
+use super::shard::{Known, Shard, shard_of};
 use super::{Engine, wall_clock};
 use crate::calibration_file::CalibrationFile;
 use crate::store::actions::{Action, PolicyReading};
@@ -30,13 +33,17 @@ type Problem = String;
 
 impl Engine {
     /// Carries out what waits. A database that is away is not waited for here: what is asked stays asked.
-    pub(super) async fn open_mail(&mut self, now: Micros) {
-        let pending = match self.writer.pending(&self.lease, ACTIONS_MAX).await {
+    ///
+    /// What was answered last is committed first, or it would be read again.
+    pub(super) async fn open_mail(&mut self, now: Micros) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        let Some(committer) = self.committer.as_mut().filter(|_| self.answered.is_empty()) else { return Ok(()) };
+        let pending = match committer.writer.pending(&self.lease, ACTIONS_MAX).await {
             Ok(pending) => pending,
             Err(problem) => {
                 self.program.database_failed();
                 warn!(%problem, fleet = %self.fleet, "cannot see what operators ask; looking again");
-                return;
+                return Ok(());
             }
         };
         if pending.len() as i64 == ACTIONS_MAX {
@@ -44,17 +51,13 @@ impl Engine {
         }
         for action in pending {
             let is_expired = wall_clock().0 as i64 >= action.expires_us;
-            if let Some(lives) = &mut self.lives {
-                lives.asked(Some(Asked::of(&action)));
-            }
+            self.asked(Some(&action));
             let (state, problem) = match (!is_expired).then(|| self.carry_out(&action, now)) {
                 None => ("EXPIRED", None),
                 Some(Ok(())) => ("DONE", None),
                 Some(Err(problem)) => ("REFUSED", Some(problem)),
             };
-            if let Some(lives) = &mut self.lives {
-                lives.asked(None);
-            }
+            self.asked(None);
             let kind = match named(ActionKind::ALL, &action.kind) {
                 Some(kind) => kind.word(),
                 None if action.kind == CALIBRATION => CALIBRATION,
@@ -63,9 +66,48 @@ impl Engine {
             self.metrics.actions.count([kind, state]);
             info!(fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor, "asked");
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
-            self.batch.records.push(Record::Answer { action_id, state, problem, done_us });
+            self.record(Record::Answer { action_id, state, problem, done_us });
             self.answered.push(action_id);
+            self.due = Some(Instant::now());
         }
+        self.gathered();
+        Ok(())
+    }
+
+    /// What is carried out, for the traces of what comes of it.
+    fn asked(&mut self, action: Option<&Action>) {
+        for lives in self.shards.iter_mut().filter_map(|shard| shard.gathering.lives.as_mut()) {
+            lives.asked(action.map(Asked::of));
+        }
+    }
+
+    /// A row of no robot in particular: after what all shards have so far.
+    fn record(&mut self, record: Record) {
+        if let Some(last) = self.shards.last_mut() {
+            last.gathering.batch.records.push(record);
+        }
+    }
+
+    fn step(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
+        let at = shard_of(name, self.shards.len());
+        let Shard { robots, gathering } = &mut self.shards[at];
+        Some(gathering.step(robots.get_mut(name)?, now, event, None))
+    }
+
+    fn known(&self, name: &Name) -> Option<&Known> {
+        self.shards[shard_of(name, self.shards.len())].robots.get(name)
+    }
+
+    /// Other parameters for all robots.
+    fn set_params(&mut self, params: Arc<Params>) {
+        for shard in &mut self.shards {
+            shard.gathering.params = params.clone();
+        }
+        self.params = params;
+    }
+
+    fn names(&self) -> Vec<Name> {
+        self.shards.iter().flat_map(|shard| shard.robots.keys().cloned()).collect()
     }
 
     fn carry_out(&mut self, action: &Action, now: Micros) -> Result<(), Problem> {
@@ -85,13 +127,14 @@ impl Engine {
 
     fn robot_of(&self, action: &Action) -> Result<Name, Problem> {
         let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
-        name.filter(|name| self.robots.contains_key(name))
+        name.filter(|name| self.known(name).is_some())
             .ok_or_else(|| "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned())
     }
 
     /// A compensation's number on its robot; in the database the robot's is in front.
     fn number_of(&self, action: &Action, compensation_id: i64) -> Result<u32, Problem> {
-        let robot_id = self.robots[&self.robot_of(action)?].robot_id;
+        let name = self.robot_of(action)?;
+        let robot_id = self.known(&name).map_or(0, |known| known.robot_id);
         let number = compensation_id as u32;
         let is_its = super::record::wide_id(robot_id, number) == compensation_id;
         is_its.then_some(number).ok_or_else(|| refused(ActionProblem::NotProposed))
@@ -99,7 +142,7 @@ impl Engine {
 
     fn operate(&mut self, action: &Action, asked: &OperatorAction<'_>, now: Micros) -> Result<(), Problem> {
         let name = self.robot_of(action)?;
-        match self.step(&name, now, &Event::Operator(asked), None) {
+        match self.step(&name, now, &Event::Operator(asked)) {
             Some(Outcome::Refused(problem)) => Err(refused(problem)),
             Some(Outcome::Taken | Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot) | None => Ok(()),
         }
@@ -119,11 +162,12 @@ impl Engine {
             activated_by: action.actor.clone(),
         };
         let name = told.calibration.name.clone();
-        self.params = with_model(&self.params, &told.calibration).map_err(malformed)?;
-        self.batch.records.push(Record::Activation(Box::new(row)));
+        self.set_params(with_model(&self.params, &told.calibration).map_err(malformed)?);
+        self.record(Record::Activation(Box::new(row)));
         let concerned: Vec<(Name, String, u16)> = self
-            .robots
+            .shards
             .iter()
+            .flat_map(|shard| &shard.robots)
             .flat_map(|(robot, known)| {
                 let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
                 let its = views.filter(|view| view.sheet.model == name);
@@ -132,7 +176,7 @@ impl Engine {
             .collect();
         for (robot, array, whisker) in concerned {
             let asked = OperatorAction::Rebaseline(Place { array: &array, whisker });
-            self.step(&robot, now, &Event::Operator(&asked), None);
+            self.step(&robot, now, &Event::Operator(&asked));
         }
         Ok(())
     }
@@ -144,13 +188,12 @@ impl Engine {
             return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
         }
         let policy = change.over(self.params.policy);
-        self.params = Arc::new(Params { policy, ..(*self.params).clone() });
+        self.set_params(Arc::new(Params { policy, ..(*self.params).clone() }));
         self.policy_version += 1;
-        self.batch.records.push(Record::Policy(Box::new(self.policy_row(action, &policy))));
+        self.record(Record::Policy(Box::new(self.policy_row(action, &policy))));
         self.show_params();
-        let names: Vec<Name> = self.robots.keys().cloned().collect();
-        for name in names {
-            self.step(&name, now, &Event::PolicyChanged, None);
+        for name in self.names() {
+            self.step(&name, now, &Event::PolicyChanged);
         }
         Ok(())
     }

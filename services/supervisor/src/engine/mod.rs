@@ -1,55 +1,71 @@
 //! One message's way: received, decoded, stepped through the core, committed, and only then answered.
 //!
-//! One task owns every robot's state. It gathers messages for a few milliseconds, steps each through the
-//! core, writes all that came of them in one transaction, and then publishes setpoints and receipts. What
-//! is published is therefore always committed; what is not committed is sent again by the robots.
+//! Each robot's state has one owner, a [`shard`]. What comes of some milliseconds of messages is gathered there, and
+//! becomes one transaction ([`committer`]), while the next messages are stepped already; then setpoints and receipts
+//! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
 
+mod committer;
+mod gathering;
 mod intake;
+mod journal;
 pub mod mail;
-mod outage;
+mod parcels;
 mod publication;
 mod record;
+mod shard;
+mod snapshot;
 mod survey;
+mod take_up;
 
 pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::VecDeque;
+use std::future::pending;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
 use tokio::sync::{Notify, mpsc};
-use tokio::time::{Instant, MissedTickBehavior, interval, timeout_at};
-use tracing::{error, info};
-use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Robot, Scope};
+use tokio::task::JoinHandle;
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
+use tracing::info;
+use vibrissa_core::robot::Params;
 use vibrissa_core::units::{Megapascal, Micros};
-use vibrissa_protocol::{self as protocol, BootId, Name};
+use vibrissa_protocol::{BootId, Name};
 
 use crate::fault::{self, Fault};
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
-use crate::store::batch::Record;
-use crate::store::{Batch, Lease, StoreError, StoredRobot, Writer};
-use crate::trace::{Lives, Step, Traces, is_told};
+use crate::store::batch::JournalRow;
+use crate::store::{Lease, StoreError, Writer};
+use crate::trace::{Lives, Traces};
 
 pub use publication::{Publication, Stopwatch};
 
-use outage::{LeaseLost, Outage};
+use committer::{Committed, Committer, LeaseLost};
+use gathering::{Gathering, Sealed};
+use shard::Shard;
+use snapshot::Pace;
 
-/// How long messages are gathered for one commit.
+/// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
 const GATHER: Duration = Duration::from_millis(10);
-/// Messages of one commit at the most.
-const GATHER_MAX: usize = 4096;
+/// Messages that are taken in at a time.
+const MESSAGES_AT_A_TIME: usize = 1024;
+/// Contacts of one commit at the most: then no more messages are taken in before it is done.
+const CONTACTS_MAX: usize = 32_768;
+/// Bytes of its journal row at the most, likewise.
+const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
 /// How often all robots are counted for the metrics.
 const SURVEY: Duration = Duration::from_secs(1);
 /// How often receipts are sent.
 const RECEIPTS: Duration = Duration::from_millis(100);
+/// Shards of one fleet at the most.
+const SHARDS_MAX: usize = 16;
 
 /// A message as it came from the broker.
 #[derive(Debug)]
@@ -62,18 +78,6 @@ pub struct Incoming {
     pub received: Micros,
 }
 
-/// A robot with its numbers in the database.
-struct Known {
-    robot_id: i64,
-    robot: Robot,
-    whisker_ids: Vec<i64>,
-    boots: BTreeMap<String, i64>,
-    /// Next `seq` of each topic to this robot.
-    seqs: publication::Seqs,
-    /// What was measured last of each compensation.
-    stated: survey::Stated,
-}
-
 /// Why an engine has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
@@ -83,31 +87,36 @@ pub enum Ending {
     LeaseLost,
 }
 
-/// The owner of a fleet's robots.
+/// What the commit under way gives back.
+type Done = (Committer, Sealed, Result<Committed, LeaseLost>);
+
+/// A fleet's supervision: shards that own its robots, and one transaction after the other.
 pub struct Engine {
     fleet: Name,
-    boot_id: BootId,
     lease: Lease,
     params: Arc<Params>,
-    writer: Writer,
+    shards: Vec<Shard>,
+    /// Here while nothing is being written.
+    committer: Option<Committer>,
+    committing: Option<JoinHandle<Done>>,
+    outbox: Option<mpsc::Sender<Publication>>,
     /// What all fleets count together.
     program: Metrics,
     metrics: FleetMetrics,
-    readiness: Readiness,
     /// When the message was received that was handled last.
     handled: Micros,
     /// Messages that had been shed at the last look.
     shed: u64,
-    robots: BTreeMap<Name, Known>,
-    batch: Batch,
-    /// Times of the contacts messages in the batch.
-    taken: Vec<survey::Taken>,
-    /// The setpoint that the message in hand is an answer to.
-    answering: Option<survey::Answering>,
-    effects: Vec<Effect>,
-    publications: Vec<Publication>,
-    touched: BTreeSet<Name>,
-    receipts_due: BTreeSet<(Name, String)>,
+    /// When what is gathered must be committed.
+    due: Option<Instant>,
+    receipts_due: bool,
+    /// The number of the transaction that is gathered for.
+    number: i64,
+    /// Transactions whose entries are still in the journal, with their contacts.
+    journal: VecDeque<(i64, usize)>,
+    /// Contacts in the journal.
+    journal_contacts: usize,
+    pace: Pace,
     mailroom: Mailroom,
     /// Rings when something was asked of the fleet at this supervisor.
     bell: Arc<Notify>,
@@ -115,8 +124,6 @@ pub struct Engine {
     answered: Vec<i64>,
     /// The version of the policy in force; 0 while it is the configuration's.
     policy_version: i64,
-    /// The traces of setpoints under way, if there is a collector.
-    lives: Option<Lives>,
 }
 
 /// The time now, by the supervisor's clock.
@@ -124,6 +131,11 @@ pub struct Engine {
 pub fn wall_clock() -> Micros {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Micros(u64::try_from(since.as_micros()).unwrap_or(u64::MAX))
+}
+
+/// One shard for each core.
+fn shard_count() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
 }
 
 impl Engine {
@@ -144,41 +156,50 @@ impl Engine {
         let policy = writer.policy(&lease).await?;
         let params = mail::with_policy(params, policy.as_ref());
         let params = mail::with_calibrations(params, &writer.calibrations(&lease).await?);
-        let (mut robots, mut batch) = (BTreeMap::new(), Batch::default());
-        for stored in writer.robots(&lease).await? {
-            if let Ok(name) = Name::robot(&stored.robot) {
-                robots.insert(name, take_up(stored, epoch, &params, &mut batch));
-            }
-        }
-        info!(%fleet, epoch, robots = robots.len(), "supervising");
         let metrics = program.of_fleet(&fleet);
+        let shard = || Shard {
+            robots: Default::default(),
+            gathering: Gathering::new(fleet.clone(), boot_id.clone(), params.clone(), metrics.clone()),
+        };
+        let mut shards: Vec<Shard> = (0..shard_count()).map(|_| shard()).collect();
+        let last = take_up::take_up(&mut writer, &lease, &mut shards).await?;
+        let robots: usize = shards.iter().map(|shard| shard.robots.len()).sum();
+        info!(%fleet, epoch, robots, "supervising");
         // As if heard: a fleet that stays silent is silent from here on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
+        let committer = Committer {
+            fleet: fleet.clone(),
+            lease: lease.clone(),
+            writer,
+            program: program.clone(),
+            metrics: metrics.clone(),
+            readiness,
+        };
         let mut engine = Self {
             bell: mailroom.bell(&fleet),
             mailroom,
             answered: Vec::new(),
             policy_version: policy.map_or(0, |policy| policy.version),
             fleet,
-            boot_id,
             lease,
             params,
-            writer,
+            shards,
+            committer: Some(committer),
+            committing: None,
+            outbox: None,
             shed: metrics.messages_shed.get(),
             program,
             metrics,
-            readiness,
             handled: Micros::default(),
-            robots,
-            batch,
-            taken: Vec::new(),
-            answering: None,
-            effects: Vec::new(),
-            publications: Vec::new(),
-            touched: BTreeSet::new(),
-            receipts_due: BTreeSet::new(),
-            lives: None,
+            due: Some(Instant::now()),
+            receipts_due: false,
+            number: last,
+            // What is there was gone through: it is forgotten with the states that are written first.
+            journal: (last > 0).then_some((last, 0)).into_iter().collect(),
+            journal_contacts: 0,
+            pace: Pace::new(wall_clock()),
         };
+        engine.number_gatherings();
         engine.show_params();
         engine.survey_robots();
         Ok(engine)
@@ -187,120 +208,116 @@ impl Engine {
     /// The same with traces, if there is a collector: those of setpoints that were sent before go on.
     #[must_use]
     pub(crate) fn traced(mut self, traces: Option<&Traces>) -> Self {
-        self.lives = traces.map(|traces| {
-            let mut lives = Lives::new(traces.clone(), self.fleet.clone());
-            for (name, known) in &self.robots {
-                lives.take_up(name, known.robot_id, &known.robot);
-            }
-            lives
-        });
+        for shard in &mut self.shards {
+            shard.gathering.lives = traces.map(|traces| {
+                let mut lives = Lives::new(traces.clone(), self.fleet.clone());
+                for known in shard.robots.values() {
+                    lives.take_up(&known.name, known.robot_id, &known.robot);
+                }
+                lives
+            });
+        }
         self
     }
 
     /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
     /// else's, who has the robots send again what was not committed.
     pub async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
-        let ending = self.work(inbox, outbox).await;
-        if let Some(lives) = &mut self.lives {
+        self.outbox = Some(outbox);
+        let ending = match self.work(inbox).await {
+            Ok(()) => Ending::Stopped,
+            Err(LeaseLost) => Ending::LeaseLost,
+        };
+        for lives in self.shards.iter_mut().filter_map(|shard| shard.gathering.lives.as_mut()) {
             lives.end(ending);
         }
         ending
     }
 
-    async fn work(&mut self, mut inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
-        let mut ticks = interval(TICK);
-        let mut receipts = interval(RECEIPTS);
-        let mut surveys = interval(SURVEY);
-        surveys.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        receipts.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    async fn work(&mut self, mut inbox: Inbox) -> Result<(), LeaseLost> {
+        let every = |period| {
+            let mut ticks = interval(period);
+            ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+            ticks
+        };
+        let (mut ticks, mut receipts, mut surveys) = (every(TICK), every(RECEIPTS), every(SURVEY));
         let bell = self.bell.clone();
+        let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         loop {
-            let done = tokio::select! {
-                first = inbox.recv() => match first {
-                    None => break,
-                    Some(first) => self.gather(first, &mut inbox).await,
-                },
+            let has_room = self.has_room();
+            let due = self.due.filter(|_| self.committing.is_none());
+            tokio::select! {
+                done = done(&mut self.committing) => self.committed(done)?,
+                () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => {}
+                count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => {
+                    if count == 0 {
+                        break;
+                    }
+                    self.take_in(&mut messages).await?;
+                }
                 _ = ticks.tick() => {
+                    self.settle().await?;
                     self.tick(&inbox);
                     // Asked at another supervisor, perhaps.
-                    self.open_mail(self.now(&inbox)).await;
-                    Ok(())
+                    self.open_mail(self.now(&inbox)).await?;
                 }
-                () = bell.notified() => {
-                    self.open_mail(self.now(&inbox)).await;
-                    Ok(())
-                }
-                _ = receipts.tick() => {
-                    self.receipts(&outbox);
-                    Ok(())
-                }
+                () = bell.notified() => self.open_mail(self.now(&inbox)).await?,
+                _ = receipts.tick() => self.look_at_receipts(),
                 _ = surveys.tick() => {
-                    self.survey_queues(&inbox, &outbox);
+                    self.survey_queues(&inbox);
                     self.survey_robots();
-                    Ok(())
                 }
-            };
-            if fault::is(Fault::ReceiptBeforeCommit) {
-                self.receipts(&outbox);
             }
-            if done.is_err() || self.commit().await.is_err() {
-                return Ending::LeaseLost;
-            }
-            self.publish(&outbox);
-        }
-        self.receipts(&outbox);
-        Ending::Stopped
-    }
-
-    /// Steps a message and those that come within [`GATHER`].
-    async fn gather(&mut self, first: Incoming, inbox: &mut Inbox) -> Result<(), LeaseLost> {
-        let deadline = Instant::now() + GATHER;
-        self.handle_until_numbered(&first).await?;
-        for _ in 1..GATHER_MAX {
-            match timeout_at(deadline, inbox.recv()).await {
-                Ok(Some(incoming)) => self.handle_until_numbered(&incoming).await?,
-                Ok(None) | Err(_) => break,
+            if self.is_due() {
+                self.begin_commit();
             }
         }
-        Ok(())
+        self.finish().await
     }
 
-    /// Handles a message; numbers for new robots, boots and whiskers come from the database, so a database
-    /// that is away is waited for. Nothing is stepped before its numbers are there.
-    async fn handle_until_numbered(&mut self, incoming: &Incoming) -> Result<(), LeaseLost> {
-        self.handled = incoming.received;
-        let mut outage = Outage::default();
-        while let Err(problem) = self.handle(incoming).await {
-            self.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
-        }
-        self.end_of(&outage);
-        Ok(())
+    /// Commits what is left, and receipts it.
+    async fn finish(&mut self) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        self.receipts_due = true;
+        self.begin_commit();
+        self.settle().await
     }
 
-    /// The core's step, and what comes of it into the batch.
-    fn step(
-        &mut self,
-        name: &Name,
-        now: Micros,
-        event: &Event<'_>,
-        source: Option<&protocol::Contacts>,
-    ) -> Option<Outcome> {
-        let known = self.robots.get_mut(name)?;
-        let mut effects = std::mem::take(&mut self.effects);
-        let outcome = known.robot.step(&self.params, now, event, &mut effects);
-        self.touched.insert(name.clone());
-        if let Some(lives) = &mut self.lives
-            && is_told(&effects)
-        {
-            let (fleet, robot_id, robot, effects) = (&self.fleet, known.robot_id, &known.robot, &effects[..]);
-            lives.stepped(&Step { fleet, name, robot_id, robot, now, event, effects });
+    /// Whether more may be gathered for the next commit.
+    fn has_room(&self) -> bool {
+        let gatherings = || self.shards.iter().map(|shard| &shard.gathering);
+        gatherings().map(|one| one.batch.contacts.len()).sum::<usize>() < CONTACTS_MAX
+            && gatherings().map(|one| one.journal.bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
+    }
+
+    /// Something has been gathered: it is committed soon.
+    fn gathered(&mut self) {
+        let is_urgent = self.shards.iter().any(|shard| shard.gathering.is_urgent);
+        let now = Instant::now();
+        if is_urgent {
+            self.due = Some(now);
+        } else if self.due.is_none() && self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
+            self.due = Some(now + GATHER);
         }
-        for effect in effects.drain(..) {
-            self.record(name, now, effect, source);
+    }
+
+    fn is_due(&self) -> bool {
+        let is_now = |due: Instant| due <= Instant::now();
+        self.committing.is_none() && (self.due.is_some_and(is_now) || !self.has_room())
+    }
+
+    /// Receipts are sent with the next transaction, or alone if there is none; states that have waited are written.
+    fn look_at_receipts(&mut self) {
+        let now = wall_clock();
+        let is_state_due = self.shards.iter_mut().any(|shard| shard.is_state_due(now));
+        let is_receipt_due = self.shards.iter().any(|shard| !shard.gathering.receipts_due.is_empty());
+        self.receipts_due |= is_receipt_due;
+        if fault::is(Fault::ReceiptBeforeCommit) {
+            self.receipt_at_once();
         }
-        self.effects = effects;
-        Some(outcome)
+        if (is_state_due || is_receipt_due) && self.due.is_none() {
+            self.due = Some(Instant::now());
+        }
     }
 
     /// The time for the core: not later than what it has yet to hear.
@@ -316,88 +333,143 @@ impl Engine {
             self.listen_anew();
         }
         self.shed = shed;
-        let names: Vec<Name> = self.robots.keys().cloned().collect();
-        for name in names {
-            self.step(&name, now, &Event::Tick, None);
+        for shard in &mut self.shards {
+            shard.tick(now);
+        }
+        self.gathered();
+    }
+
+    /// No robot was silent while we were deaf.
+    fn listen_anew(&mut self) {
+        let now = wall_clock();
+        for shard in &mut self.shards {
+            shard.listen_from(now);
         }
     }
 
-    /// Writes the batch; a database that is away is waited for, while the inbox fills and then sheds.
-    async fn commit(&mut self) -> Result<(), LeaseLost> {
-        self.snapshot();
-        if self.batch.is_empty() {
+    /// Closes what was gathered, and has it committed while more is gathered.
+    fn begin_commit(&mut self) {
+        self.due = None;
+        let Some(mut committer) = self.committer.take() else { return };
+        let sealed = self.seal();
+        if sealed.batch.is_empty() && sealed.publications.is_empty() {
+            self.committer = Some(committer);
+            return;
+        }
+        self.committing = Some(tokio::spawn(async move {
+            let committed = committer.commit(&sealed.batch).await;
+            (committer, sealed, committed)
+        }));
+    }
+
+    /// Takes what was gathered out of the shards, with the states that are to be written.
+    fn seal(&mut self) -> Sealed {
+        let now = wall_clock();
+        let receipts = std::mem::take(&mut self.receipts_due);
+        self.pace.go_on(now, self.journal_contacts);
+        let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
+        let (mut entries, mut contacts) = (Vec::new(), 0);
+        for shard in &mut self.shards {
+            shard.snapshot(now, &mut self.pace);
+            if receipts {
+                shard.receipts();
+            }
+            contacts += shard.gathering.seal_into(&mut sealed, &mut entries);
+        }
+        self.number += 1;
+        if !entries.is_empty() {
+            self.journal.push_back((self.number, contacts));
+            self.journal_contacts += contacts;
+            sealed.batch.journal = Some(JournalRow { number: self.number, entries });
+        }
+        self.forget_journal(&mut sealed);
+        self.number_gatherings();
+        sealed
+    }
+
+    /// Entries that are in all states are not needed any more.
+    fn forget_journal(&mut self, sealed: &mut Sealed) {
+        let oldest = self.shards.iter_mut().filter_map(|shard| shard.oldest_waiting()).map(|(number, _)| number).min();
+        let needed_from = oldest.unwrap_or(self.number + 1);
+        while let Some((number, contacts)) = self.journal.front().copied().filter(|(number, _)| *number < needed_from) {
+            self.journal.pop_front();
+            self.journal_contacts -= contacts;
+            sealed.batch.journal_done = Some(number);
+        }
+        // What is written with the states of all whom it is about need not be written.
+        if sealed.batch.journal_done == Some(self.number) {
+            sealed.batch.journal = None;
+        }
+    }
+
+    /// Tells the shards which transaction they gather for from now on.
+    fn number_gatherings(&mut self) {
+        for shard in &mut self.shards {
+            shard.gathering.number = self.number + 1;
+        }
+    }
+
+    /// Waits for the commit under way, if there is one.
+    async fn settle(&mut self) -> Result<(), LeaseLost> {
+        if self.committing.is_none() {
             return Ok(());
         }
-        let mut outage = Outage::default();
-        let first = Instant::now();
-        loop {
-            let begun = Instant::now();
-            match self.writer.commit(&self.lease, &self.batch).await {
-                Ok(()) => {
-                    self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
-                    break;
-                }
-                Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
+        let done = done(&mut self.committing).await;
+        self.committed(done)
+    }
+
+    /// A commit has ended: now what waited for it goes out.
+    fn committed(&mut self, (committer, mut sealed, committed): Done) -> Result<(), LeaseLost> {
+        let Committed { took, was_away } = committed?;
+        self.committer = Some(committer);
+        if was_away {
+            self.listen_anew();
+        }
+        self.time_taken(&sealed.taken);
+        for (shard, untold) in self.shards.iter_mut().zip(&mut sealed.untold) {
+            if let Some(lives) = &mut shard.gathering.lives {
+                lives.committed(untold, took);
             }
         }
-        self.end_of(&outage);
-        if let Some(lives) = &mut self.lives {
-            lives.committed(first.elapsed());
-        }
-        self.batch = Batch::default();
-        self.time_taken();
-        self.mailroom.answered(self.answered.drain(..));
-        if !self.batch.records.is_empty() {
+        self.mailroom.answered(sealed.answered.drain(..));
+        if !sealed.batch.records.is_empty() {
             self.mailroom.changed();
+        }
+        let all = self.publish(std::mem::take(&mut sealed.publications));
+        for (shard, untold) in self.shards.iter_mut().zip(sealed.untold) {
+            if let Some(lives) = &mut shard.gathering.lives {
+                lives.published(untold, all);
+            }
         }
         Ok(())
     }
 
     /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
     /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
-    fn publish(&mut self, outbox: &mpsc::Sender<Publication>) {
-        let mut all = self.lease.is_fresh();
-        if !all {
-            self.metrics.publications_dropped.inc_by(self.publications.len() as u64);
-            self.publications.clear();
+    fn publish(&self, publications: Vec<Publication>) -> bool {
+        let Some(outbox) = &self.outbox else { return true };
+        let mut dropped = publications.len();
+        if self.lease.is_fresh() {
+            dropped = publications.into_iter().filter_map(|one| outbox.try_send(one).err()).count();
         }
-        for publication in self.publications.drain(..) {
-            if outbox.try_send(publication).is_err() {
-                self.metrics.publications_dropped.inc();
-                all = false;
-            }
-        }
-        if let Some(lives) = &mut self.lives {
-            lives.published(all);
-        }
+        self.metrics.publications_dropped.inc_by(dropped as u64);
+        dropped == 0
     }
 }
 
-/// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew, without the
-/// alarms that stood, and all of it is held if anything of it was.
-fn take_up(stored: StoredRobot, epoch: u64, params: &Params, batch: &mut Batch) -> Known {
-    let restored =
-        stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch, wall_clock()));
-    let (robot, whisker_ids) = match restored {
-        Some(Ok(robot)) => (robot, stored.whisker_ids),
-        Some(Err(problem)) => {
-            error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
-            let now = wall_clock();
-            batch.records.push(Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 });
-            let mut robot = Robot::new(epoch, stored.numbers).taken_up();
-            if stored.held {
-                robot.step(params, now, &Event::Operator(&OperatorAction::Hold(Scope::Robot)), &mut Vec::new());
-            }
-            (robot, Vec::new())
-        }
-        None => (Robot::new(epoch, stored.numbers), Vec::new()),
-    };
-    let stated = survey::Stated::of(&robot, params);
-    let seqs = publication::Seqs::default();
-    Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs, stated }
+/// What the commit under way gives back, when it has ended; never if there is none.
+async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
+    let Some(task) = committing else { return pending().await };
+    let done = task.await;
+    *committing = None;
+    // It is never aborted: if it has no result, it has panicked.
+    done.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()))
 }
 
 /// A pressure as a bare number, if there is one.
 fn mpa(pressure: Option<Megapascal>) -> Option<f64> {
     pressure.map(Megapascal::mpa)
 }
+
+#[cfg(test)]
+mod tests;

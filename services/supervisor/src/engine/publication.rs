@@ -1,13 +1,14 @@
 //! What goes out: setpoints, receipts, requests.
 
 use prometheus::Histogram;
-use tokio::sync::mpsc;
 use uuid::Uuid;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name, QualityOfService, RequestKind, RobotTopic, Timestamp, encode};
 
+use super::gathering::Gathering;
+use super::shard::{Known, Shard};
 use super::{Engine, wall_clock};
 use vibrissa_edge::words::{Word, setpoint_reason};
 
@@ -90,9 +91,8 @@ pub(super) fn gain(command: &Command) -> Vec<(f64, f64)> {
     command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default()
 }
 
-impl Engine {
-    pub(super) fn publish_setpoint(&mut self, name: &Name, command: &Command, sent: Sent) {
-        let Some(known) = self.robots.get_mut(name) else { return };
+impl Gathering {
+    pub(super) fn publish_setpoint(&mut self, known: &mut Known, command: &Command, sent: Sent) {
         let Some(whisker) = known.robot.whisker(command.whisker) else { return };
         let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
             return;
@@ -100,7 +100,7 @@ impl Engine {
         let setpoint = protocol::Setpoint {
             boot_id: self.boot_id.clone(),
             seq: next(&mut known.seqs.setpoint),
-            command_id: command_id(&self.fleet, name, command.key),
+            command_id: command_id(&self.fleet, &known.name, command.key),
             epoch: command.key.epoch,
             version: command.key.version,
             robot_boot_id,
@@ -125,32 +125,31 @@ impl Engine {
                 None
             }
         };
-        let publication = self.publication(name, RobotTopic::Setpoint, encode(&setpoint));
+        let publication = self.publication(known, RobotTopic::Setpoint, encode(&setpoint));
         self.publications.push(Publication { expiry_s: Some(expiry_s), stopwatch, ..publication });
+        self.is_urgent = true;
         if let Some(lives) = &mut self.lives {
-            lives.sending(name, command);
+            lives.sending(&known.name, command);
         }
     }
 
     /// Sends the setpoints under way again to a robot that was born or heard of anew: it may have said what
     /// became of them while nobody listened, and to the same name it says it again.
-    pub(super) fn ask_after_setpoints(&mut self, name: &Name) {
-        let Some(known) = self.robots.get(name) else { return };
+    pub(super) fn ask_after_setpoints(&mut self, known: &mut Known) {
         let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
         for command in &under_way {
-            self.publish_setpoint(name, command, Sent::Again);
+            self.publish_setpoint(known, command, Sent::Again);
         }
     }
 
-    pub(super) fn publish_request(&mut self, name: &Name, request: RequestKind) {
-        let Some(known) = self.robots.get_mut(name) else { return };
+    pub(super) fn publish_request(&mut self, known: &mut Known, request: RequestKind) {
         let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut known.seqs.request), request };
-        self.publications.push(self.publication(name, RobotTopic::Request, encode(&request)));
+        self.publications.push(self.publication(known, RobotTopic::Request, encode(&request)));
     }
 
-    fn publication(&self, name: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
+    fn publication(&self, known: &Known, kind: RobotTopic, payload: Vec<u8>) -> Publication {
         Publication {
-            topic: kind.of(&self.fleet, name).to_string(),
+            topic: kind.of(&self.fleet, &known.name).to_string(),
             payload,
             qos: kind.quality_of_service(),
             expiry_s: None,
@@ -158,26 +157,53 @@ impl Engine {
         }
     }
 
-    /// Says how far the contacts of each boot are committed; call it after a commit only.
-    pub(super) fn receipts(&mut self, outbox: &mpsc::Sender<Publication>) {
-        if !self.lease.is_fresh() {
+    /// The contacts of a boot are to be receipted.
+    pub(super) fn receipt(&mut self, known: &mut Known, boot_id: &str) {
+        if known.receipts_due.is_empty() {
+            self.receipts_due.push(known.name.clone());
+        }
+        if !known.receipts_due.iter().any(|due| due == boot_id) {
+            known.receipts_due.push(boot_id.to_owned());
+        }
+    }
+
+    fn publish_receipt(&mut self, known: &mut Known, boot_id: &str) {
+        let (Some(sequence), Ok(robot_boot_id)) = (known.robot.sequence(boot_id), BootId::new(boot_id)) else {
             return;
-        }
-        for (name, boot_id) in std::mem::take(&mut self.receipts_due) {
+        };
+        let receipt = protocol::Receipt {
+            boot_id: self.boot_id.clone(),
+            seq: next(&mut known.seqs.receipt),
+            robot_boot_id,
+            next: sequence.next(),
+            held: sequence.held().iter().copied().take(HELD_MAX).collect(),
+        };
+        self.publications.push(self.publication(known, RobotTopic::Receipt, encode(&receipt)));
+        self.metrics.receipts_sent.inc();
+    }
+}
+
+impl Shard {
+    /// Says how far the contacts of each boot are committed, with the transaction that is gathered now; it goes out after
+    /// the commit.
+    pub(super) fn receipts(&mut self) {
+        for name in std::mem::take(&mut self.gathering.receipts_due) {
             let Some(known) = self.robots.get_mut(&name) else { continue };
-            let (Some(sequence), Ok(robot_boot_id)) = (known.robot.sequence(&boot_id), BootId::new(&boot_id)) else {
-                continue;
-            };
-            let receipt = protocol::Receipt {
-                boot_id: self.boot_id.clone(),
-                seq: next(&mut known.seqs.receipt),
-                robot_boot_id,
-                next: sequence.next(),
-                held: sequence.held().iter().copied().take(HELD_MAX).collect(),
-            };
-            self.publications.push(self.publication(&name, RobotTopic::Receipt, encode(&receipt)));
-            self.metrics.receipts_sent.inc();
+            for boot_id in std::mem::take(&mut known.receipts_due) {
+                self.gathering.publish_receipt(known, &boot_id);
+            }
         }
-        self.publish(outbox);
+    }
+}
+
+impl Engine {
+    /// A fault that a test plants: what is not committed is receipted.
+    pub(super) fn receipt_at_once(&mut self) {
+        let mut publications = Vec::new();
+        for shard in &mut self.shards {
+            shard.receipts();
+            publications.append(&mut shard.gathering.publications);
+        }
+        self.publish(publications);
     }
 }

@@ -1,16 +1,18 @@
 //! Effects become rows and publications.
 
-use tracing::{error, info, warn};
+use tracing::{info, warn};
 use vibrissa_core::robot::effect::{Command, CommandState, CompensationError, Decision, Effect, ErrorBin, Refinement};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
 
+use super::gathering::{Gathering, Source};
+use super::mpa;
 use super::publication::{Sent, command_id};
-use super::{Engine, mpa};
+use super::shard::Known;
 use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use crate::store::batch::{
     CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow,
-    RobotRow, SetpointRow, WhiskerRow,
+    SetpointRow,
 };
 use vibrissa_edge::words::{Word, Z95};
 
@@ -19,25 +21,25 @@ pub(crate) fn wide_id(robot_id: i64, number: u32) -> i64 {
     (robot_id << 32) | i64::from(number)
 }
 
-impl Engine {
+impl Gathering {
     /// Puts one effect into the batch or among the publications.
-    pub(super) fn record(&mut self, name: &Name, now: Micros, effect: Effect, source: Option<&protocol::Contacts>) {
-        let Some(known) = self.robots.get_mut(name) else { return };
+    pub(super) fn record(&mut self, known: &mut Known, now: Micros, effect: Effect, source: Option<Source<'_>>) {
         let robot_id = known.robot_id;
         let recorded_us = now.0 as i64;
-        let whisker_id = |index: usize| known.whisker_ids.get(index).copied().unwrap_or_default();
+        let name = known.name.clone();
+        let whisker_id = |index: usize| known.whisker_id(index);
         match effect {
             Effect::Contact(contact) => {
                 self.metrics.contacts.count([contact.used.word()]);
                 let Some((source, felt)) =
-                    source.and_then(|source| Some((source, source.contacts.get(contact.position)?)))
+                    source.and_then(|source| Some((source, source.told.contacts.get(contact.position)?)))
                 else {
                     return;
                 };
                 self.batch.contacts.push(ContactRow {
                     whisker_id: whisker_id(contact.whisker),
-                    boot: known.boots.get(source.boot_id.as_str()).copied().unwrap_or_default(),
-                    seq: source.seq as i64,
+                    boot: source.boot,
+                    seq: source.told.seq as i64,
                     position: contact.position as i64,
                     t_us: felt.t_us as i64,
                     received_us: recorded_us,
@@ -53,7 +55,7 @@ impl Engine {
                 });
             }
             Effect::UnknownWhisker { position } => {
-                self.refuse(
+                self.metrics.refuse(
                     "unknown_whisker",
                     format!("contact {position} names a whisker that is not on the factsheet"),
                     name.as_str(),
@@ -107,11 +109,11 @@ impl Engine {
             }
             Effect::Command(command) => {
                 self.metrics.setpoints.count([CommandState::Pending.word()]);
-                let row = setpoint_row(robot_id, &self.fleet, name, &command, whisker_id(command.whisker));
+                let row = setpoint_row(robot_id, &self.fleet, &name, &command, whisker_id(command.whisker));
                 self.batch.records.push(Record::Setpoint(Box::new(row)));
-                self.publish_setpoint(name, &command, Sent::First);
+                self.publish_setpoint(known, &command, Sent::First);
             }
-            Effect::Resend(command) => self.publish_setpoint(name, &command, Sent::Again),
+            Effect::Resend(command) => self.publish_setpoint(known, &command, Sent::Again),
             Effect::CommandState { command, state, rejection, pressure } => {
                 self.metrics.setpoints.count([state.word()]);
                 if let Some(rejection) = rejection {
@@ -121,7 +123,7 @@ impl Engine {
                     self.time_applied(command);
                 }
                 self.batch.records.push(Record::SetpointState {
-                    command_id: command_id(&self.fleet, name, command),
+                    command_id: command_id(&self.fleet, &name, command),
                     recorded_us,
                     state: state.word(),
                     error: rejection.map(Word::word),
@@ -129,7 +131,8 @@ impl Engine {
                 });
             }
             Effect::Response(response) => {
-                let t_us = source.and_then(|source| source.contacts.get(response.position)).map_or(0, |felt| felt.t_us);
+                let t_us =
+                    source.and_then(|source| source.told.contacts.get(response.position)).map_or(0, |felt| felt.t_us);
                 self.batch.records.push(Record::Response(ResponseRow {
                     compensation_id: wide_id(robot_id, response.compensation),
                     t_us: t_us as i64,
@@ -182,68 +185,9 @@ impl Engine {
                 let whisker = i64::from(number);
                 self.batch.records.push(Record::Gone { robot_id, array, whisker, cleared_us: recorded_us });
             }
-            Effect::AskForFactsheet => self.publish_request(name, protocol::RequestKind::Factsheet),
+            Effect::AskForFactsheet => self.publish_request(known, protocol::RequestKind::Factsheet),
         }
     }
-
-    /// The states of everything that was touched, for the same transaction.
-    pub(super) fn snapshot(&mut self) {
-        let now_us = super::wall_clock().0 as i64;
-        for name in std::mem::take(&mut self.touched) {
-            let Some(known) = self.robots.get_mut(&name) else { continue };
-            let mut changed = Vec::new();
-            known.robot.take_changed_whiskers(|index| changed.push(index));
-            let state = (known.robot.take_changed() || !changed.is_empty()).then(|| known.robot.to_bytes());
-            if let Some(state) = state {
-                let Some(state) = state else {
-                    error!(robot = %name, "its state cannot be stored; the one stored before stays");
-                    continue;
-                };
-                let (boot_id, link) = known.robot.connection_state();
-                self.batch.robots.push(RobotRow {
-                    robot_id: known.robot_id,
-                    boot_id: boot_id.map(str::to_owned),
-                    connection: link.word(),
-                    held: known.robot.is_held(),
-                    updated_us: now_us,
-                    state,
-                });
-            }
-            for index in changed {
-                let (Some(view), Some(&whisker_id)) = (known.robot.whisker(index), known.whisker_ids.get(index)) else {
-                    continue;
-                };
-                let Some(state) = known.robot.whisker_to_bytes(index) else {
-                    error!(robot = %name, whisker = index, "its state cannot be stored; the one stored before stays");
-                    continue;
-                };
-                self.batch.whiskers.push(WhiskerRow {
-                    whisker_id,
-                    position: index as i64,
-                    length_mm: view.length.length.mm(),
-                    length_sd_mm: view.length.sd_mm,
-                    condition: view.condition.word(),
-                    fault: view.fault.map(Word::word),
-                    pressure_mpa: mpa(view.pressure),
-                    setpoint_mpa: view.setpoint.mpa(),
-                    contacts: view.contacts as i64,
-                    heard_us: view.heard.map(|heard| heard.0 as i64),
-                    held: view.held,
-                    leak_per_s: view.leak_per_s.map(known_interval),
-                    erosion_mm_per_contact: view.erosion.map(|erosion| known_interval(erosion.mm_per_contact)),
-                    contacts_left: view.erosion.map_or([None; 3], |erosion| {
-                        let left = erosion.contacts_left;
-                        [left.mean, left.low, left.high]
-                    }),
-                    state,
-                });
-            }
-        }
-    }
-}
-
-fn known_interval(known: vibrissa_core::estimation::Interval) -> Interval {
-    Interval { mean: known.mean, low: known.low, high: known.high }
 }
 
 fn decision_row(robot_id: i64, decided_us: i64, decision: &Decision, whisker_id: impl Fn(usize) -> i64) -> DecisionRow {

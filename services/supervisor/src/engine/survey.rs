@@ -3,14 +3,15 @@
 
 use std::collections::BTreeMap;
 
-use tokio::sync::mpsc;
 use vibrissa_core::policy::Case;
 use vibrissa_core::robot::effect::{Command, CommandKey, CompensationError, Reason};
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 
-use super::{Engine, Known, Publication, wall_clock};
+use super::gathering::Gathering;
+use super::shard::Known;
+use super::{Engine, wall_clock};
 use crate::metrics::{INBOX, OUTBOX, RobotSample, WhiskerSample, Word as Label};
 use crate::mqtt::Inbox;
 
@@ -145,7 +146,7 @@ impl Engine {
     /// Counts robots, whiskers, alarms and compensations.
     pub(super) fn survey_robots(&mut self) {
         let mut survey = Survey::default();
-        for known in self.robots.values_mut() {
+        for known in self.shards.iter_mut().flat_map(|shard| shard.robots.values_mut()) {
             survey.add(known);
         }
         let count = |counts: &BTreeMap<Label, i64>, word| counts.get(word).copied().unwrap_or_default();
@@ -161,15 +162,14 @@ impl Engine {
         self.metrics.compensation_error_with_gain_mean_ratio.set_all(mean(|one| one.with_gain.value()));
         self.metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
         if let Some(whiskers) = &self.program.whiskers {
-            whiskers.show(
-                self.fleet.as_str(),
-                self.robots.iter().map(|(name, known)| sample(name.as_str(), known)).collect(),
-            );
+            let known = self.shards.iter().flat_map(|shard| shard.robots.values());
+            whiskers.show(self.fleet.as_str(), known.map(|known| sample(known.name.as_str(), known)).collect());
         }
     }
 
     /// How full the queues are.
-    pub(super) fn survey_queues(&self, inbox: &Inbox, outbox: &mpsc::Sender<Publication>) {
+    pub(super) fn survey_queues(&self, inbox: &Inbox) {
+        let Some(outbox) = &self.outbox else { return };
         let (filling, capacity) = (inbox.filling(), inbox.capacity());
         let waiting = outbox.max_capacity() - outbox.capacity();
         let of = |inbox: usize, outbox: usize| {
@@ -195,9 +195,9 @@ impl Engine {
     }
 
     /// Writes down how long the contacts messages took that are committed now.
-    pub(super) fn time_taken(&mut self) {
+    pub(super) fn time_taken(&self, taken: &[Taken]) {
         let now = wall_clock();
-        for taken in self.taken.drain(..) {
+        for taken in taken {
             self.metrics.received_to_commit_seconds.observe(now.since(taken.received).as_s());
             if let Some(felt) = taken.felt {
                 self.metrics.contact_to_commit_seconds.observe(now.since(felt).as_s());
@@ -205,7 +205,9 @@ impl Engine {
             self.metrics.last_contact_timestamp_seconds.set(taken.received.as_s());
         }
     }
+}
 
+impl Gathering {
     /// Writes down how long it took until a setpoint was applied.
     pub(super) fn time_applied(&self, command: CommandKey) {
         if let Some(answering) = self.answering.filter(|answering| answering.command == command) {

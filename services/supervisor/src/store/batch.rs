@@ -15,6 +15,10 @@ pub struct Batch {
     pub contacts: Vec<ContactRow>,
     /// Everything else, in order.
     pub records: Vec<Record>,
+    /// What happened to robots whose states are not among `robots`.
+    pub journal: Option<JournalRow>,
+    /// The journal's rows up to this number are in the robots' states.
+    pub journal_done: Option<i64>,
 }
 
 impl Batch {
@@ -26,7 +30,27 @@ impl Batch {
             && self.whiskers.is_empty()
             && self.contacts.is_empty()
             && self.records.is_empty()
+            && self.journal.is_none()
+            && self.journal_done.is_none()
     }
+
+    /// Takes the rows of another one, after its own. The journal is one for all.
+    pub(crate) fn append(&mut self, other: &mut Self) {
+        self.layouts.append(&mut other.layouts);
+        self.robots.append(&mut other.robots);
+        self.whiskers.append(&mut other.whiskers);
+        self.contacts.append(&mut other.contacts);
+        self.records.append(&mut other.records);
+    }
+}
+
+/// What happened to robots, as the engine wrote it down for itself.
+#[derive(Debug)]
+pub struct JournalRow {
+    /// Number, rising with each transaction of the fleet.
+    pub number: i64,
+    /// The engine's bytes.
+    pub entries: Vec<u8>,
 }
 
 /// A factsheet with another layout.
@@ -51,6 +75,8 @@ pub struct RobotRow {
     pub held: bool,
     /// When.
     pub updated_us: i64,
+    /// The journal's rows up to this number are in the state.
+    pub journal_number: i64,
     /// The core's bytes.
     pub state: Vec<u8>,
 }

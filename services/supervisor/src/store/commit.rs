@@ -2,7 +2,7 @@
 
 use tokio::time::Instant;
 
-use super::database::{Either, Link, Tx};
+use super::database::{Either, Link, Tx, on};
 use super::{Batch, Lease, StoreError, changes, failed, postgres, records, sqlite};
 
 /// Writes a batch in one transaction, unless it was written before although the answer was lost.
@@ -15,6 +15,7 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
             records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
         }
         write_rows(&mut tx, batch).await?;
+        write_journal(&mut tx, lease.fleet().as_str(), batch).await.map_err(failed("write the journal"))?;
         for record in &batch.records {
             records::write_record(&mut tx, record).await?;
         }
@@ -49,6 +50,28 @@ async fn write_rows(tx: &mut Tx<'_>, batch: &Batch) -> Result<(), StoreError> {
             Either::Postgres(tx) => postgres::append_contacts(tx, &batch.contacts).await,
         }
         .map_err(failed("append contacts"))?;
+    }
+    Ok(())
+}
+
+/// What happened since robots' states were written, and what is in them now.
+async fn write_journal(tx: &mut Tx<'_>, fleet: &str, batch: &Batch) -> sqlx::Result<()> {
+    if let Some(row) = &batch.journal {
+        on!(&mut *tx, |tx| sqlx::query("INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3)")
+            .bind(fleet)
+            .bind(row.number)
+            .bind(&row.entries)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+    }
+    if let Some(number) = batch.journal_done {
+        on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
+            .bind(fleet)
+            .bind(number)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
     }
     Ok(())
 }

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sqlx::Row;
-use vibrissa_core::robot::event::{ArrayKind, WhiskerSheet};
-use vibrissa_core::robot::{Numbers, RestoreError, Robot};
+use sqlx::{Database, Encode, Postgres, QueryBuilder, Row, Sqlite, Type};
+use vibrissa_core::robot::event::ArrayKind;
+use vibrissa_core::robot::{Numbers, RestoreError, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 
-use super::database::{Link, Tx, on};
+use super::database::{Either, Link, Tx, on};
 use super::readings::readings;
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
@@ -28,6 +28,8 @@ pub struct StoredRobot {
     pub whisker_states: Vec<Vec<u8>>,
     /// Numbers of its boots.
     pub boots: BTreeMap<String, i64>,
+    /// The journal's rows up to this number are in its state.
+    pub journal_number: i64,
     /// Whether an operator held it or any of its whiskers.
     pub held: bool,
     /// The first free numbers of its trims and compensations, for when its state cannot be used.
@@ -99,6 +101,22 @@ impl Writer {
         self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, fleet).await.map_err(failed(WHAT))).await
     }
 
+    /// The next rows of the fleet's journal after a number, with their numbers, in order.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn journal(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<(i64, Vec<u8>)>, StoreError> {
+        const WHAT: &str = "read the journal";
+        const SQL: &str =
+            "SELECT number, entries FROM journal WHERE fleet = $1 AND number > $2 ORDER BY number LIMIT $3";
+        let fleet = lease.fleet().as_str();
+        self.attempt(WHAT, LOAD_PATIENCE, async |link| {
+            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).fetch_all(link).await)
+                .map_err(failed(WHAT))
+        })
+        .await
+    }
+
     /// The number of a robot, new or known.
     ///
     /// # Errors
@@ -155,11 +173,7 @@ impl Writer {
         const WHAT: &str = "number the whiskers";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
-            let mut ids = Vec::with_capacity(robot.whisker_count());
-            for view in (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)) {
-                let array_id = array_id(&mut tx, robot_id, view.array, view.kind).await.map_err(failed(WHAT))?;
-                ids.push(whisker_id(&mut tx, robot_id, array_id, view.sheet).await.map_err(failed(WHAT))?);
-            }
+            let ids = number_whiskers(&mut tx, robot_id, robot).await.map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;
             Ok(ids)
         })
@@ -175,7 +189,7 @@ async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Resu
 }
 
 async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> {
-    const ROBOTS: &str = "SELECT robot_id, robot, state, \
+    const ROBOTS: &str = "SELECT robot_id, robot, state, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
@@ -192,6 +206,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
             robot_id: row.get("robot_id"),
             robot: row.get("robot"),
             state: row.get("state"),
+            journal_number: row.get("journal_number"),
             held: row.get::<i32, _>("is_held") != 0,
             whisker_ids: Vec::new(),
             whisker_states: Vec::new(),
@@ -228,24 +243,79 @@ async fn array_id(tx: &mut Tx<'_>, robot_id: i64, array: &str, kind: ArrayKind) 
     on!(tx, |tx| sqlx::query_scalar(SQL).bind(robot_id).bind(array).bind(kind.word()).fetch_one(&mut **tx).await)
 }
 
-async fn whisker_id(tx: &mut Tx<'_>, robot_id: i64, array_id: i64, sheet: &WhiskerSheet) -> sqlx::Result<i64> {
-    const SQL: &str = "INSERT INTO whiskers (array_id, robot_id, whisker, x_mm, y_mm, model, whole_length_mm, \
-         nominal_pressure_mpa, pressure_max_mpa, length_mm, length_sd_mm, condition, setpoint_mpa) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $7, 0, 'LEARNING', $8) \
-         ON CONFLICT (array_id, whisker) DO UPDATE SET x_mm = excluded.x_mm, y_mm = excluded.y_mm, \
+/// Numbers of a robot's whiskers in the order of their index, by few statements.
+async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx::Result<Vec<i64>> {
+    let views: Vec<WhiskerView<'_>> = (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)).collect();
+    let mut array_ids = BTreeMap::new();
+    for view in &views {
+        if !array_ids.contains_key(view.array) {
+            array_ids.insert(view.array, array_id(tx, robot_id, view.array, view.kind).await?);
+        }
+    }
+    let mut numbers: BTreeMap<(i64, i64), i64> = BTreeMap::new();
+    for views in views.chunks(WHISKERS_A_STATEMENT) {
+        let rows: Vec<(i64, i64, i64)> = match tx {
+            Either::Sqlite(tx) => {
+                upsert::<Sqlite>(robot_id, views, &array_ids)
+                    .build_query_as()
+                    .persistent(false)
+                    .fetch_all(&mut **tx)
+                    .await
+            }
+            Either::Postgres(tx) => {
+                upsert::<Postgres>(robot_id, views, &array_ids)
+                    .build_query_as()
+                    .persistent(false)
+                    .fetch_all(&mut **tx)
+                    .await
+            }
+        }?;
+        numbers.extend(rows.into_iter().map(|(array_id, whisker, whisker_id)| ((array_id, whisker), whisker_id)));
+    }
+    let number = |view: &WhiskerView<'_>| {
+        let key = (array_ids.get(view.array).copied()?, i64::from(view.sheet.number));
+        numbers.get(&key).copied()
+    };
+    views.iter().map(|view| number(view).ok_or(sqlx::Error::RowNotFound)).collect()
+}
+
+/// Rows of one statement: 9 values each, SQLite takes 32,766.
+const WHISKERS_A_STATEMENT: usize = 1000;
+
+fn upsert<'a, DB: Database>(
+    robot_id: i64,
+    views: &'a [WhiskerView<'a>],
+    array_ids: &BTreeMap<&str, i64>,
+) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new(
+        "INSERT INTO whiskers (array_id, robot_id, whisker, x_mm, y_mm, model, whole_length_mm, \
+         nominal_pressure_mpa, pressure_max_mpa, length_mm, length_sd_mm, condition, setpoint_mpa) ",
+    );
+    sql.push_values(views, |mut row, view| {
+        let sheet = view.sheet;
+        row.push_bind(array_ids.get(view.array).copied().unwrap_or_default())
+            .push_bind(robot_id)
+            .push_bind(i64::from(sheet.number))
+            .push_bind(sheet.x_mm)
+            .push_bind(sheet.y_mm)
+            .push_bind(sheet.model.to_string())
+            .push_bind(sheet.length.mm())
+            .push_bind(sheet.pressure.mpa())
+            .push_bind(sheet.pressure_max.mpa())
+            .push_bind(sheet.length.mm())
+            .push("0, 'LEARNING'")
+            .push_bind(sheet.pressure.mpa());
+    });
+    sql.push(
+        " ON CONFLICT (array_id, whisker) DO UPDATE SET x_mm = excluded.x_mm, y_mm = excluded.y_mm, \
          model = excluded.model, whole_length_mm = excluded.whole_length_mm, \
          nominal_pressure_mpa = excluded.nominal_pressure_mpa, pressure_max_mpa = excluded.pressure_max_mpa \
-         RETURNING whisker_id";
-    on!(tx, |tx| sqlx::query_scalar(SQL)
-        .bind(array_id)
-        .bind(robot_id)
-        .bind(i64::from(sheet.number))
-        .bind(sheet.x_mm)
-        .bind(sheet.y_mm)
-        .bind(&sheet.model)
-        .bind(sheet.length.mm())
-        .bind(sheet.pressure.mpa())
-        .bind(sheet.pressure_max.mpa())
-        .fetch_one(&mut **tx)
-        .await)
+         RETURNING array_id, whisker, whisker_id",
+    );
+    sql
 }

@@ -56,9 +56,9 @@ fn column<'r, R, T>(rows: &'r [R], field: impl Fn(&'r R) -> T) -> Vec<T> {
 pub(super) async fn write_robots(tx: &mut PgConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     sqlx::query(
         "UPDATE robots r SET boot_id = n.boot_id, connection = n.connection, updated_us = n.updated_us, \
-         state = n.state, held = n.held \
-         FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[], $5::bytea[], $6::boolean[]) \
-         AS n (robot_id, boot_id, connection, updated_us, state, held) WHERE r.robot_id = n.robot_id",
+         state = n.state, held = n.held, journal_number = n.journal_number \
+         FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[], $5::bytea[], $6::boolean[], $7::bigint[]) \
+         AS n (robot_id, boot_id, connection, updated_us, state, held, journal_number) WHERE r.robot_id = n.robot_id",
     )
     .bind(column(robots, |row| row.robot_id))
     .bind(column(robots, |row| row.boot_id.as_deref()))
@@ -66,6 +66,7 @@ pub(super) async fn write_robots(tx: &mut PgConnection, robots: &[RobotRow]) -> 
     .bind(column(robots, |row| row.updated_us))
     .bind(column(robots, |row| row.state.as_slice()))
     .bind(column(robots, |row| row.held))
+    .bind(column(robots, |row| row.journal_number))
     .execute(tx)
     .await
     .map(drop)

@@ -50,12 +50,14 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
 pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     for robot in robots {
         sqlx::query(
-            "UPDATE robots SET boot_id = ?, connection = ?, held = ?, updated_us = ?, state = ? WHERE robot_id = ?",
+            "UPDATE robots SET boot_id = ?, connection = ?, held = ?, updated_us = ?, journal_number = ?, state = ? \
+             WHERE robot_id = ?",
         )
         .bind(&robot.boot_id)
         .bind(robot.connection)
         .bind(robot.held)
         .bind(robot.updated_us)
+        .bind(robot.journal_number)
         .bind(&robot.state)
         .bind(robot.robot_id)
         .execute(&mut *tx)

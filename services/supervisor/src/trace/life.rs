@@ -35,8 +35,15 @@ pub(crate) struct Lives {
     suspicions: BTreeMap<Whisker, Draft>,
     /// What is being carried out.
     asked: Option<Asked>,
-    /// What the next commit makes true: spans, and the lives that they belong to.
-    uncommitted: Vec<(Draft, Place)>,
+    untold: Untold,
+}
+
+/// What a commit makes true.
+#[derive(Default)]
+pub(crate) struct Untold {
+    /// Spans.
+    spans: Vec<(Draft, Place)>,
+    /// The lives that they belong to.
     touched: BTreeSet<Uuid>,
     over: Vec<Uuid>,
     /// Setpoints among the publications.
@@ -62,10 +69,7 @@ impl Lives {
             open: BTreeMap::new(),
             suspicions: BTreeMap::new(),
             asked: None,
-            uncommitted: Vec::new(),
-            touched: BTreeSet::new(),
-            over: Vec::new(),
-            sending: Vec::new(),
+            untold: Untold::default(),
         }
     }
 
@@ -160,7 +164,7 @@ impl Lives {
             is_committed: false,
         };
         self.tell_beginning(step, id, life, Some(target), draft);
-        self.over.push(id);
+        self.untold.over.push(id);
     }
 
     fn tell_beginning(
@@ -179,34 +183,39 @@ impl Lives {
         }
         if self.begin(id, life) {
             for draft in suspicion.into_iter().chain([draft.clone()]) {
-                self.uncommitted.push((draft, Place::root(id).child()));
+                self.untold.spans.push((draft, Place::root(id).child()));
             }
-            self.touched.insert(id);
+            self.untold.touched.insert(id);
         }
     }
 
     /// A setpoint has come into another state.
     fn answered(&mut self, id: Uuid, state: CommandState, error: Option<&'static str>, draft: Draft) {
         let Some(life) = self.open.get_mut(&id) else { return };
-        self.uncommitted.push((draft, Place::root(id).child()));
-        self.touched.insert(id);
+        self.untold.spans.push((draft, Place::root(id).child()));
+        self.untold.touched.insert(id);
         if is_final(state) {
             life.attributes.push(KeyValue::new("vibrissa.setpoint_state", state.word()));
             life.attributes.extend(error.map(|error| KeyValue::new("error.type", error)));
             if !matches!(state, CommandState::Applied | CommandState::Superseded) {
                 life.status = Status::error(state.word());
             }
-            self.over.push(id);
+            self.untold.over.push(id);
         }
     }
 
-    /// What was stepped is committed, which took that long.
-    pub(crate) fn committed(&mut self, took: Duration) {
+    /// What was stepped so far is one transaction; what comes now is the next one's.
+    pub(crate) fn seal(&mut self) -> Untold {
+        std::mem::take(&mut self.untold)
+    }
+
+    /// What was sealed is committed, which took that long.
+    pub(crate) fn committed(&mut self, untold: &mut Untold, took: Duration) {
         let done = SystemTime::now();
-        for (draft, place) in self.uncommitted.drain(..) {
+        for (draft, place) in untold.spans.drain(..) {
             self.traces.tell(draft, place);
         }
-        for id in std::mem::take(&mut self.touched) {
+        for id in std::mem::take(&mut untold.touched) {
             if let Some(life) = self.open.get_mut(&id) {
                 life.is_committed = true;
             }
@@ -216,7 +225,7 @@ impl Lives {
                 .with("db.operation.name", "COMMIT");
             self.traces.tell(draft, Place::root(id).child());
         }
-        for id in std::mem::take(&mut self.over) {
+        for id in std::mem::take(&mut untold.over) {
             let Some(life) = self.open.remove(&id) else { continue };
             let mut root = Draft::new(life.name, SpanKind::Internal, (life.began, done));
             root.attributes = life.attributes;
@@ -227,13 +236,13 @@ impl Lives {
 
     /// A setpoint is among the publications.
     pub(crate) fn sending(&mut self, name: &Name, command: &Command) {
-        self.sending.push(command_uuid(&self.fleet, name, command.key));
+        self.untold.sending.push(command_uuid(&self.fleet, name, command.key));
     }
 
     /// The publications were given to the connection, or some of them could not be.
-    pub(crate) fn published(&mut self, all: bool) {
+    pub(crate) fn published(&mut self, untold: Untold, all: bool) {
         let now = SystemTime::now();
-        for id in std::mem::take(&mut self.sending) {
+        for id in untold.sending {
             let Some(life) = self.open.get(&id) else { continue };
             let draft = Draft::new("send setpoint", SpanKind::Producer, (now, now));
             let mut draft = story::messaging(draft, RobotTopic::Setpoint, &self.fleet, &life.robot, "publish");

@@ -25,7 +25,7 @@ use opentelemetry_sdk::trace::{BatchConfigBuilder, BatchSpanProcessor, SpanData,
 use prometheus::IntCounter;
 use tracing::warn;
 
-pub(crate) use life::Lives;
+pub(crate) use life::{Lives, Untold};
 pub(crate) use story::{Asked, Step, is_told};
 
 /// Spans that wait for the collector at the most; beyond it they are dropped.

@@ -65,6 +65,11 @@ fn step(lives: &mut Lives, effect: Effect) {
     lives.stepped(&Step { fleet: &fleet, name: &name, robot_id: 1, robot: &robot, now, event, effects });
 }
 
+fn commit(lives: &mut Lives) {
+    let mut untold = lives.seal();
+    lives.committed(&mut untold, Duration::ZERO);
+}
+
 #[test]
 fn nothing_is_told_that_is_not_committed() {
     let (traces, kept) = kept();
@@ -80,7 +85,7 @@ fn a_setpoint_that_is_given_away_has_no_root_yet() {
     let (traces, kept) = kept();
     let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
     step(&mut lives, command());
-    lives.committed(Duration::ZERO);
+    commit(&mut lives);
     lives.end(Ending::LeaseLost);
     assert_eq!(told(&traces, &kept), ["tick", "commit", "hand over"]);
 }
@@ -90,10 +95,10 @@ fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
     let (traces, kept) = kept();
     let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
     step(&mut lives, command());
-    lives.committed(Duration::ZERO);
+    commit(&mut lives);
     let state = CommandState::Expired;
     step(&mut lives, Effect::CommandState { command: KEY, state, rejection: None, pressure: None });
-    lives.committed(Duration::ZERO);
+    commit(&mut lives);
     lives.end(Ending::Stopped);
     assert_eq!(told(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);
     let spans = kept.0.lock().unwrap();

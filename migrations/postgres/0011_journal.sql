@@ -1,0 +1,21 @@
+-- What happened to a fleet's robots since their states were written last.
+
+-- One row for each transaction: what ordinary messages said, in the supervisor's own bytes. A robot's state is written some time
+-- after its first contact that it does not contain, or at once where something is decided; until then it is its row in `robots`
+-- and `whiskers`, given again what stands here. Rows that are in all states are deleted.
+CREATE TABLE journal (
+    fleet   TEXT   NOT NULL,
+    number  BIGINT NOT NULL,
+    entries BYTEA  NOT NULL,
+    PRIMARY KEY (fleet, number)
+);
+
+-- It does not compress, and it does not last: what was deleted is made room of soon.
+ALTER TABLE journal ALTER COLUMN entries SET STORAGE EXTERNAL;
+ALTER TABLE journal SET (
+    autovacuum_vacuum_scale_factor = 0, autovacuum_vacuum_threshold = 2000,
+    toast.autovacuum_vacuum_scale_factor = 0, toast.autovacuum_vacuum_threshold = 50000
+);
+
+-- The journal's rows up to this number are in the robot's state.
+ALTER TABLE robots ADD COLUMN journal_number BIGINT NOT NULL DEFAULT 0;

@@ -1,0 +1,179 @@
+//! The journal: what ordinary events said, in few bytes, written with the rows that came of them. A robot's state need not
+//! be written with each contact then: after a crash it is what was written last, given again what happened since.
+//!
+//! The same events give the same state (the core has no clock and no randomness), so nothing is stored but the events. Only
+//! those are kept here that lead to nothing but contact rows; where anything is decided, the state is written at once.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+use vibrissa_core::robot::event::{Contact, GaugeState, RegulatorState, WhiskerStatus};
+use vibrissa_core::robot::{Event, Robot};
+use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
+
+use super::shard::Known;
+
+/// Stands for an array that is not on the robot.
+const NO_ARRAY: u16 = u16::MAX;
+
+/// Entries of the transaction that is gathered for.
+#[derive(Debug, Default)]
+pub(super) struct Journal {
+    bytes: Vec<u8>,
+    contacts: usize,
+}
+
+/// What happened to one robot.
+#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Entry {
+    pub(super) robot_id: i64,
+    pub(super) now: Micros,
+    pub(super) told: Told,
+}
+
+/// What it was.
+#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) enum Told {
+    Tick,
+    Contacts { boot: i64, seq: u64, contacts: Vec<KeptContact> },
+    Status { boot: i64, robot_time: Micros, whiskers: Vec<KeptStatus> },
+}
+
+/// A contact.
+#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct KeptContact {
+    array: u16,
+    whisker: u16,
+    robot_time: Micros,
+    ratio: f64,
+    deflection_mm: f64,
+    strain: f64,
+    pressure_mpa: f64,
+}
+
+/// A line of a status.
+#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(super) struct KeptStatus {
+    array: u16,
+    whisker: u16,
+    pressure_mpa: f64,
+    setpoint_mpa: f64,
+    regulator: RegulatorState,
+    gauge: GaugeState,
+}
+
+impl Journal {
+    pub(super) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// Their size.
+    pub(super) fn bytes(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The entries, and how many contacts are in them.
+    pub(super) fn take(&mut self) -> (Vec<u8>, usize) {
+        let contacts = std::mem::take(&mut self.contacts);
+        let kept = Vec::with_capacity(self.bytes.len());
+        (std::mem::replace(&mut self.bytes, kept), contacts)
+    }
+
+    pub(super) fn tick(&mut self, known: &Known, now: Micros) {
+        self.write(&Entry { robot_id: known.robot_id, now, told: Told::Tick });
+    }
+
+    /// A contacts message; the contacts of one that was not taken do not matter.
+    pub(super) fn contacts(&mut self, known: &Known, now: Micros, event: &Event<'_>, is_taken: bool) {
+        let Event::Contacts { boot_id, seq, contacts } = event else { return };
+        let contacts = if is_taken { contacts } else { &[][..] };
+        self.contacts += contacts.len();
+        let kept = contacts.iter().map(|one| KeptContact::of(&known.robot, one)).collect();
+        let told = Told::Contacts { boot: known.boot(boot_id), seq: *seq, contacts: kept };
+        self.write(&Entry { robot_id: known.robot_id, now, told });
+    }
+
+    pub(super) fn status(&mut self, known: &Known, now: Micros, event: &Event<'_>) {
+        let Event::Status { boot_id, robot_time, whiskers } = event else { return };
+        let kept = whiskers.iter().map(|one| KeptStatus::of(&known.robot, one)).collect();
+        let told = Told::Status { boot: known.boot(boot_id), robot_time: *robot_time, whiskers: kept };
+        self.write(&Entry { robot_id: known.robot_id, now, told });
+    }
+
+    fn write(&mut self, entry: &Entry) {
+        // Writing into memory cannot fail.
+        let _ = entry.serialize(&mut self.bytes);
+    }
+}
+
+/// Reads the entries of one row.
+pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
+    std::iter::from_fn(move || {
+        if bytes.is_empty() {
+            return None;
+        }
+        let entry = Entry::deserialize(&mut bytes);
+        if entry.is_err() {
+            bytes = &[];
+        }
+        Some(entry)
+    })
+}
+
+fn array_index(robot: &Robot, name: &str) -> u16 {
+    robot.arrays().position(|array| array == name).map_or(NO_ARRAY, |index| index as u16)
+}
+
+fn array_name(arrays: &[String], index: u16) -> &str {
+    arrays.get(usize::from(index)).map_or("", String::as_str)
+}
+
+impl KeptContact {
+    fn of(robot: &Robot, contact: &Contact<'_>) -> Self {
+        Self {
+            array: array_index(robot, contact.array),
+            whisker: contact.whisker,
+            robot_time: contact.robot_time,
+            ratio: contact.ratio.a(),
+            deflection_mm: contact.deflection.mm(),
+            strain: contact.strain.ratio(),
+            pressure_mpa: contact.pressure.mpa(),
+        }
+    }
+
+    /// As it was, on a robot with these arrays; none if it is not in the core's ranges, which it was when it was written.
+    pub(super) fn contact<'a>(&self, arrays: &'a [String]) -> Option<Contact<'a>> {
+        Some(Contact {
+            array: array_name(arrays, self.array),
+            whisker: self.whisker,
+            robot_time: self.robot_time,
+            ratio: ContactRatio::new(self.ratio).ok()?,
+            deflection: Millimetre::new(self.deflection_mm).ok()?,
+            strain: Strain::new(self.strain).ok()?,
+            pressure: Megapascal::new(self.pressure_mpa).ok()?,
+        })
+    }
+}
+
+impl KeptStatus {
+    fn of(robot: &Robot, status: &WhiskerStatus<'_>) -> Self {
+        Self {
+            array: array_index(robot, status.array),
+            whisker: status.whisker,
+            pressure_mpa: status.pressure.mpa(),
+            setpoint_mpa: status.setpoint.mpa(),
+            regulator: status.regulator,
+            gauge: status.gauge,
+        }
+    }
+
+    /// As it was, on a robot with these arrays.
+    pub(super) fn status<'a>(&self, arrays: &'a [String]) -> Option<WhiskerStatus<'a>> {
+        Some(WhiskerStatus {
+            array: array_name(arrays, self.array),
+            whisker: self.whisker,
+            pressure: Megapascal::new(self.pressure_mpa).ok()?,
+            setpoint: Megapascal::new(self.setpoint_mpa).ok()?,
+            regulator: self.regulator,
+            gauge: self.gauge,
+        })
+    }
+}

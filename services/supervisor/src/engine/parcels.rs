@@ -1,0 +1,105 @@
+//! Messages on their way to the shards: what needs numbers from the database first is handled by itself, in its turn;
+//! everything else by all shards at the same time.
+
+use vibrissa_protocol::{RobotTopic, Topic};
+
+use super::committer::{LeaseLost, Outage};
+use super::intake::{Parcel, ROBOTS_MAX};
+use super::shard::{Shard, shard_of};
+use super::{Engine, Incoming};
+
+/// Parcels of one round that are worth several tasks.
+const WORTH_TASKS: usize = 128;
+
+impl Engine {
+    /// Steps messages, in the order of each robot's.
+    pub(super) async fn take_in(&mut self, messages: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
+        let mut parcels: Vec<Vec<Parcel>> = self.shards.iter().map(|_| Vec::new()).collect();
+        for incoming in messages.drain(..) {
+            self.handled = incoming.received;
+            let Some((shard, parcel)) = self.address(incoming) else { continue };
+            if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) {
+                self.handle_parcels(&mut parcels).await;
+                self.handle_until_numbered(shard, &parcel).await?;
+            } else {
+                parcels[shard].push(parcel);
+            }
+        }
+        self.handle_parcels(&mut parcels).await;
+        self.gathered();
+        Ok(())
+    }
+
+    /// Which shard a message is for; none if it is none of a robot of the fleet.
+    fn address(&self, incoming: Incoming) -> Option<(usize, Parcel)> {
+        let Ok(text) = std::str::from_utf8(&incoming.topic) else {
+            self.metrics.refuse("unknown_topic", "a topic that is not UTF-8", "");
+            return None;
+        };
+        let topic = match Topic::parse(text) {
+            Ok(topic) => topic,
+            Err(refusal) => {
+                self.metrics.refuse(refusal.label(), &refusal, text);
+                return None;
+            }
+        };
+        let Topic::Robot { fleet, robot, kind } = &topic else { return None };
+        if *fleet != self.fleet || !kind.is_from_robot() {
+            return None;
+        }
+        self.metrics.messages_received.count([kind.as_str()]);
+        let (robot, kind) = (robot.clone(), *kind);
+        let Incoming { payload, received, .. } = incoming;
+        Some((shard_of(&robot, self.shards.len()), Parcel { topic, robot, kind, payload, received }))
+    }
+
+    /// Gives each shard its parcels; each shard is one task's as long as it works.
+    async fn handle_parcels(&mut self, parcels: &mut [Vec<Parcel>]) {
+        let busy = parcels.iter().filter(|parcels| !parcels.is_empty()).count();
+        if busy <= 1 || parcels.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS {
+            for (shard, parcels) in self.shards.iter_mut().zip(parcels) {
+                shard.handle_all(parcels);
+            }
+            return;
+        }
+        let mut tasks = Vec::with_capacity(self.shards.len());
+        for (mut shard, parcels) in self.shards.drain(..).zip(parcels) {
+            let mut parcels = std::mem::take(parcels);
+            tasks.push(tokio::spawn(async move {
+                shard.handle_all(&mut parcels);
+                shard
+            }));
+        }
+        for task in tasks {
+            // It is never aborted: without a result it has panicked.
+            let shard: Shard = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
+            self.shards.push(shard);
+        }
+    }
+
+    /// Handles a message after which new robots, boots or whiskers have numbers from the database; one that is away is
+    /// waited for. Nothing is stepped before its numbers are there.
+    async fn handle_until_numbered(&mut self, shard: usize, parcel: &Parcel) -> Result<(), LeaseLost> {
+        let mut outage = Outage::default();
+        loop {
+            self.settle().await?;
+            let is_full = self.shards.iter().map(|shard| shard.robots.len()).sum::<usize>() >= ROBOTS_MAX;
+            let Some(committer) = &mut self.committer else { return Ok(()) };
+            let Err(problem) = self.shards[shard].handle_numbered(parcel, committer, is_full).await else {
+                if committer.end_of(&outage) {
+                    self.listen_anew();
+                }
+                return Ok(());
+            };
+            committer.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
+        }
+    }
+}
+
+impl Shard {
+    fn handle_all(&mut self, parcels: &mut Vec<Parcel>) {
+        for parcel in parcels.drain(..) {
+            self.handle(&parcel);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! A part of a fleet's robots: each has one owner, which moves it on. Shards share nothing, so that they work at the same
+//! time on as many cores as there are.
+
+use std::collections::BTreeMap;
+
+use tracing::error;
+use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::Name;
+
+use super::gathering::Gathering;
+use super::{publication, survey, wall_clock};
+use crate::store::StoredRobot;
+use crate::store::batch::Record;
+
+/// A robot with its numbers in the database.
+pub(super) struct Known {
+    pub(super) name: Name,
+    pub(super) robot_id: i64,
+    pub(super) robot: Robot,
+    pub(super) whisker_ids: Vec<i64>,
+    pub(super) boots: BTreeMap<String, i64>,
+    /// Next `seq` of each topic to this robot.
+    pub(super) seqs: publication::Seqs,
+    /// What was measured last of each compensation.
+    pub(super) stated: survey::Stated,
+    /// What of it is stored.
+    pub(super) stored: Stored,
+    /// Boots whose contacts are to be receipted.
+    pub(super) receipts_due: Vec<String>,
+}
+
+/// What of a robot is stored, or will be by the transaction that is gathered for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stored {
+    /// All of it, as its state.
+    State,
+    /// Its state as it was, and in the journal, from the entry of this number on, what happened since.
+    Journal(i64),
+    /// Its state will be written by the next transaction.
+    Next,
+}
+
+impl Known {
+    /// A robot that was never heard of.
+    pub(super) fn new(name: Name, robot_id: i64, robot: Robot) -> Self {
+        Self {
+            name,
+            robot_id,
+            robot,
+            whisker_ids: Vec::new(),
+            boots: BTreeMap::new(),
+            seqs: publication::Seqs::default(),
+            stated: survey::Stated::default(),
+            stored: Stored::State,
+            receipts_due: Vec::new(),
+        }
+    }
+
+    /// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew, without the
+    /// alarms that stood, and all of it is held if anything of it was.
+    pub(super) fn take_up(
+        name: Name,
+        stored: StoredRobot,
+        epoch: u64,
+        params: &Params,
+        gathering: &mut Gathering,
+    ) -> Self {
+        let restored =
+            stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch, wall_clock()));
+        let (robot, whisker_ids) = match restored {
+            Some(Ok(robot)) => (robot, stored.whisker_ids),
+            Some(Err(problem)) => {
+                error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
+                let now = wall_clock();
+                let record = Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 };
+                gathering.batch.records.push(record);
+                let mut robot = Robot::new(epoch, stored.numbers).taken_up();
+                if stored.held {
+                    let hold = OperatorAction::Hold(Scope::Robot);
+                    robot.step(params, now, &Event::Operator(&hold), &mut Vec::new());
+                }
+                (robot, Vec::new())
+            }
+            None => (Robot::new(epoch, stored.numbers), Vec::new()),
+        };
+        let stated = survey::Stated::of(&robot, params);
+        Self { whisker_ids, boots: stored.boots, stated, ..Self::new(name, stored.robot_id, robot) }
+    }
+
+    /// The number of a boot, 0 if it has none.
+    pub(super) fn boot(&self, boot_id: &str) -> i64 {
+        self.boots.get(boot_id).copied().unwrap_or_default()
+    }
+
+    pub(super) fn whisker_id(&self, index: usize) -> i64 {
+        self.whisker_ids.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// A part of a fleet's robots, and what came of them since the last transaction was closed.
+pub(super) struct Shard {
+    pub(super) robots: BTreeMap<Name, Known>,
+    pub(super) gathering: Gathering,
+}
+
+impl Shard {
+    /// Tells the core what time it is.
+    pub(super) fn tick(&mut self, now: Micros) {
+        for known in self.robots.values_mut() {
+            self.gathering.step(known, now, &Event::Tick, None);
+        }
+    }
+
+    /// No robot was silent while we were deaf.
+    pub(super) fn listen_from(&mut self, now: Micros) {
+        for known in self.robots.values_mut() {
+            known.robot.listen_from(now);
+            // What is read back and goes on from the journal must have heard of it, too.
+            self.gathering.store_next(known);
+        }
+    }
+}
+
+/// Which of so many shards a robot belongs to: always the same one.
+pub(super) fn shard_of(name: &Name, shards: usize) -> usize {
+    // FNV-1a, so that the answer is the same in each build.
+    let hash = name
+        .as_str()
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    // Its low bits follow the last letter, its high ones hardly do.
+    let mixed = (hash ^ (hash >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 33;
+    (mixed % shards.max(1) as u64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_are_spread_over_all_shards_and_stay_where_they_are() {
+        let mut counts = [0; 4];
+        for number in 0..1000 {
+            let name = Name::robot(&format!("robot-{number:04}")).unwrap();
+            let shard = shard_of(&name, counts.len());
+            assert_eq!(shard, shard_of(&name, counts.len()));
+            counts[shard] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
+    }
+}

@@ -1,0 +1,159 @@
+//! Taking up a fleet: every robot as its state was written last, given again what the journal says happened since.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use tracing::{error, info};
+use vibrissa_core::robot::event::{Contact, WhiskerStatus};
+use vibrissa_core::robot::{Event, Numbers, Robot};
+use vibrissa_protocol::Name;
+
+use super::gathering::{Gathering, is_ordinary};
+use super::journal::{Entry, Told, read};
+use super::shard::{Known, Shard, shard_of};
+use crate::store::StoredRobot;
+use crate::store::{Lease, StoreError, Writer};
+
+/// Rows of the journal that are read at a time.
+const ROWS_AT_A_TIME: i64 = 256;
+
+/// What going through the journal needs to know of a robot.
+struct Follower {
+    name: Name,
+    shard: usize,
+    /// Entries up to this number are in its state.
+    journal_number: i64,
+    arrays: Vec<String>,
+    boots: BTreeMap<i64, String>,
+    has_gone_on: bool,
+}
+
+/// The robots of a fleet, each in its shard, and the number of the last entry of its journal.
+pub(super) async fn take_up(writer: &mut Writer, lease: &Lease, shards: &mut [Shard]) -> Result<i64, StoreError> {
+    let (mut journey, mut last) = (Journey::default(), 0);
+    for stored in writer.robots(lease).await? {
+        last = last.max(stored.journal_number);
+        if let Ok(name) = Name::robot(&stored.robot) {
+            journey.place(stored, name, lease.epoch(), shards);
+        }
+    }
+    let (begun, mut entries) = (Instant::now(), 0);
+    let mut after = -1;
+    loop {
+        let rows = writer.journal(lease, after, ROWS_AT_A_TIME).await?;
+        let Some((newest, _)) = rows.last() else { break };
+        after = *newest;
+        last = last.max(after);
+        for (number, bytes) in &rows {
+            entries += journey.go_through(*number, bytes, shards);
+        }
+    }
+    journey.arrive(shards);
+    if entries > 0 {
+        let seconds = begun.elapsed().as_secs_f64();
+        info!(fleet = %lease.fleet(), entries, seconds, "went through the journal");
+    }
+    Ok(last)
+}
+
+/// From the states that are stored to the last commit.
+#[derive(Default)]
+pub(super) struct Journey {
+    followers: BTreeMap<i64, Follower>,
+}
+
+impl Journey {
+    /// Puts a robot into its shard; whoever has whiskers can be given what is in the journal.
+    pub(super) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
+        let at = shard_of(&name, shards.len());
+        let shard = &mut shards[at];
+        let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
+        let params = shard.gathering.params.clone();
+        let known = Known::take_up(name.clone(), stored, epoch, &params, &mut shard.gathering);
+        if !known.whisker_ids.is_empty() {
+            let follower = Follower {
+                name: name.clone(),
+                shard: at,
+                journal_number,
+                arrays: known.robot.arrays().map(str::to_owned).collect(),
+                boots: known.boots.iter().map(|(boot_id, &boot)| (boot, boot_id.clone())).collect(),
+                has_gone_on: false,
+            };
+            self.followers.insert(robot_id, follower);
+        }
+        shard.robots.insert(name, known);
+    }
+
+    /// Gives the robots what one row says; says how many entries were for them.
+    pub(super) fn go_through(&mut self, number: i64, bytes: &[u8], shards: &mut [Shard]) -> usize {
+        let mut count = 0;
+        for entry in read(bytes) {
+            let entry = match entry {
+                Ok(entry) => entry,
+                Err(problem) => {
+                    error!(number, %problem, "the journal cannot be read: what follows in its row is lost");
+                    break;
+                }
+            };
+            let follower = self.followers.get_mut(&entry.robot_id);
+            let Some(follower) = follower.filter(|one| one.journal_number < number) else { continue };
+            count += 1;
+            follower.go_on(&entry, &mut shards[follower.shard]);
+        }
+        count
+    }
+
+    /// All are as they were at the last commit: they are taken up from here, and their states written.
+    fn arrive(&self, shards: &mut [Shard]) {
+        for follower in self.followers.values().filter(|follower| follower.has_gone_on) {
+            follower.with_robot(&mut shards[follower.shard], Robot::caught_up);
+            let Shard { robots, gathering } = &mut shards[follower.shard];
+            if let Some(known) = robots.get_mut(&follower.name) {
+                gathering.store_next(known);
+            }
+        }
+    }
+}
+
+impl Follower {
+    fn with_robot(&self, shard: &mut Shard, change: impl FnOnce(Robot) -> Robot) {
+        if let Some(known) = shard.robots.get_mut(&self.name) {
+            let robot = std::mem::replace(&mut known.robot, Robot::new(0, Numbers::default()));
+            known.robot = change(robot);
+        }
+    }
+
+    fn go_on(&mut self, entry: &Entry, shard: &mut Shard) {
+        if !std::mem::replace(&mut self.has_gone_on, true) {
+            self.with_robot(shard, Robot::going_on);
+        }
+        let Some(known) = shard.robots.get_mut(&self.name) else { return };
+        let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
+        match &entry.told {
+            Told::Tick => shard.gathering.go_again(known, entry, &Event::Tick),
+            Told::Contacts { boot, seq, contacts } => {
+                let contacts: Vec<Contact<'_>> = contacts.iter().filter_map(|one| one.contact(&self.arrays)).collect();
+                let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts };
+                shard.gathering.go_again(known, entry, &event);
+            }
+            Told::Status { boot, robot_time, whiskers } => {
+                let whiskers: Vec<WhiskerStatus<'_>> =
+                    whiskers.iter().filter_map(|one| one.status(&self.arrays)).collect();
+                let event = Event::Status { boot_id: boot_of(boot), robot_time: *robot_time, whiskers: &whiskers };
+                shard.gathering.go_again(known, entry, &event);
+            }
+        }
+    }
+}
+
+impl Gathering {
+    /// An event that the robot was given before. Its rows are there; should something else come of it, because the
+    /// parameters are others now, then that is new.
+    fn go_again(&mut self, known: &mut Known, entry: &Entry, event: &Event<'_>) {
+        let mut effects = Vec::new();
+        known.robot.step(&self.params, entry.now, event, &mut effects);
+        for effect in effects.into_iter().filter(|effect| !is_ordinary(effect)) {
+            self.record(known, entry.now, effect, None);
+        }
+    }
+}

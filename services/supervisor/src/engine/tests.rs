@@ -1,0 +1,259 @@
+//! The states and the journal together are the robots as they were at the last commit, wherever a crash comes.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use vibrissa_core::mechanics::{Formulation, Model};
+use vibrissa_core::robot::event::{
+    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
+};
+use vibrissa_core::robot::{Event, Numbers, Params, Robot};
+use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
+use vibrissa_protocol::{BootId, Name};
+
+use super::gathering::{Gathering, Sealed};
+use super::shard::{Known, Shard};
+use super::snapshot::Pace;
+use super::take_up::Journey;
+use crate::metrics::Metrics;
+use crate::store::StoredRobot;
+
+const WHISKERS: u16 = 6;
+const PRESSURE_MPA: f64 = 0.1;
+const WHOLE_MM: f64 = 70.0;
+
+/// Numbers without a pattern, the same each time.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 ^ (self.0 >> 29)) >> 11) as f64 % 1e6 / 1e6
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.unit() * end as f64) as usize
+    }
+
+    /// Nearly normal.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+}
+
+/// What the tables have.
+#[derive(Default)]
+struct Tables {
+    robots: BTreeMap<i64, (i64, Vec<u8>)>,
+    whiskers: BTreeMap<i64, Vec<u8>>,
+    journal: BTreeMap<i64, Vec<u8>>,
+}
+
+impl Tables {
+    fn write(&mut self, sealed: Sealed) {
+        for robot in sealed.batch.robots {
+            self.robots.insert(robot.robot_id, (robot.journal_number, robot.state));
+        }
+        for whisker in sealed.batch.whiskers {
+            self.whiskers.insert(whisker.whisker_id, whisker.state);
+        }
+        self.journal.extend(sealed.batch.journal.map(|row| (row.number, row.entries)));
+        if let Some(done) = sealed.batch.journal_done {
+            self.journal.retain(|&number, _| number > done);
+        }
+    }
+
+    fn stored(&self, robot_id: i64) -> StoredRobot {
+        let (journal_number, state) = self.robots[&robot_id].clone();
+        StoredRobot {
+            robot_id,
+            robot: format!("r{robot_id}"),
+            state: Some(state),
+            whisker_ids: whisker_ids(robot_id),
+            whisker_states: whisker_ids(robot_id).iter().map(|id| self.whiskers[id].clone()).collect(),
+            boots: BTreeMap::from([("b".to_owned(), robot_id)]),
+            journal_number,
+            held: false,
+            numbers: Numbers::default(),
+        }
+    }
+}
+
+fn whisker_ids(robot_id: i64) -> Vec<i64> {
+    (0..i64::from(WHISKERS)).map(|index| 100 * robot_id + index).collect()
+}
+
+fn factsheet() -> Factsheet {
+    let sheet = |number: u16| WhiskerSheet {
+        number,
+        x_mm: 25.0 * f64::from(number),
+        y_mm: 0.0,
+        model: "nguyen-2021".to_owned(),
+        length: Millimetre::known(WHOLE_MM),
+        pressure: Megapascal::known(PRESSURE_MPA),
+        pressure_max: Megapascal::known(0.2),
+        neighbours: [number.checked_sub(1), Some(number + 1).filter(|&right| right < WHISKERS)]
+            .into_iter()
+            .flatten()
+            .collect(),
+    };
+    let whiskers = (0..WHISKERS).map(sheet).collect();
+    Factsheet { arrays: vec![ArraySheet { name: "a".to_owned(), kind: ArrayKind::Type1, whiskers }] }
+}
+
+fn shard(robots: i64) -> Shard {
+    let params = Arc::new(Params::nguyen_2021(Formulation::default()));
+    let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
+    let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
+    let mut shard = Shard { robots: BTreeMap::new(), gathering: Gathering::new(fleet, boot, params, metrics) };
+    for robot_id in 1..=robots {
+        let name = Name::robot(&format!("r{robot_id}")).unwrap();
+        let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()));
+        known.whisker_ids = whisker_ids(robot_id);
+        known.boots = BTreeMap::from([("b".to_owned(), robot_id)]);
+        let birth = Event::Connection { boot_id: "b", link: Link::Online };
+        shard.gathering.step(&mut known, Micros(1), &birth, None);
+        shard.gathering.step(&mut known, Micros(1), &Event::Factsheet { boot_id: "b", factsheet: &factsheet() }, None);
+        shard.robots.insert(name, known);
+    }
+    shard
+}
+
+/// Robots that feel, tell and are told the time, some of whose whiskers get cut.
+struct World {
+    random: Random,
+    model: Model,
+    lengths_mm: BTreeMap<(i64, u16), f64>,
+    seqs: BTreeMap<i64, u64>,
+    now: Micros,
+}
+
+impl World {
+    fn happen(&mut self, shard: &mut Shard) {
+        self.now = Micros(self.now.0 + 20_000);
+        let robot_id = 1 + self.random.below(shard.robots.len()) as i64;
+        match self.random.below(40) {
+            0 => shard.tick(self.now),
+            1..=3 => self.status(shard, robot_id),
+            4 if self.now.0 > 40_000_000 => {
+                let whisker = self.random.below(usize::from(WHISKERS)) as u16;
+                let cut_mm = 10.0 * self.random.unit();
+                let length_mm = self.lengths_mm.entry((robot_id, whisker)).or_insert(WHOLE_MM);
+                *length_mm = (*length_mm - cut_mm).max(50.0);
+            }
+            _ => self.contacts(shard, robot_id),
+        }
+    }
+
+    fn contacts(&mut self, shard: &mut Shard, robot_id: i64) {
+        let known = shard.robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
+        let pressure = known.robot.whisker(0).map_or(PRESSURE_MPA, |view| view.setpoint.mpa());
+        let contacts: Vec<Contact<'_>> =
+            (0..1 + self.random.below(3)).map(|_| self.contact(robot_id, pressure)).collect();
+        let seq = self.seqs.entry(robot_id).or_default();
+        // Some are lost and come later, or twice.
+        let told = match self.random.below(30) {
+            0 => *seq + 1,
+            1 => seq.saturating_sub(1),
+            _ => *seq,
+        };
+        *seq = (*seq).max(told + 1);
+        let event = Event::Contacts { boot_id: "b", seq: told, contacts: &contacts };
+        shard.gathering.step(known, self.now, &event, None);
+    }
+
+    fn contact(&mut self, robot_id: i64, pressure_mpa: f64) -> Contact<'static> {
+        let whisker = self.random.below(usize::from(WHISKERS)) as u16;
+        let length = Millimetre::known(self.lengths_mm.get(&(robot_id, whisker)).copied().unwrap_or(WHOLE_MM));
+        let (ratio, deflection_mm) = (ContactRatio::known(0.6 + 0.3 * self.random.unit()), 3.0 + self.random.unit());
+        let pressure = Megapascal::known(pressure_mpa);
+        let morphology = self.model.morphology(pressure);
+        let per_mm = self.model.sensitivity_per_mm(ratio, length, &morphology).unwrap();
+        let strain = per_mm * deflection_mm * (0.03 * self.random.normal()).exp();
+        Contact {
+            array: "a",
+            whisker,
+            robot_time: self.now,
+            ratio,
+            deflection: Millimetre::known(deflection_mm),
+            strain: Strain::known(strain),
+            pressure,
+        }
+    }
+
+    fn status(&mut self, shard: &mut Shard, robot_id: i64) {
+        let known = shard.robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
+        let line = |index: usize| {
+            let setpoint = known.robot.whisker(index)?.setpoint;
+            let (regulator, gauge) = (RegulatorState::Ok, GaugeState::Ok);
+            Some(WhiskerStatus { array: "a", whisker: index as u16, pressure: setpoint, setpoint, regulator, gauge })
+        };
+        let whiskers: Vec<WhiskerStatus<'_>> = (0..usize::from(WHISKERS)).filter_map(line).collect();
+        let event = Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers };
+        shard.gathering.step(known, self.now, &event, None);
+    }
+}
+
+/// Closes what was gathered as the engine does.
+fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
+    let number = shard.gathering.number;
+    pace.go_on(now, 0);
+    shard.snapshot(now, pace);
+    let (mut sealed, mut entries) = (Sealed::default(), Vec::new());
+    shard.gathering.seal_into(&mut sealed, &mut entries);
+    sealed.batch.journal = Some(crate::store::batch::JournalRow { number, entries });
+    let oldest = shard.oldest_waiting().map_or(number + 1, |(number, _)| number);
+    sealed.batch.journal_done = Some(oldest - 1);
+    shard.gathering.number += 1;
+    sealed
+}
+
+fn bytes(known: &Known) -> (Option<Vec<u8>>, Vec<Option<Vec<u8>>>) {
+    let whiskers = (0..known.robot.whisker_count()).map(|index| known.robot.whisker_to_bytes(index)).collect();
+    (known.robot.to_bytes(), whiskers)
+}
+
+fn crash(tables: &Tables, live: &Shard) -> usize {
+    let mut shards = [shard(0)];
+    let mut journey = Journey::default();
+    for known in live.robots.values() {
+        journey.place(tables.stored(known.robot_id), known.name.clone(), 7, &mut shards);
+    }
+    let mut entries = 0;
+    for (&number, row) in &tables.journal {
+        entries += journey.go_through(number, row, &mut shards);
+    }
+    for (name, known) in &live.robots {
+        assert_eq!(bytes(&shards[0].robots[name]), bytes(known), "{name}");
+    }
+    entries
+}
+
+#[test]
+fn property_states_and_journal_are_the_robots_at_each_commit() {
+    for seed in 1..=6 {
+        let mut shard = shard(3);
+        let mut world = World {
+            random: Random(seed),
+            model: Model::nguyen_2021(Formulation::default()),
+            lengths_mm: BTreeMap::new(),
+            seqs: BTreeMap::new(),
+            now: Micros(1_000_000),
+        };
+        let (mut tables, mut pace) = (Tables::default(), Pace::new(world.now));
+        let (mut gone_through, mut decided) = (0, 0);
+        for round in 0..1500 {
+            for _ in 0..world.random.below(8) {
+                world.happen(&mut shard);
+            }
+            let sealed = seal(&mut shard, world.now, &mut pace);
+            decided += sealed.batch.records.len();
+            tables.write(sealed);
+            if round % 50 == 49 {
+                gone_through += crash(&tables, &shard);
+            }
+        }
+        assert!(gone_through > 300, "the journal was used: {gone_through}");
+        assert!(decided > 10, "and things were decided: {decided}");
+    }
+}
