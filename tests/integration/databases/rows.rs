@@ -79,6 +79,7 @@ pub(crate) fn states(numbered: &Numbered) -> Batch {
             connection: "ONLINE",
             held: true,
             updated_us: 1_795_248_000_000_000,
+            journal_number: 0,
             state: numbered.robot.to_bytes().unwrap(),
         }],
         whiskers: vec![whisker(0), whisker(1)],

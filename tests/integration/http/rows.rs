@@ -96,6 +96,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
             boot_id: Some("b1".to_owned()),
             connection: if name == "r1" { "ONLINE" } else { "OFFLINE" },
             updated_us: START_US,
+            journal_number: 0,
             held: false,
             state: robot.to_bytes().unwrap(),
         }],
