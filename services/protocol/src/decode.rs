@@ -1,5 +1,7 @@
 //! From bytes to a checked message or a labelled refusal, and back.
 
+mod plain;
+
 use std::fmt;
 
 use serde::de::{DeserializeOwned, DeserializeSeed, Error as _, IgnoredAny, MapAccess, Visitor};
@@ -8,8 +10,8 @@ use serde_json::error::Category;
 
 use crate::messages::Checked;
 use crate::{
-    BootId, Connection, Contacts, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal, Request, RobotTopic,
-    Setpoint, SetpointState, Status, SupervisorState, Topic,
+    BootId, Connection, Contact, Contacts, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal, Request,
+    RobotTopic, Setpoint, SetpointState, Status, SupervisorState, Topic,
 };
 
 /// A message that keeps the contract.
@@ -41,15 +43,13 @@ pub enum Message {
 /// # Errors
 /// Why the message is not taken. It changes nothing; [`envelope`] can still say which one it was.
 pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
-    if payload.len() > PAYLOAD_MAX_BYTES {
-        return Err(Refusal::TooLarge { bytes: payload.len(), most: PAYLOAD_MAX_BYTES });
-    }
+    limited(payload)?;
     match topic {
         Topic::SupervisorState { .. } => read(payload).map(Message::SupervisorState),
         Topic::Robot { kind, .. } => match kind {
             RobotTopic::Connection => read(payload).map(Message::Connection),
             RobotTopic::Factsheet => read(payload).map(Message::Factsheet),
-            RobotTopic::Contacts => read(payload).map(Message::Contacts),
+            RobotTopic::Contacts => decode_contacts(payload, Vec::new()).map(Message::Contacts),
             RobotTopic::Status => read(payload).map(Message::Status),
             RobotTopic::Receipt => read(payload).map(Message::Receipt),
             RobotTopic::Setpoint => read(payload).map(Message::Setpoint),
@@ -57,6 +57,26 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
             RobotTopic::Request => read(payload).map(Message::Request),
         },
     }
+}
+
+/// Reads and checks the payload of a `contacts` message as [`decode`] does. The list of a message that is done with can
+/// be used again: what is in `list` is overwritten, and nothing is allocated while it is long enough.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_contacts(payload: &[u8], mut list: Vec<Contact>) -> Result<Contacts, Refusal> {
+    limited(payload)?;
+    let plain = std::str::from_utf8(payload).ok().and_then(|text| plain::contacts(text, &mut list));
+    let Some(message) = plain else { return read(payload) };
+    message.check()?;
+    Ok(message)
+}
+
+fn limited(payload: &[u8]) -> Result<(), Refusal> {
+    if payload.len() <= PAYLOAD_MAX_BYTES {
+        return Ok(());
+    }
+    Err(Refusal::TooLarge { bytes: payload.len(), most: PAYLOAD_MAX_BYTES })
 }
 
 /// Writes a message as JSON.

@@ -19,7 +19,7 @@ pub mod timestamp;
 pub mod topic;
 pub mod words;
 
-pub use decode::{Envelope, Message, decode, encode, envelope};
+pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
 pub use messages::{
     ArrayFacts, Connection, Contact, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status,
     SupervisorState, WhiskerFacts, WhiskerStatus,

@@ -2,11 +2,11 @@
 
 use std::fmt;
 use std::str::FromStr;
-use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error as _, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use smol_str::SmolStr;
 
 use crate::check::{self, TEXT_MAX_CHARS};
 use crate::schema;
@@ -33,12 +33,13 @@ fn excerpt(text: &str) -> String {
     text.chars().take(80).collect()
 }
 
-/// Defines a checked, shared string with serde, ordering and display; clones share the text.
+/// Defines a checked string with serde, ordering and display. Up to 23 bytes lie in place, so that reading one
+/// allocates nothing; clones share a longer text.
 macro_rules! text {
     ($(#[$doc:meta])* $name:ident, $expecting:literal, $check:expr, $schema:expr, $error:expr) => {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub struct $name(Arc<str>);
+        pub struct $name(SmolStr);
 
         impl $name {
             /// Checks the text once.
@@ -47,7 +48,7 @@ macro_rules! text {
             /// The text is not what the type's description says.
             pub fn new(text: &str) -> Result<Self, BadName> {
                 let check: fn(&str) -> bool = $check;
-                if check(text) { Ok(Self(text.into())) } else { Err($error(excerpt(text))) }
+                if check(text) { Ok(Self(SmolStr::new(text))) } else { Err($error(excerpt(text))) }
             }
 
             /// The text itself.

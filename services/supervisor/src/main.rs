@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::Parser;
+use vibrissa::cli::stop::{EXIT_CODE, Stopped};
 use vibrissa::cli::{self, Cli};
 
 fn main() -> ExitCode {
@@ -11,6 +12,10 @@ fn main() -> ExitCode {
         Ok(code) => code,
         // Whoever reads has seen enough, as in `vibrissa paper | head`.
         Err(problem) if is_broken_pipe(&problem) => ExitCode::SUCCESS,
+        Err(problem) if problem.is::<Stopped>() => {
+            eprintln!("vibrissa: {problem}");
+            ExitCode::from(EXIT_CODE)
+        }
         Err(problem) => {
             eprintln!("vibrissa: {}", told_once(&problem));
             ExitCode::FAILURE

@@ -1,4 +1,5 @@
-//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere.
+//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere;
+//! and the commands around them.
 
 mod brute_force;
 mod cli;
@@ -6,6 +7,7 @@ mod fit;
 mod golden;
 mod paper;
 mod properties;
+mod stopping;
 
 use vibrissa_core::mechanics::{Compensator, Target};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};

@@ -191,3 +191,21 @@ fn a_number_keeps_its_last_digit() {
     let message = decode(&topic("contacts"), text.as_bytes()).unwrap();
     assert_eq!(String::from_utf8(encode(&message)).unwrap(), text);
 }
+
+#[test]
+fn fields_may_come_in_any_order_and_names_with_escapes() {
+    let golden = decode(&topic("contacts"), CONTACTS.as_bytes());
+    let text = CONTACTS
+        .replace(r#""boot_id":"b7","seq":1812,"#, "")
+        .replace("}]}", r#"}],"seq":1812,"boot_id":"\u0062\u0037"}"#);
+    assert_eq!(decode(&topic("contacts"), text.as_bytes()), golden);
+    let text = CONTACTS.replace(r#""whisker":0,"#, "").replace("}]}", r#","whisker":0}]}"#);
+    assert_eq!(decode(&topic("contacts"), text.as_bytes()), golden);
+}
+
+#[test]
+fn a_list_of_contacts_is_used_again() {
+    let first = decode_contacts(CONTACTS.as_bytes(), Vec::new()).unwrap();
+    assert_eq!(decode_contacts(CONTACTS.as_bytes(), first.contacts.clone()), Ok(first));
+    assert_eq!(decode_contacts(b"{", Vec::new()).unwrap_err(), refused("contacts", "{"));
+}

@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::config::DatabaseArgs;
 use super::serve::runtime;
+use super::stop::{self, Stopped};
 use crate::store::{DatabaseAddress, backup};
 
 /// Arguments of `vibrissa backup`.
@@ -34,7 +35,15 @@ pub fn run(args: &BackupArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let told = |written: u64, most: u64| {
         eprintln!("vibrissa: {} of at most {} written", mebibytes(written), mebibytes(most));
     };
-    let bytes = runtime()?.block_on(backup::copy(from, &args.file, told))?;
+    let bytes = runtime()?.block_on(async {
+        tokio::select! {
+            copied = backup::copy(from, &args.file, told) => Ok(copied?),
+            asked = stop::asked() => {
+                asked?;
+                Err(anyhow::Error::from(Stopped("there is no copy, and nothing of it is left")))
+            }
+        }
+    })?;
     writeln!(out, "{}: {} copied from {address} and checked", args.file.display(), mebibytes(bytes))?;
     Ok(())
 }

@@ -13,6 +13,7 @@ pub mod record;
 pub mod replay;
 pub mod serve;
 pub mod solve;
+pub mod stop;
 pub mod table;
 pub mod token;
 pub mod whiskers;

@@ -13,6 +13,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use super::config::ConfigArgs;
+use super::stop::{self, Stopped};
 use crate::config::{Key, policy_over};
 use crate::replay::{Comparison, Lines, Recorded, Replayer, told};
 
@@ -36,6 +37,8 @@ pub struct ReplayArgs {
     config: ConfigArgs,
 }
 
+/// What there is of a replay that was stopped.
+const STOPPED: &str = "what is printed was replayed, the rest was not";
 /// Lines that are told one by one; the rest are counted.
 const TOLD_MAX: u64 = 20;
 
@@ -50,21 +53,25 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
         args.config.is_given(Key::Fleets).then(|| config.fleets.iter().cloned().collect());
     let other = args.policy.as_deref().map(|path| with_policy(&params, path)).transpose()?;
     let mut out = BufWriter::new(out);
+    stop::watch(STOPPED)?;
     let mut input = Input::open(&args.file)?;
-    match other {
+    let replayed = match other {
         None => {
             let mut replayer = Replayer::new(params, fleets);
-            input.each(|recorded| replayer.take(recorded, &mut |happened| told::write(happened, &mut out)))?;
+            input.each(|recorded| replayer.take(recorded, &mut |happened| told::write(happened, &mut out)))
         }
         Some((name, other)) => {
             let sides = [("this".to_owned(), params), (name, other)];
             let mut comparison = Comparison::new(sides, fleets.as_ref());
-            input.each(|recorded| comparison.take(recorded, &mut out))?;
-            comparison.summary(&mut out)?;
+            let compared = input.each(|recorded| comparison.take(recorded, &mut out));
+            compared.and_then(|()| Ok(comparison.summary(&mut out)?))
         }
-    }
+    };
+    // What was replayed is told to the end of its line, whatever came then.
     // Not with a context: whoever closes the pipe has seen enough.
-    Ok(out.flush()?)
+    let flushed = out.flush();
+    replayed?;
+    Ok(flushed?)
 }
 
 /// The parameters with another policy, and what to call it.
@@ -102,6 +109,10 @@ impl Input {
     fn each(&mut self, mut take: impl FnMut(&Recorded) -> io::Result<()>) -> anyhow::Result<()> {
         let (mut messages, mut bad) = (0_u64, 0_u64);
         loop {
+            if stop::is_asked() {
+                self.bar.finish_and_clear();
+                bail!(Stopped(STOPPED));
+            }
             let line = self.lines.next_line();
             let Some(line) = line.with_context(|| format!("{} cannot be read any further", self.name))? else { break };
             match line {

@@ -1,11 +1,14 @@
 //! What was received and is not handled yet: bounded in messages and bytes, whatever robots send.
+//!
+//! Messages that came together are handed over together: one lock, one wake-up and one allocation for all of them.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
-use tokio::sync::mpsc;
+use tokio::sync::Notify;
 use tracing::warn;
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
 use crate::engine::{Incoming, wall_clock};
@@ -15,6 +18,11 @@ use crate::metrics::FleetMetrics;
 const INBOX_FULL: &str = "inbox_full";
 /// What a message takes beside its topic and payload, generously.
 const MESSAGE_BYTES: usize = 256;
+/// Messages that came together share an allocation of this many bytes, unless one alone is larger: no message keeps
+/// more than this of others alive.
+const SHARED_BYTES: usize = 64 * 1024;
+/// Places for messages that are kept while the inbox is empty.
+const KEPT_PLACES: usize = 8192;
 
 /// How much may wait. Over the bounds nothing is taken; contacts leave the reserves to everything else.
 #[derive(Debug, Clone, Copy)]
@@ -25,15 +33,62 @@ struct Bounds {
     bytes_reserved: usize,
 }
 
+/// A burst of 100,000 messages a second is through a commit of half a second before anything is shed.
 const BOUNDS: Bounds =
-    Bounds { messages: 20_000, messages_reserved: 2_000, bytes: 64 * 1024 * 1024, bytes_reserved: 8 * 1024 * 1024 };
+    Bounds { messages: 100_000, messages_reserved: 10_000, bytes: 64 * 1024 * 1024, bytes_reserved: 8 * 1024 * 1024 };
+
+/// What both ends see.
+#[derive(Debug, Default)]
+struct Shared {
+    waiting: Mutex<Waiting>,
+    /// Rings when something came, or when no more can come.
+    arrived: Notify,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    messages: VecDeque<Incoming>,
+    bytes: usize,
+    /// No more can come.
+    ended: bool,
+    /// Nobody takes anything any more.
+    abandoned: bool,
+}
+
+impl Shared {
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn filling(&self) -> Filling {
+        let waiting = self.waiting();
+        Filling { messages: waiting.messages.len(), bytes: waiting.bytes }
+    }
+}
+
+impl Waiting {
+    /// Gives up to `most` messages, and how many; none if nothing waits, but more can come.
+    fn give(&mut self, most: usize, to: &mut impl FnMut(Incoming)) -> Option<usize> {
+        let count = most.min(self.messages.len());
+        if count == 0 && !self.ended {
+            return None;
+        }
+        for message in self.messages.drain(..count) {
+            self.bytes -= weight(&message.topic, &message.payload);
+            to(message);
+        }
+        if self.messages.is_empty() {
+            self.messages.shrink_to(KEPT_PLACES);
+        }
+        Some(count)
+    }
+}
 
 /// What was received and is not handled yet, bounded in messages and bytes.
 #[derive(Debug)]
 pub struct Inbox {
-    messages: mpsc::Receiver<Incoming>,
-    bytes: Arc<AtomicUsize>,
-    bytes_max: usize,
+    shared: Arc<Shared>,
+    bounds: Bounds,
 }
 
 /// How full an inbox is.
@@ -46,11 +101,28 @@ pub struct Filling {
 }
 
 impl Inbox {
-    /// The next message; none when no more can come.
+    /// The next message; none when no more can come. Nothing is lost if it is not waited for to the end.
     pub async fn recv(&mut self) -> Option<Incoming> {
-        let incoming = self.messages.recv().await?;
-        self.bytes.fetch_sub(weight(&incoming.topic, &incoming.payload), Ordering::Relaxed);
-        Some(incoming)
+        let mut next = None;
+        self.take(1, |message| next = Some(message)).await;
+        next
+    }
+
+    /// Waits for at least one message, and gives up to `most` (at least 1) of those that are there, in order. 0 when no more can
+    /// come. Nothing is lost if it is not waited for to the end.
+    pub async fn recv_many(&mut self, into: &mut Vec<Incoming>, most: usize) -> usize {
+        self.take(most.max(1), |message| into.push(message)).await
+    }
+
+    async fn take(&mut self, most: usize, mut to: impl FnMut(Incoming)) -> usize {
+        loop {
+            // Asked for before the look, so that what comes between the two is not slept through.
+            let arrived = self.shared.arrived.notified();
+            if let Some(count) = self.shared.waiting().give(most, &mut to) {
+                return count;
+            }
+            arrived.await;
+        }
     }
 
     /// Takes the next messages, at most so many; waits for one. 0 when no more can come.
@@ -65,29 +137,43 @@ impl Inbox {
     /// Whether nothing waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.messages.is_empty()
+        self.shared.waiting().messages.is_empty()
     }
 
     /// How much waits.
     #[must_use]
     pub fn filling(&self) -> Filling {
-        Filling { messages: self.messages.len(), bytes: self.bytes.load(Ordering::Relaxed) }
+        self.shared.filling()
     }
 
     /// How much may wait.
     #[must_use]
     pub fn capacity(&self) -> Filling {
-        Filling { messages: self.messages.max_capacity(), bytes: self.bytes_max }
+        Filling { messages: self.bounds.messages, bytes: self.bounds.bytes }
+    }
+}
+
+impl Drop for Inbox {
+    fn drop(&mut self) {
+        let mut waiting = self.shared.waiting();
+        waiting.abandoned = true;
+        waiting.messages = VecDeque::new();
+        waiting.bytes = 0;
     }
 }
 
 /// The end that fills an inbox.
 #[derive(Debug)]
 pub(super) struct Intake {
-    sender: mpsc::Sender<Incoming>,
-    bytes: Arc<AtomicUsize>,
+    shared: Arc<Shared>,
     bounds: Bounds,
     metrics: FleetMetrics,
+    /// Taken in since the last hand-over, as they were received.
+    together: Vec<(Bytes, Bytes)>,
+    /// How much may come beside that: what the inbox had room for when the first of them came.
+    room: Filling,
+    /// When that was.
+    received: Micros,
     /// Something has been left out since there was room last; said once.
     shedding: bool,
     /// Something was left out that the broker retains.
@@ -100,10 +186,18 @@ pub(super) fn inbox(metrics: FleetMetrics) -> (Intake, Inbox) {
 }
 
 fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
-    let (sender, messages) = mpsc::channel(bounds.messages);
-    let bytes = Arc::new(AtomicUsize::new(0));
-    let intake = Intake { sender, bytes: bytes.clone(), bounds, metrics, shedding: false, missed: false };
-    (intake, Inbox { messages, bytes, bytes_max: bounds.bytes })
+    let shared = Arc::new(Shared::default());
+    let intake = Intake {
+        shared: shared.clone(),
+        bounds,
+        metrics,
+        together: Vec::new(),
+        room: Filling { messages: 0, bytes: 0 },
+        received: Micros::default(),
+        shedding: false,
+        missed: false,
+    };
+    (intake, Inbox { shared, bounds })
 }
 
 fn weight(topic: &[u8], payload: &[u8]) -> usize {
@@ -113,27 +207,59 @@ fn weight(topic: &[u8], payload: &[u8]) -> usize {
 impl Intake {
     /// Takes a message in, or counts it as left out. Robots send contacts again; setpoints are sent again
     /// until they are answered; what is retained is asked for again, see [`Self::take_missed`].
-    pub(super) fn take(&mut self, topic: &Bytes, payload: &Bytes) {
+    /// It is in the inbox with the next [`Self::hand_over`], which must follow before anything is waited for.
+    pub(super) fn take(&mut self, topic: Bytes, payload: Bytes) {
+        if self.together.is_empty() {
+            self.received = wall_clock();
+            let filling = self.shared.filling();
+            self.room = Filling {
+                messages: self.bounds.messages.saturating_sub(filling.messages),
+                bytes: self.bounds.bytes.saturating_sub(filling.bytes),
+            };
+        }
         let is_contacts = topic.ends_with(b"/contacts");
-        let weight = weight(topic, payload);
+        let weight = weight(&topic, &payload);
         if !self.has_room(weight, is_contacts) {
-            self.leave_out(topic, is_contacts);
+            self.leave_out(&topic, is_contacts);
             return;
         }
-        self.bytes.fetch_add(weight, Ordering::Relaxed);
-        // Copied: as received they are pieces of a larger buffer, which one small message would keep alive.
-        let copied = |bytes: &Bytes| Bytes::copy_from_slice(bytes);
-        let incoming = Incoming { topic: copied(topic), payload: copied(payload), received: wall_clock() };
-        if self.sender.try_send(incoming).is_err() {
-            self.bytes.fetch_sub(weight, Ordering::Relaxed);
-            self.leave_out(topic, is_contacts);
-        }
+        self.room.messages -= 1;
+        self.room.bytes -= weight;
+        self.together.push((topic, payload));
     }
 
     fn has_room(&self, weight: usize, is_contacts: bool) -> bool {
         let (messages, bytes) =
             if is_contacts { (self.bounds.messages_reserved, self.bounds.bytes_reserved) } else { (0, 0) };
-        self.sender.capacity() > messages && self.bytes.load(Ordering::Relaxed) + weight + bytes <= self.bounds.bytes
+        self.room.messages > messages && weight + bytes <= self.room.bytes
+    }
+
+    /// Puts what was taken in into the inbox: so many messages.
+    pub(super) fn hand_over(&mut self) -> usize {
+        if self.together.is_empty() {
+            return 0;
+        }
+        let together = std::mem::take(&mut self.together);
+        let mut rest = &together[..];
+        let mut waiting = self.shared.waiting();
+        let is_abandoned = waiting.abandoned;
+        while !is_abandoned && !rest.is_empty() {
+            let (count, bytes) = sharing(rest);
+            let (first, others) = rest.split_at(count);
+            waiting.bytes += bytes + count * MESSAGE_BYTES;
+            waiting.messages.extend(copied(first, bytes, self.received));
+            rest = others;
+        }
+        drop(waiting);
+        self.shared.arrived.notify_one();
+        for (topic, _) in rest {
+            self.leave_out(topic, topic.ends_with(b"/contacts"));
+        }
+        let count = together.len();
+        // Its places are used again.
+        self.together = together;
+        self.together.clear();
+        count
     }
 
     fn leave_out(&mut self, topic: &[u8], is_contacts: bool) {
@@ -151,14 +277,52 @@ impl Intake {
 
     /// True once when there is room again after something retained was left out: it must be asked for.
     pub(super) fn take_missed(&mut self) -> bool {
-        let is_half_empty = self.sender.capacity() > self.bounds.messages / 2
-            && self.bytes.load(Ordering::Relaxed) < self.bounds.bytes / 2;
-        if !is_half_empty {
+        if !self.shedding {
+            return false;
+        }
+        let filling = self.shared.filling();
+        if filling.messages >= self.bounds.messages / 2 || filling.bytes >= self.bounds.bytes / 2 {
             return false;
         }
         self.shedding = false;
         std::mem::take(&mut self.missed)
     }
+}
+
+impl Drop for Intake {
+    fn drop(&mut self) {
+        self.hand_over();
+        self.shared.waiting().ended = true;
+        self.shared.arrived.notify_one();
+    }
+}
+
+/// How many of the first messages share an allocation, and its bytes.
+fn sharing(messages: &[(Bytes, Bytes)]) -> (usize, usize) {
+    let (mut count, mut bytes) = (0, 0);
+    for (topic, payload) in messages {
+        let more = topic.len() + payload.len();
+        if count > 0 && bytes + more > SHARED_BYTES {
+            break;
+        }
+        (count, bytes) = (count + 1, bytes + more);
+    }
+    (count, bytes)
+}
+
+/// Copies of messages, `bytes` long together, in one allocation: as received they are pieces of a larger buffer, which
+/// one small message would keep alive.
+fn copied(messages: &[(Bytes, Bytes)], bytes: usize, received: Micros) -> impl Iterator<Item = Incoming> {
+    let mut all = Vec::with_capacity(bytes);
+    for (topic, payload) in messages {
+        all.extend_from_slice(topic);
+        all.extend_from_slice(payload);
+    }
+    let mut all = Bytes::from(all);
+    messages.iter().map(move |(topic, payload)| {
+        let topic = all.split_to(topic.len());
+        Incoming { topic, payload: all.split_to(payload.len()), received }
+    })
 }
 
 #[cfg(test)]
@@ -178,9 +342,13 @@ mod tests {
     fn flood(intake: &mut Intake, kind: &str, payload_bytes: usize, count: usize) -> usize {
         let payload = Bytes::from(vec![b'x'; payload_bytes]);
         let mut most = 0;
-        for _ in 0..count {
-            intake.take(&topic(kind), &payload);
-            most = most.max(intake.bytes.load(Ordering::Relaxed));
+        for number in 0..count {
+            intake.take(topic(kind), payload.clone());
+            // As they come: by sevens here.
+            if number % 7 == 6 || number == count - 1 {
+                intake.hand_over();
+            }
+            most = most.max(intake.shared.filling().bytes);
         }
         most
     }
@@ -209,7 +377,7 @@ mod tests {
             let (shed, refused) = left_out(&metrics);
             assert_eq!(shed + refused + taken, 5_000, "{kind}: none disappears uncounted");
             assert_eq!(shed == 0, kind != "contacts");
-            assert_eq!(inbox.bytes.load(Ordering::Relaxed), 0);
+            assert_eq!(inbox.filling(), Filling { messages: 0, bytes: 0 });
         }
     }
 
@@ -245,8 +413,78 @@ mod tests {
     async fn a_message_does_not_keep_the_buffer_alive_that_it_came_in() {
         let (mut intake, mut inbox) = bounded(SMALL, counted());
         let buffer = Bytes::from(vec![b'x'; 1_000_000]);
-        intake.take(&topic("status"), &buffer.slice(..10));
+        intake.take(topic("status"), buffer.slice(..10));
+        intake.hand_over();
         assert!(buffer.is_unique(), "only we hold it");
         assert_eq!(inbox.recv().await.unwrap().payload.len(), 10);
+    }
+
+    #[tokio::test]
+    async fn what_came_together_is_given_in_order_and_as_it_came() {
+        let (mut intake, mut inbox) = bounded(BOUNDS, counted());
+        let payload = |number: usize| Bytes::from(vec![number as u8; number * 1_000]);
+        for number in 0..200 {
+            intake.take(topic(&number.to_string()), payload(number));
+        }
+        assert!(inbox.is_empty(), "not yet");
+        intake.hand_over();
+        let (mut all, mut counts) = (Vec::new(), Vec::new());
+        drop(intake);
+        loop {
+            match inbox.recv_many(&mut all, 90).await {
+                0 => break,
+                count => counts.push(count),
+            }
+        }
+        assert_eq!(counts, [90, 90, 20]);
+        for (number, incoming) in all.iter().enumerate() {
+            assert_eq!((&incoming.topic, &incoming.payload), (&topic(&number.to_string()), &payload(number)));
+        }
+    }
+
+    #[test]
+    fn messages_that_share_an_allocation_are_few_or_small() {
+        let message = |bytes: usize| (Bytes::new(), Bytes::from(vec![0; bytes]));
+        assert_eq!(sharing(&[message(10), message(20), message(SHARED_BYTES)]), (2, 30));
+        assert_eq!(sharing(&[message(10 * SHARED_BYTES), message(1)]), (1, 10 * SHARED_BYTES));
+        assert_eq!(sharing(&[message(SHARED_BYTES - 1), message(1), message(1)]), (2, SHARED_BYTES));
+    }
+
+    #[tokio::test]
+    async fn whoever_waits_is_woken_by_a_message_and_by_the_end() {
+        let (mut intake, mut inbox) = bounded(SMALL, counted());
+        let waiting = tokio::spawn(async move {
+            let first = inbox.recv().await.map(|incoming| incoming.payload.len());
+            (first, inbox.recv().await.is_none())
+        });
+        tokio::task::yield_now().await;
+        intake.take(topic("status"), Bytes::from_static(b"x"));
+        intake.hand_over();
+        tokio::task::yield_now().await;
+        drop(intake);
+        assert_eq!(waiting.await.unwrap(), (Some(1), true));
+    }
+
+    #[tokio::test]
+    async fn a_wait_that_is_given_up_loses_nothing() {
+        let (mut intake, mut inbox) = bounded(SMALL, counted());
+        for _ in 0..3 {
+            let mut given_up = Box::pin(inbox.recv());
+            assert!(futures_util::poll!(&mut given_up).is_pending());
+            intake.take(topic("status"), Bytes::from_static(b"x"));
+            intake.hand_over();
+            drop(given_up);
+            assert!(inbox.recv().await.is_some());
+        }
+    }
+
+    #[test]
+    fn what_comes_when_nobody_takes_it_any_more_is_counted() {
+        let metrics = counted();
+        let (mut intake, inbox) = bounded(SMALL, metrics.clone());
+        drop(inbox);
+        flood(&mut intake, "contacts", 10, 1_000);
+        assert_eq!(left_out(&metrics), (1_000, 0));
+        assert_eq!(intake.shared.filling(), Filling { messages: 0, bytes: 0 });
     }
 }

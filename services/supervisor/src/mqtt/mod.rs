@@ -20,6 +20,7 @@ mod talk;
 
 mod dial;
 mod link;
+mod pace;
 mod poll;
 mod problem;
 
@@ -74,6 +75,7 @@ impl Connection {
             .set_keep_alive(poll::KEEP_ALIVE_S)
             .set_max_packet_size(Some(PACKET_MAX))
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
+            .set_read_batch_size(pace::LOOK_MAX)
             .set_connect_timeout(dial::CONNECT_TIMEOUT);
         if let Some(credentials) = &self.broker.credentials {
             options.set_credentials(&credentials.username, credentials.password.reveal().to_owned());

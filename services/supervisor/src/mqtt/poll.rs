@@ -38,6 +38,14 @@ impl Poller {
         Self { events, broker, reached, connected: false, patience: patience(KEEP_ALIVE_S) }
     }
 
+    /// The next event of those that came together with the last one. Everything that one look at the network brings
+    /// waits in the client; going through its whole loop for each costs more than the message itself.
+    pub(super) fn ready(&mut self) -> Option<Event> {
+        let event = self.events.state.events.pop_front()?;
+        self.note(&event);
+        Some(event)
+    }
+
     /// The next event. After a failure the next call connects anew, at once: wait before it.
     pub(super) async fn next(&mut self) -> Result<Event, Failure> {
         // A connection into which nothing can be written any more is not noticed by the client itself.
@@ -48,10 +56,7 @@ impl Poller {
         };
         match event {
             Ok(event) => {
-                if let Event::Incoming(Packet::ConnAck(ack)) = &event {
-                    self.connected = true;
-                    self.patience = patience(keep_alive_s(ack));
-                }
+                self.note(&event);
                 Ok(event)
             }
             Err(ConnectionError::RequestsDone) => Err(Failure::Finished),
@@ -60,6 +65,13 @@ impl Poller {
                 let connected = std::mem::take(&mut self.connected);
                 Err(Failure::Broken(Problem::of(&self.broker, &error, reached, connected)))
             }
+        }
+    }
+
+    fn note(&mut self, event: &Event) {
+        if let Event::Incoming(Packet::ConnAck(ack)) = event {
+            self.connected = true;
+            self.patience = patience(keep_alive_s(ack));
         }
     }
 }

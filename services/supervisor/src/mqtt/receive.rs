@@ -1,18 +1,23 @@
 //! The connection that receives: everything that robots say goes into the inbox.
 
+use std::time::Instant;
+
 use rumqttc::{AsyncClient, Event, Packet, QoS, SubAck, SubscribeFilterInput, SubscribeReasonCode};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
+use tracing::error;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::inbox::{Inbox, Intake, inbox};
 use super::link::{Backoff, Side};
+use super::pace::{PAUSE, Pace};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::{Connection, stopped};
 use crate::metrics::FleetMetrics;
 
-/// Receives until `stop`: everything that robots say goes into the inbox.
+/// Receives until `stop`: everything that robots say goes into the inbox. In a thread of its own, which can sleep
+/// between two looks at the network ([`super::pace`]): in a shared one each message would wake it all the same.
 pub fn receive(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -21,10 +26,19 @@ pub fn receive(
     let (intake, inbox) = inbox(metrics.clone());
     let mut receiver =
         Receiver { connection: connection.clone(), metrics: metrics.clone(), intake, backoff: Backoff::new() };
-    let task = tokio::spawn(async move {
-        tokio::select! {
-            () = receiver.run() => {}
-            () = stopped(&mut stop) => {}
+    let task = tokio::task::spawn_blocking(move || {
+        match tokio::runtime::Builder::new_current_thread().enable_all().build() {
+            Ok(runtime) => {
+                runtime.block_on(async {
+                    tokio::select! {
+                        () = receiver.run() => {}
+                        () = stopped(&mut stop) => {}
+                    }
+                });
+                // Whoever looks a host's address up is not waited for.
+                runtime.shutdown_background();
+            }
+            Err(problem) => error!(%problem, "robots cannot be heard"),
         }
         metrics.broker_connected.set(0);
     });
@@ -55,11 +69,28 @@ impl Receiver {
         let (options, reached) = self.connection.options("in");
         let (client, events) = AsyncClient::builder(options).capacity(64).build();
         let mut poller = Poller::new(events, &self.connection, reached);
+        let mut pace = Pace::new(Instant::now());
         loop {
-            let event = match poller.next().await {
-                Ok(event) => event,
-                Err(Failure::Broken(problem)) => return problem,
-                Err(Failure::Finished) => return self.problem(Cause::Lost("it was ended".to_owned())),
+            let event = match poller.ready() {
+                Some(event) => event,
+                None => {
+                    let messages = self.intake.hand_over();
+                    // A new subscription brings what is retained once more.
+                    if self.intake.take_missed()
+                        && let Err(problem) = client.try_subscribe_many(self.filters(RobotTopic::is_retained))
+                    {
+                        return self.problem(Cause::Lost(problem.to_string()));
+                    }
+                    if pace.pauses(Instant::now(), messages) {
+                        // Not awaited: what comes meanwhile would wake the runtime, one message after the other.
+                        std::thread::sleep(PAUSE);
+                    }
+                    match poller.next().await {
+                        Ok(event) => event,
+                        Err(Failure::Broken(problem)) => return problem,
+                        Err(Failure::Finished) => return self.problem(Cause::Lost("it was ended".to_owned())),
+                    }
+                }
             };
             let asked = match event {
                 Event::Incoming(Packet::ConnAck(_)) => client.try_subscribe_many(self.filters(|_| true)),
@@ -77,15 +108,10 @@ impl Receiver {
                     Ok(())
                 }
                 Event::Incoming(Packet::Publish(publish)) => {
-                    self.intake.take(&publish.topic, &publish.payload);
+                    self.intake.take(publish.topic, publish.payload);
                     Ok(())
                 }
                 Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_) => Ok(()),
-            };
-            // A new subscription brings what is retained once more.
-            let asked = match asked {
-                Ok(()) if self.intake.take_missed() => client.try_subscribe_many(self.filters(RobotTopic::is_retained)),
-                asked => asked,
             };
             if let Err(problem) = asked {
                 return self.problem(Cause::Lost(problem.to_string()));

@@ -57,7 +57,8 @@ pub enum BackupError {
 /// `progress` is told bytes written, and how many it can be at the most. Gives the bytes of the copy.
 ///
 /// # Errors
-/// There is no such database, the copy's name is taken, or it cannot be written; then nothing is left behind.
+/// There is no such database, the copy's name is taken, or it cannot be written; then nothing is left behind. Nor is it if
+/// the copy is not waited for to the end.
 pub async fn copy(from: &Path, to: &Path, progress: impl FnMut(u64, u64)) -> Result<u64, BackupError> {
     if !from.exists() {
         return Err(BackupError::NoDatabase(from.to_owned()));
@@ -71,15 +72,20 @@ pub async fn copy(from: &Path, to: &Path, progress: impl FnMut(u64, u64)) -> Res
     }
     let in_file = |source| BackupError::File { path: to.to_owned(), source };
     OpenOptions::new().write(true).create_new(true).mode(MODE).open(&part).map_err(in_file)?;
-    let copied = match write(from, &part, progress).await {
-        Ok(()) => keep(&part, to).map_err(in_file),
-        Err(problem) => Err(problem),
-    };
-    if copied.is_err() {
-        // It is of no use, and what went wrong is told.
-        let _ = std::fs::remove_file(&part);
+    // Also if it is not waited for to the end.
+    let part = Part(part);
+    write(from, &part.0, progress).await?;
+    keep(&part.0, to).map_err(in_file)
+}
+
+/// A copy that is not whole yet: of no use to anybody.
+struct Part(PathBuf);
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        // There is none if all went well; otherwise what went wrong is told.
+        let _ = std::fs::remove_file(&self.0);
     }
-    copied
 }
 
 async fn write(from: &Path, part: &Path, mut progress: impl FnMut(u64, u64)) -> Result<(), BackupError> {
@@ -139,4 +145,24 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(ending);
     PathBuf::from(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_copy_that_is_not_waited_for_leaves_nothing() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-backup-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (from, to) = (folder.join("from"), folder.join("to"));
+        std::fs::write(&from, b"").unwrap();
+        let mut copying = Box::pin(copy(&from, &to, |_, _| {}));
+        assert!(futures_util::poll!(&mut copying).is_pending());
+        assert!(beside(&to, ".part").exists(), "it has begun");
+        drop(copying);
+        let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|one| one.unwrap().file_name()).collect();
+        assert_eq!(left, ["from"]);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

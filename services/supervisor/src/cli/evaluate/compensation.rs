@@ -14,6 +14,7 @@ use vibrissa_evaluation::compensation::{
     summary, trials,
 };
 
+use crate::cli::stop;
 use crate::plot;
 
 /// Arguments of `vibrissa evaluate compensation`.
@@ -71,7 +72,7 @@ pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
     }
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        for path in plot::evaluation::draw(folder, &outcomes)? {
+        for path in stop::whole(|| plot::evaluation::draw(folder, &outcomes))? {
             // The table goes to the output, and so may JSON.
             eprintln!("drawn: {}", path.display());
         }

@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::detection::{Delay, Evaluation, Healthy, Plan, contacts_in_words, evaluate, whiskers};
 
+use crate::cli::stop;
 use crate::plot;
 
 /// Share of outliers in the evaluation with outliers.
@@ -64,7 +65,7 @@ pub fn run(args: &DetectionArgs, out: &mut dyn Write) -> Result<()> {
     }
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        let path = plot::detection::draw(&found, folder)?;
+        let path = stop::whole(|| plot::detection::draw(&found, folder))?;
         if !args.json {
             writeln!(out, "drawn: {}", path.display())?;
         }

@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::health::{Class, ClassReport, Outcome, Plan, Report, evaluate};
 
+use crate::cli::stop;
 use crate::plot;
 
 /// Arguments of `vibrissa evaluate health`.
@@ -45,7 +46,7 @@ pub fn run(args: &HealthArgs, out: &mut dyn Write) -> Result<()> {
     }
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        let path = plot::health::draw(&report, folder)?;
+        let path = stop::whole(|| plot::health::draw(&report, folder))?;
         if !args.json {
             writeln!(out, "drawn: {}", path.display())?;
         }

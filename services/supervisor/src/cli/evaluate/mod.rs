@@ -9,6 +9,8 @@ use std::io::Write;
 use anyhow::Result;
 use clap::{Args, Subcommand};
 
+use super::stop;
+
 /// Arguments of `vibrissa evaluate`.
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
@@ -31,6 +33,7 @@ enum What {
 /// # Errors
 /// Something cannot be written.
 pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> Result<()> {
+    stop::watch("nothing was evaluated to the end, and nothing is written")?;
     match &args.what {
         What::Detection(args) => detection::run(args, out),
         What::Health(args) => health::run(args, out),

@@ -1,0 +1,71 @@
+//! Commands that take long, stopped by somebody.
+
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use vibrissa_tests::wait;
+
+/// A second is what people are told; other tests have the processors, too.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+fn start(arguments: &[&str], folder: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Whether the process handles Ctrl-C, by what the system says of it.
+fn handles_interrupts(child: &Child) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+    u64::from_str_radix(caught.trim(), 16).unwrap() & (1 << (Signal::SIGINT as u64 - 1)) != 0
+}
+
+/// Stops it once it is at work.
+async fn stopped(child: Child, signal: Signal) -> Output {
+    wait::until_true("it handles interrupts", async || handles_interrupts(&child)).await;
+    let begun = Instant::now();
+    kill(Pid::from_raw(child.id() as i32), signal).unwrap();
+    // Its standard input stays open until then.
+    let mut child = child;
+    let input = child.stdin.take();
+    let output = child.wait_with_output().unwrap();
+    drop(input);
+    assert!(begun.elapsed() < PATIENCE, "{:?}", begun.elapsed());
+    output
+}
+
+#[tokio::test]
+async fn every_evaluation_can_be_stopped_and_leaves_nothing() {
+    for (arguments, signal) in [
+        (["detection", "--cuts", "1000000"], Signal::SIGINT),
+        (["health", "--cases", "100000"], Signal::SIGTERM),
+        (["compensation", "--plants", "10000"], Signal::SIGINT),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let child = start(&[&["evaluate"], &arguments[..], &["--svg", "figures"]].concat(), folder.path());
+        let output = stopped(child, signal).await;
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{told}");
+        assert!(told.contains("vibrissa: stopped: nothing was evaluated to the end"), "{told}");
+        assert!(output.stdout.is_empty());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[tokio::test]
+async fn a_replay_that_waits_for_its_input_can_be_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = stopped(start(&["replay", "-"], folder.path()), Signal::SIGINT).await;
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("vibrissa: stopped: what is printed was replayed"), "{told}");
+}
