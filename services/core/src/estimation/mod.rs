@@ -15,6 +15,7 @@ pub mod noise;
 pub mod outlier;
 pub mod own_calibration;
 pub mod refill;
+mod single;
 pub mod smooth;
 pub mod spread;
 pub mod trend;
