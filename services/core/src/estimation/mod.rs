@@ -18,6 +18,7 @@ pub mod refill;
 mod single;
 pub mod smooth;
 pub mod spread;
+mod symmetric;
 pub mod trend;
 
 pub use bins::{Bin, ResponseBins, Waiting};

@@ -78,13 +78,14 @@ impl NoiseScale {
         InnovationDensity::learned_from(self.contacts)
     }
 
-    /// Takes one standardised innovation in; call it only while nothing is suspected. `share` is that of the
-    /// noise in the innovation's variance, 0 to 1: what is not known of the state says nothing of the noise.
+    /// Takes one standardised innovation in; call it only while nothing is suspected. `sound` is its probability
+    /// of being no outlier by [`Self::density`], and `share` that of the noise in the innovation's variance, 0 to 1: what is
+    /// not known of the state says nothing of the noise.
     ///
     /// Returns the factor by which the scale's variance has changed.
-    pub fn learn(&mut self, standardised: f64, share: f64) -> f64 {
+    pub fn learn(&mut self, standardised: f64, sound: f64, share: f64) -> f64 {
         let before = self.variance;
-        let square = self.density().at(standardised).sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
+        let square = sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
         self.contacts = (self.contacts + share).min(Self::MEMORY_CONTACTS);
         self.variance = (before * (1.0 + share * (square - 1.0) / self.contacts)).clamp(0.0625, 16.0);
         self.variance / before
