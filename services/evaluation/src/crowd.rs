@@ -57,6 +57,15 @@ struct Member {
     status_us: u64,
 }
 
+/// What is used again and again, so that the crowd itself asks for no memory.
+#[derive(Debug, Clone, Default)]
+pub struct Buffers {
+    /// What the last step wanted done.
+    pub effects: Vec<Effect>,
+    message: Vec<Contact<'static>>,
+    told: Vec<WhiskerStatus<'static>>,
+}
+
 /// Robots with as many whiskers each, in one array.
 #[derive(Debug, Clone)]
 pub struct Crowd {
@@ -92,32 +101,34 @@ impl Crowd {
     /// Every whisker feels so many contacts, in messages of one contact each whisker. `done` is called after each robot.
     pub fn learn(&mut self, contacts: u32, done: &(dyn Fn() + Sync)) {
         let (params, whiskers, readings) = (&self.params, self.whiskers, &self.readings);
-        self.members.par_iter_mut().for_each_init(Vec::new, |effects, member| {
+        self.members.par_iter_mut().for_each_init(Buffers::default, |buffers, member| {
             for _ in 0..contacts {
-                member.contacts(params, readings, whiskers, usize::from(whiskers), effects);
-                member.tell_if_due(params, whiskers, readings, effects);
+                member.contacts(params, readings, whiskers, usize::from(whiskers), buffers);
+                if member.now_us >= member.status_us + STATUS_US {
+                    member.status(params, whiskers, readings, buffers);
+                }
             }
             done();
         });
     }
 
     /// One message of so many contacts from a robot, each of the next whisker.
-    pub fn contacts(&mut self, robot: usize, contacts: usize, effects: &mut Vec<Effect>) -> Outcome {
-        self.members[robot].contacts(&self.params, &self.readings, self.whiskers, contacts, effects)
+    pub fn contacts(&mut self, robot: usize, contacts: usize, buffers: &mut Buffers) -> Outcome {
+        self.members[robot].contacts(&self.params, &self.readings, self.whiskers, contacts, buffers)
     }
 
     /// A robot's status of all its whiskers, a second later.
-    pub fn status(&mut self, robot: usize, effects: &mut Vec<Effect>) -> Outcome {
+    pub fn status(&mut self, robot: usize, buffers: &mut Buffers) -> Outcome {
         let member = &mut self.members[robot];
         member.now_us += STATUS_US;
-        member.status(&self.params, self.whiskers, &self.readings, effects)
+        member.status(&self.params, self.whiskers, &self.readings, buffers)
     }
 
     /// Time goes on for a robot.
-    pub fn tick(&mut self, robot: usize, effects: &mut Vec<Effect>) -> Outcome {
-        effects.clear();
+    pub fn tick(&mut self, robot: usize, buffers: &mut Buffers) -> Outcome {
+        buffers.effects.clear();
         let member = &mut self.members[robot];
-        member.robot.step(&self.params, Micros(member.now_us), &Event::Tick, effects)
+        member.robot.step(&self.params, Micros(member.now_us), &Event::Tick, &mut buffers.effects)
     }
 
     /// A robot as the core knows it.
@@ -153,29 +164,18 @@ impl Member {
         readings: &[Reading],
         whiskers: u16,
         contacts: usize,
-        effects: &mut Vec<Effect>,
+        buffers: &mut Buffers,
     ) -> Outcome {
-        /// Of one message: as many as the largest of them have.
-        const MOST: usize = 64;
-        let none = Contact {
-            array: ARRAY,
-            whisker: 0,
-            robot_time: Micros(0),
-            ratio: ContactRatio::TIP,
-            deflection: readings[0].deflection,
-            strain: readings[0].strain,
-            pressure: readings[0].pressure,
-        };
-        let mut message = [none; MOST];
-        let message = &mut message[..contacts.min(MOST)];
-        for one in message.iter_mut() {
+        let Buffers { effects, message, .. } = buffers;
+        message.clear();
+        for _ in 0..contacts {
             let Reading { ratio, deflection, strain, pressure } = readings[self.at];
             self.at = (self.at + 1) % readings.len();
             let whisker = (self.contacts % u64::from(whiskers)) as u16;
             self.contacts += 1;
             self.now_us += CONTACT_US;
             let robot_time = Micros(self.now_us);
-            *one = Contact { array: ARRAY, whisker, robot_time, ratio, deflection, strain, pressure };
+            message.push(Contact { array: ARRAY, whisker, robot_time, ratio, deflection, strain, pressure });
         }
         let event = Event::Contacts { boot_id: BOOT, seq: self.seq, contacts: message };
         self.seq += 1;
@@ -183,32 +183,20 @@ impl Member {
         self.robot.step(params, Micros(self.now_us), &event, effects)
     }
 
-    fn tell_if_due(&mut self, params: &Params, whiskers: u16, readings: &[Reading], effects: &mut Vec<Effect>) {
-        if self.now_us >= self.status_us + STATUS_US {
-            self.status(params, whiskers, readings, effects);
-        }
-    }
-
-    fn status(
-        &mut self,
-        params: &Params,
-        whiskers: u16,
-        readings: &[Reading],
-        effects: &mut Vec<Effect>,
-    ) -> Outcome {
+    fn status(&mut self, params: &Params, whiskers: u16, readings: &[Reading], buffers: &mut Buffers) -> Outcome {
+        let Buffers { effects, told, .. } = buffers;
         self.status_us = self.now_us;
-        let whiskers: Vec<WhiskerStatus<'_>> = (0..whiskers)
-            .map(|whisker| WhiskerStatus {
-                array: ARRAY,
-                whisker,
-                pressure: readings[(self.at + usize::from(whisker)) % readings.len()].pressure,
-                setpoint: Megapascal::known(PRESSURE_MPA),
-                regulator: RegulatorState::Ok,
-                gauge: GaugeState::Ok,
-            })
-            .collect();
+        told.clear();
+        told.extend((0..whiskers).map(|whisker| WhiskerStatus {
+            array: ARRAY,
+            whisker,
+            pressure: readings[(self.at + usize::from(whisker)) % readings.len()].pressure,
+            setpoint: Megapascal::known(PRESSURE_MPA),
+            regulator: RegulatorState::Ok,
+            gauge: GaugeState::Ok,
+        }));
         effects.clear();
-        let event = Event::Status { boot_id: BOOT, robot_time: Micros(self.now_us), whiskers: &whiskers };
+        let event = Event::Status { boot_id: BOOT, robot_time: Micros(self.now_us), whiskers: told };
         self.robot.step(params, Micros(self.now_us), &event, effects)
     }
 }
@@ -244,4 +232,36 @@ fn readings(params: &Params) -> Vec<Reading> {
         Reading { ratio, deflection: Millimetre::known(deflection_mm), strain: Strain::known(strain), pressure }
     };
     (0..READINGS).map(&mut one).collect()
+}
+
+/// What a crowd takes.
+#[derive(Debug, Clone, Copy)]
+pub struct Size {
+    /// Whiskers in the core.
+    pub whiskers: usize,
+    /// Memory of the whole process, bytes; 0 where the system does not tell.
+    pub resident_bytes: u64,
+    /// The most that it ever was.
+    pub resident_max_bytes: u64,
+    /// Mean of a whisker's bytes where it is stored.
+    pub stored_bytes_a_whisker: f64,
+}
+
+/// Makes a crowd in which every whisker feels so many contacts, and says what it takes. `done` is called after each robot.
+#[must_use]
+pub fn size(robots: usize, whiskers: u16, contacts: u32, done: &(dyn Fn() + Sync)) -> Size {
+    let mut crowd = Crowd::new(robots, whiskers);
+    crowd.learn(contacts, done);
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let of = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name));
+        let kib = line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok());
+        kib.map_or(0, |kib| 1024 * kib)
+    };
+    Size {
+        whiskers: robots * usize::from(whiskers),
+        resident_bytes: of("VmRSS:"),
+        resident_max_bytes: of("VmHWM:"),
+        stored_bytes_a_whisker: crowd.stored_bytes_a_whisker(),
+    }
 }

@@ -14,6 +14,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::hypothesis::{ALL, COUNT, GRADUAL_FROM, Hypothesis, OF_ANY_SIZE, OF_LENGTH};
+use crate::counts;
 use crate::estimation::Innovation;
 use crate::estimation::filter::{BASELINE, LENGTH, STATES};
 use crate::estimation::outlier::{Densities, LANES};
@@ -250,7 +251,8 @@ impl BorshSerialize for Candidates {
         let begun = (0..COUNT).filter(|&index| self.contacts[index] > 0).fold(0_u32, |bits, index| bits | 1 << index);
         begun.serialize(writer)?;
         for index in (0..COUNT).filter(|&index| self.contacts[index] > 0) {
-            (self.contacts[index], self.cusum[index], self.gg[index], self.gw[index]).serialize(writer)?;
+            counts::write(self.contacts[index], writer)?;
+            (self.cusum[index], self.gg[index], self.gw[index]).serialize(writer)?;
             self.lacking.iter().try_for_each(|one| one[index].serialize(writer))?;
         }
         Ok(())
@@ -262,8 +264,8 @@ impl BorshDeserialize for Candidates {
         let mut read = Self { shiryaev: BorshDeserialize::deserialize_reader(reader)?, ..Self::default() };
         let begun = u32::deserialize_reader(reader)?;
         for index in (0..COUNT).filter(|index| begun & 1 << index != 0) {
-            (read.contacts[index], read.cusum[index], read.gg[index], read.gw[index]) =
-                BorshDeserialize::deserialize_reader(reader)?;
+            read.contacts[index] = counts::read(reader)?;
+            (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;
             for one in &mut read.lacking {
                 one[index] = f32::deserialize_reader(reader)?;
             }

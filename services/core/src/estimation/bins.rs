@@ -7,6 +7,7 @@
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::counts;
 use crate::mechanics::CONTACT_RATIOS;
 use crate::units::ContactRatio;
 
@@ -14,7 +15,7 @@ use crate::units::ContactRatio;
 pub const WIDTH: f64 = 0.05;
 
 /// The mean log deviation from the model in one bin.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bin {
     contacts: u32,
     /// Sum of the inverse of the contacts' noise variances.
@@ -57,6 +58,27 @@ impl Bin {
     }
 }
 
+/// An empty one takes one byte.
+impl BorshSerialize for Bin {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        counts::write(self.contacts, writer)?;
+        if self.contacts > 0 {
+            (self.weight, self.mean, self.mean_ratio).serialize(writer)?;
+        }
+        Ok(())
+    }
+}
+
+impl BorshDeserialize for Bin {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut read = Self { contacts: counts::read(reader)?, ..Self::default() };
+        if read.contacts > 0 {
+            (read.weight, read.mean, read.mean_ratio) = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        Ok(read)
+    }
+}
+
 /// Contacts that wait before they count: the last ones before a cut is noticed are of the cut whisker already.
 ///
 /// They wait for further contacts and not for what these say: whoever dropped contacts because of what followed
@@ -72,28 +94,32 @@ pub struct Waiting {
 /// One contact that waits, with as many digits as an average of thousands can show.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Waits {
-    /// Contact ratio in 65535ths.
-    ratio: u16,
     /// The inverse of the noise variance, the upper half of a single's bits: 8 of digits.
     weight: u16,
-    log_deviation: f32,
+    /// In 4096ths, at most 8 to either side: 2.4e-4 where contacts scatter by 0.03.
+    log_deviation: i16,
+    /// Contact ratio in 255ths.
+    ratio: u8,
 }
+
+const LOG_DEVIATION_STEPS: f64 = 4096.0;
 
 impl Waits {
     fn new(ratio: ContactRatio, log_deviation: f64, noise_variance: f64) -> Self {
         let weight = (1.0 / noise_variance) as f32;
         Self {
-            ratio: (ratio.a() * f64::from(u16::MAX)).round() as u16,
+            ratio: (ratio.a() * f64::from(u8::MAX)).round() as u8,
             weight: (weight.to_bits().saturating_add(1 << 15) >> 16) as u16,
-            log_deviation: log_deviation as f32,
+            log_deviation: (log_deviation * LOG_DEVIATION_STEPS).round() as i16,
         }
     }
 
     fn counts(self, bins: &mut ResponseBins) {
-        let ratio = f64::from(self.ratio) / f64::from(u16::MAX);
+        let ratio = f64::from(self.ratio) / f64::from(u8::MAX);
+        let log_deviation = f64::from(self.log_deviation) / LOG_DEVIATION_STEPS;
         let weight = f64::from(f32::from_bits(u32::from(self.weight) << 16));
         if let Some(index) = ContactRatio::new(ratio).ok().and_then(ResponseBins::index) {
-            bins.bins[index].add(ratio, f64::from(self.log_deviation), weight);
+            bins.bins[index].add(ratio, log_deviation, weight);
         }
     }
 }
@@ -203,9 +229,9 @@ mod tests {
     fn the_last_contacts_do_not_count_yet() {
         let (mut waiting, mut bins) = (Waiting::default(), ResponseBins::default());
         for k in 0..40 {
-            waiting.add(&mut bins, ContactRatio::TIP, f64::from(k), 1.0);
+            waiting.add(&mut bins, ContactRatio::TIP, 0.125 * f64::from(k), 1.0);
         }
         assert_eq!(bins.contacts(), 24);
-        assert_eq!(bins.bin(11).mean(), 11.5);
+        assert_eq!(bins.bin(11).mean(), 0.125 * 11.5);
     }
 }
