@@ -5,6 +5,7 @@
 //! longer chance), [`policy`] (who compensates for whom), and [`robot`], where
 //! `step(state, params, now, event)` puts them together.
 
+mod counts;
 pub mod units;
 
 pub mod mechanics;

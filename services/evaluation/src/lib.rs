@@ -3,6 +3,7 @@
 
 #[expect(clippy::wildcard_enum_match_arm, reason = "of many effects it looks at a few")]
 pub mod compensation;
+pub mod crowd;
 pub mod detection;
 pub mod health;
 #[expect(clippy::wildcard_enum_match_arm, reason = "of many effects and messages it looks at a few")]

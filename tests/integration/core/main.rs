@@ -12,6 +12,7 @@ mod operator;
 mod policy;
 mod purity;
 mod replaced;
+mod stored;
 mod taken_up;
 mod trend;
 mod trims;

@@ -1,4 +1,4 @@
-//! One supposed change, followed recursively: O(1) memory.
+//! The supposed changes, each followed recursively: O(1) memory.
 //!
 //! A filter that goes on learning absorbs part of a real change. By how much is known exactly: a unit step
 //! leaves the state wrong by `e = unit - absorbed`, is seen in the next innovation as `row . e`, and the
@@ -6,130 +6,272 @@
 //! contact (its signature) are known, the innovations stay independent, and the sums over
 //! signature^2 and signature * innovation give the change's best estimate since then. A gradual change has a
 //! signature of the same kind: it adds a unit step at every contact.
+//!
+//! All are followed at once, in single precision and in arrays by hypothesis, so that one instruction serves four of
+//! them: their rounding is a millionth of a likelihood ratio, and they are most of what a whisker takes in time and room.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{ALL, COUNT, GRADUAL_FROM, Hypothesis, OF_ANY_SIZE, OF_LENGTH};
+use crate::counts;
 use crate::estimation::Innovation;
-use crate::estimation::filter::STATES;
+use crate::estimation::filter::{BASELINE, LENGTH, STATES};
+use crate::estimation::outlier::{Densities, LANES};
 
 /// Keeps the statistic finite: far above any threshold.
-const SHIRYAEV_MAX: f64 = 1e15;
+const SHIRYAEV_MAX: f32 = 1e15;
+/// Lanes beyond the hypotheses: those of any size as if they began with this contact, ...
+const BEGUN: usize = COUNT;
+/// ... and no change at all.
+const NO_CHANGE: usize = LANES - 1;
+const _: () = assert!(BEGUN + OF_ANY_SIZE.len() <= NO_CHANGE);
 
-/// The statistics of one supposed change.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-pub struct Candidate {
+/// The statistics of all supposed changes, by [`ALL`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Candidates {
     /// Shiryaev-Roberts statistic: sum over all starts of the likelihood ratio.
-    shiryaev: f64,
-    /// CUSUM: likelihood ratio since the likeliest start; 0 before the first contact.
-    cusum: f64,
+    shiryaev: [f32; COUNT],
+    /// CUSUM: likelihood ratio since the likeliest start; 0 before the first contact, as is all that follows.
+    cusum: [f32; COUNT],
     /// What the state lacks per unit of the change since that start.
-    lacking: [f64; STATES],
-    /// Sums since that start.
-    evidence: Evidence,
+    lacking: [[f32; COUNT]; STATES],
+    /// Contacts since that start.
+    contacts: [u32; COUNT],
+    /// Sums since that start: with g the signature of a unit change in standard deviations, and w the standardised
+    /// innovation, of g^2 and g w, each contact by its probability of being no outlier.
+    gg: [f32; COUNT],
+    gw: [f32; COUNT],
 }
 
-/// Sums over the contacts since a supposed start: with g the signature of a unit change in standard deviations
-/// and w the standardised innovation, sums of g^2 and g w, each contact by its probability of being no outlier.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+/// What a contact says under each supposed change.
+#[derive(Debug, Clone)]
+pub struct Felt {
+    /// What a unit of the change lets expect, in standard deviations.
+    pub signature: [f32; LANES],
+    /// Probability that it is no outlier.
+    pub sound: [f32; LANES],
+}
+
+/// Sums over the contacts since a supposed start.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     contacts: u32,
     gg: f64,
     gw: f64,
 }
 
-impl Candidate {
-    /// Takes one innovation in. None where the supposed start was given up.
-    pub fn update(&mut self, supposed: &Hypothesis, seen: &Innovation) -> Option<Felt> {
-        let state = supposed.kind.state();
-        if self.would_rather_begin(supposed, seen) {
-            *self = Self { shiryaev: self.shiryaev, ..Self::default() };
+/// Sizes that are supposed, and what their spread takes from a standardised innovation.
+struct Supposed {
+    size: [f32; LANES],
+    narrowed: [f32; LANES],
+}
+
+impl Candidates {
+    /// Takes one innovation in; what it was under each.
+    pub fn update(&mut self, seen: &Innovation) -> Felt {
+        let sd = seen.variance.sqrt();
+        let row: [f32; STATES] = seen.row.map(|one| (one / sd) as f32);
+        let gain: [f32; STATES] = seen.gain.map(|one| (one * sd) as f32);
+        self.begin();
+        let mut signature = [0.0; LANES];
+        for (one, row) in self.lacking.iter().zip(row) {
+            for (signature, lacks) in signature.iter_mut().zip(one) {
+                *signature += row * lacks;
+            }
         }
-        if supposed.kind.is_gradual() || self.evidence.contacts == 0 {
-            self.lacking[state] += 1.0;
+        signature[BEGUN..BEGUN + OF_ANY_SIZE.len()].fill(row[LENGTH]);
+        let (ratio, sound) = self.likelihood_ratios(seen, &signature);
+        let mut felt = Felt { signature, sound };
+        let ratio = self.rather_begin(&mut felt, ratio);
+        for (one, gain) in self.lacking.iter_mut().zip(gain) {
+            for (lacks, signature) in one.iter_mut().zip(&felt.signature) {
+                *lacks -= gain * signature;
+            }
         }
-        let signature = self.signature(seen);
-        let unlearned = signature * seen.variance.sqrt();
-        for (lacks, gain) in self.lacking.iter_mut().zip(seen.gain) {
-            *lacks -= gain * unlearned;
+        self.judge(&ratio, &felt, seen.standardised as f32);
+        felt
+    }
+
+    /// A step is there from its first contact on; a gradual change goes on at every contact.
+    fn begin(&mut self) {
+        let contacts = &self.contacts;
+        let adds = |index: usize| if index >= GRADUAL_FROM || contacts[index] == 0 { 1.0 } else { 0.0 };
+        for (index, lacks) in self.lacking[LENGTH].iter_mut().enumerate().take(OF_LENGTH) {
+            *lacks += adds(index);
         }
-        let (size, variance) = self.evidence.posterior(supposed);
-        let spread = (1.0 + signature * signature * variance).sqrt();
-        let under = seen.density.at((seen.standardised - signature * size) / spread);
-        let ratio = under.density / spread / seen.seen.density;
-        self.shiryaev = ((1.0 + self.shiryaev) * ratio).min(SHIRYAEV_MAX);
-        let so_far = if self.evidence.contacts == 0 { 1.0 } else { self.cusum };
-        self.cusum = (so_far * ratio).min(SHIRYAEV_MAX);
-        if self.cusum <= supposed.kind.restarts_at() {
-            *self = Self { shiryaev: self.shiryaev, ..Self::default() };
-            None
-        } else {
-            self.evidence.add(signature, seen.standardised, under.sound);
-            Some(Felt { signature, sound: under.sound })
+        for (index, lacks) in self.lacking[BASELINE].iter_mut().enumerate().skip(OF_LENGTH) {
+            *lacks += adds(index);
         }
     }
 
-    /// Whether this contact alone, as the first one of a change of any size, is likelier than all since the supposed
-    /// start: an estimate that took chance for a small change would take a large one for outliers.
-    fn would_rather_begin(&self, supposed: &Hypothesis, seen: &Innovation) -> bool {
-        if supposed.spread == 0.0 || self.evidence.contacts == 0 {
-            return false;
+    /// How much likelier the contact is under each supposed change than without, and whether it is an outlier.
+    fn likelihood_ratios(&self, seen: &Innovation, signature: &[f32; LANES]) -> ([f32; LANES], [f32; LANES]) {
+        let supposed = self.supposed(signature);
+        let mut off = [seen.standardised as f32; LANES];
+        for index in 0..NO_CHANGE {
+            off[index] = (off[index] - signature[index] * supposed.size[index]) * supposed.narrowed[index];
         }
-        let ratio = |candidate: &Self| {
-            let signature = candidate.signature(seen);
-            let (size, variance) = candidate.evidence.posterior(supposed);
-            let spread = (1.0 + signature * signature * variance).sqrt();
-            seen.density.at((seen.standardised - signature * size) / spread).density / spread
-        };
-        let mut begun = Self::default();
-        begun.lacking[supposed.kind.state()] = 1.0;
-        ratio(&begun) > self.cusum * ratio(self)
+        let Densities { mut density, sound } = seen.density.at_each(&off);
+        let unchanged = 1.0 / density[NO_CHANGE];
+        for (density, narrowed) in density.iter_mut().zip(supposed.narrowed) {
+            *density *= narrowed * unchanged;
+        }
+        (density, sound)
     }
 
-    /// Forgets how likely an alarm was, but not since when there may be something.
-    pub fn calm(&mut self) {
-        self.shiryaev = 0.0;
+    fn supposed(&self, signature: &[f32; LANES]) -> Supposed {
+        let mut supposed = Supposed { size: [0.0; LANES], narrowed: [1.0; LANES] };
+        for (size, one) in supposed.size.iter_mut().zip(&ALL) {
+            *size = one.size as f32;
+        }
+        for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
+            let one = &ALL[index];
+            for (lane, (size, variance)) in
+                [(index, self.evidence(index).posterior(one)), (BEGUN + lane, (one.size, one.spread.powi(2)))]
+            {
+                let signature = f64::from(signature[lane]);
+                supposed.size[lane] = size as f32;
+                supposed.narrowed[lane] = (1.0 / (1.0 + signature * signature * variance).sqrt()) as f32;
+            }
+        }
+        supposed
+    }
+
+    /// Where this contact alone, as the first one of a change of any size, is likelier than all since the supposed
+    /// start, it is the start: an estimate that took chance for a small change would take a large one for outliers.
+    fn rather_begin(&mut self, felt: &mut Felt, mut ratio: [f32; LANES]) -> [f32; LANES] {
+        for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
+            let begun = BEGUN + lane;
+            if self.contacts[index] > 0 && ratio[begun] > self.cusum[index] * ratio[index] {
+                self.forget(index);
+                self.lacking[LENGTH][index] = 1.0;
+                ratio[index] = ratio[begun];
+                felt.signature[index] = felt.signature[begun];
+                felt.sound[index] = felt.sound[begun];
+            }
+        }
+        ratio
+    }
+
+    /// Adds up, and gives up the starts that have become less likely than none.
+    fn judge(&mut self, ratio: &[f32; LANES], felt: &Felt, standardised: f32) {
+        for index in 0..COUNT {
+            let ratio = ratio[index];
+            self.shiryaev[index] = least((1.0 + self.shiryaev[index]) * ratio, SHIRYAEV_MAX);
+            let so_far = if self.contacts[index] == 0 { 1.0 } else { self.cusum[index] };
+            let cusum = least(so_far * ratio, SHIRYAEV_MAX);
+            let goes_on = cusum > RESTARTS_AT[index];
+            let kept = if goes_on { 1.0 } else { 0.0 };
+            let (signature, sound) = (felt.signature[index], felt.sound[index]);
+            self.cusum[index] = kept * cusum;
+            self.contacts[index] = if goes_on { self.contacts[index].saturating_add(1) } else { 0 };
+            self.gg[index] = kept * (self.gg[index] + sound * signature * signature);
+            self.gw[index] = kept * (self.gw[index] + sound * signature * standardised);
+            for one in &mut self.lacking {
+                one[index] = if goes_on { one[index] } else { 0.0 };
+            }
+        }
+    }
+
+    /// Gives up a supposed start.
+    fn forget(&mut self, index: usize) {
+        (self.cusum[index], self.contacts[index], self.gg[index], self.gw[index]) = (0.0, 0, 0.0, 0.0);
+        for one in &mut self.lacking {
+            one[index] = 0.0;
+        }
+    }
+
+    /// An alarm is over. Slow changes forget how likely it was, but not since when there may be something; steps forget
+    /// everything.
+    pub fn dismiss(&mut self) {
+        self.shiryaev = [0.0; COUNT];
+        (0..GRADUAL_FROM).for_each(|index| self.forget(index));
     }
 
     /// The innovation that a unit of the change lets expect at this contact, in standard deviations.
     #[must_use]
-    pub fn signature(&self, seen: &Innovation) -> f64 {
-        let expected: f64 = (0..STATES).map(|state| seen.row[state] * self.lacking[state]).sum();
+    pub fn signature(&self, index: usize, seen: &Innovation) -> f64 {
+        let expected: f64 = self.lacking(index).iter().zip(seen.row).map(|(lacks, row)| lacks * row).sum();
         expected / seen.variance.sqrt()
     }
 
     /// Sum over all possible starts of the likelihood ratio.
     #[must_use]
-    pub fn shiryaev(&self) -> f64 {
-        self.shiryaev
+    pub fn shiryaev(&self, index: usize) -> f64 {
+        f64::from(self.shiryaev[index])
     }
 
-    /// Likelihood ratio since the likeliest start.
+    /// The largest likelihood ratio since a likeliest start.
     #[must_use]
-    pub fn cusum(&self) -> f64 {
-        self.cusum
+    pub fn cusum_max(&self) -> f64 {
+        f64::from(self.cusum.iter().fold(0.0, |most, &one| if one > most { one } else { most }))
     }
 
     /// What the state lacks per unit of the change since the likeliest start.
     #[must_use]
-    pub fn lacking(&self) -> [f64; STATES] {
-        self.lacking
+    pub fn lacking(&self, index: usize) -> [f64; STATES] {
+        std::array::from_fn(|state| f64::from(self.lacking[state][index]))
+    }
+
+    /// Contacts since the likeliest start.
+    #[must_use]
+    pub fn contacts(&self, index: usize) -> u32 {
+        self.contacts[index]
     }
 
     /// The sums since the likeliest start.
     #[must_use]
-    pub fn evidence(&self) -> &Evidence {
-        &self.evidence
+    pub fn evidence(&self, index: usize) -> Evidence {
+        let [gg, gw] = [self.gg[index], self.gw[index]].map(f64::from);
+        Evidence { contacts: self.contacts[index], gg, gw }
     }
 }
 
-/// One contact under a supposed change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Felt {
-    /// What a unit of the change lets expect, in standard deviations.
-    pub signature: f64,
-    /// Probability that it is no outlier.
-    pub sound: f64,
+/// Likelihood ratios at which supposed starts are given up.
+const RESTARTS_AT: [f32; COUNT] = {
+    let mut at = [0.0; COUNT];
+    let mut index = 0;
+    while index < COUNT {
+        at[index] = ALL[index].kind.restarts_at() as f32;
+        index += 1;
+    }
+    at
+};
+
+/// The smaller of two numbers that are no NaN.
+fn least(one: f32, other: f32) -> f32 {
+    if one < other { one } else { other }
+}
+
+/// What has not begun takes one bit.
+impl BorshSerialize for Candidates {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        self.shiryaev.serialize(writer)?;
+        let begun = (0..COUNT).filter(|&index| self.contacts[index] > 0).fold(0_u32, |bits, index| bits | 1 << index);
+        begun.serialize(writer)?;
+        for index in (0..COUNT).filter(|&index| self.contacts[index] > 0) {
+            counts::write(self.contacts[index], writer)?;
+            (self.cusum[index], self.gg[index], self.gw[index]).serialize(writer)?;
+            self.lacking.iter().try_for_each(|one| one[index].serialize(writer))?;
+        }
+        Ok(())
+    }
+}
+
+impl BorshDeserialize for Candidates {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut read = Self { shiryaev: BorshDeserialize::deserialize_reader(reader)?, ..Self::default() };
+        let begun = u32::deserialize_reader(reader)?;
+        for index in (0..COUNT).filter(|index| begun & 1 << index != 0) {
+            read.contacts[index] = counts::read(reader)?;
+            (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;
+            for one in &mut read.lacking {
+                one[index] = f32::deserialize_reader(reader)?;
+            }
+        }
+        Ok(read)
+    }
 }
 
 impl Evidence {
@@ -139,17 +281,8 @@ impl Evidence {
         (self.gg, self.gw)
     }
 
-    fn add(&mut self, signature: f64, standardised: f64, sound: f64) {
-        self.contacts = self.contacts.saturating_add(1);
-        self.gg += sound * signature * signature;
-        self.gw += sound * signature * standardised;
-    }
-
     /// The size that the contacts since the start let expect, and its variance.
     fn posterior(&self, supposed: &Hypothesis) -> (f64, f64) {
-        if supposed.spread == 0.0 {
-            return (supposed.size, 0.0);
-        }
         let prior = supposed.spread.powi(-2);
         let precision = prior + self.gg;
         ((prior * supposed.size + self.gw) / precision, 1.0 / precision)

@@ -16,11 +16,12 @@
 //!
 //! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts nothing is called.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::candidate::{Candidate, Fit};
-use super::continuation::Continuation;
-use super::hypothesis::{ALL, COUNT, CUTS, Kind};
+use super::candidate::{Candidates, Fit};
+use super::continuation::Continuations;
+use super::hypothesis::{ALL, Kind};
 use super::kinds::{Change, Explanation, best};
 use crate::estimation::Innovation;
 
@@ -70,11 +71,11 @@ impl Default for DetectionParams {
 }
 
 /// The detector's state for one whisker.
-#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Detector {
-    candidates: [Candidate; COUNT],
-    continuations: [Continuation; CUTS],
-    suspicion: Option<Suspicion>,
+    candidates: Candidates,
+    continuations: Continuations,
+    suspicion: Option<Box<Suspicion>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -118,16 +119,12 @@ pub enum Verdict {
 impl Detector {
     /// Takes one innovation in. `others` is asked for only where it matters.
     pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool, others: Others) -> Verdict {
-        let fresh = self.suspicion.map(|suspicion| self.fresh_log_ratio(&suspicion, seen));
-        for (index, (candidate, supposed)) in self.candidates.iter_mut().zip(&ALL).enumerate() {
-            let felt = candidate.update(supposed, seen);
-            if let Some(continuation) = self.continuations.get_mut(index) {
-                continuation.update(seen, felt);
-            }
-        }
-        match (self.suspicion, fresh) {
-            (Some(suspicion), Some(fresh)) => self.look(params, suspicion, fresh, eroding, others),
-            (_, _) => self.watch(params, eroding),
+        let suspicion = self.suspicion.as_deref().map(|&suspicion| (suspicion, self.fresh_log_ratio(&suspicion, seen)));
+        let felt = self.candidates.update(seen);
+        self.continuations.update(seen, &self.candidates, &felt);
+        match suspicion {
+            Some((suspicion, fresh)) => self.look(params, suspicion, fresh, eroding, others),
+            None => self.watch(params, eroding),
         }
     }
 
@@ -136,7 +133,7 @@ impl Detector {
     /// It depends on past contacts alone, so what is learned is not biased by it.
     #[must_use]
     pub fn is_calm(&self) -> bool {
-        self.suspicion.is_none() && self.candidates.iter().all(|candidate| candidate.cusum() < CALM_BELOW)
+        self.suspicion.is_none() && self.candidates.cusum_max() < CALM_BELOW
     }
 
     /// Whether a change is suspected.
@@ -149,7 +146,7 @@ impl Detector {
     /// end may be another matter.
     #[must_use]
     pub fn suspected_shift(&self) -> Option<Fit> {
-        let suspicion = self.suspicion?;
+        let suspicion = self.suspicion.as_deref()?;
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let least = suspicion.contacts_since;
         match kind {
@@ -175,15 +172,15 @@ impl Detector {
     }
 
     fn weighted(&self, eroding: bool) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let pairs = self.candidates.iter().zip(&ALL).enumerate();
         let looked_for = move |kind: Kind, size: f64| match kind {
             _ if !eroding => true,
             Kind::Shorter | Kind::LessSensitive => size.abs() >= LEAST_SHIFT_WHILE_ERODING,
             Kind::Eroding | Kind::Drifting => false,
         };
-        pairs
-            .filter(move |(_, (_, supposed))| looked_for(supposed.kind, supposed.size))
-            .map(|(index, (candidate, supposed))| (index, supposed.weight * candidate.shiryaev()))
+        ALL.iter()
+            .enumerate()
+            .filter(move |(_, supposed)| looked_for(supposed.kind, supposed.size))
+            .map(|(index, supposed)| (index, supposed.weight * self.candidates.shiryaev(index)))
     }
 
     fn watch(&mut self, params: &DetectionParams, eroding: bool) -> Verdict {
@@ -191,16 +188,16 @@ impl Detector {
             return Verdict::Quiet;
         }
         let likeliest = self.weighted(eroding).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
-        let evidence = self.candidates[likeliest].evidence();
+        let evidence = self.candidates.evidence(likeliest);
         match evidence.fit((f64::NEG_INFINITY, f64::INFINITY)) {
             Some(fit) => {
-                self.suspicion = Some(Suspicion {
+                self.suspicion = Some(Box::new(Suspicion {
                     candidate: likeliest as u8,
                     size: fit.size,
                     contacts_at_alarm: evidence.contacts(),
                     contacts_since: 0,
                     fresh_log_ratio: 0.0,
-                });
+                }));
                 Verdict::Alarm
             }
             // The likeliest start is the next contact: nothing to look into.
@@ -212,7 +209,7 @@ impl Detector {
     }
 
     fn fresh_log_ratio(&self, suspicion: &Suspicion, seen: &Innovation) -> f64 {
-        let signature = self.candidates[usize::from(suspicion.candidate)].signature(seen);
+        let signature = self.candidates.signature(usize::from(suspicion.candidate), seen);
         let under = seen.density.at(seen.standardised - signature * suspicion.size);
         (under.density / seen.seen.density).ln()
     }
@@ -227,7 +224,7 @@ impl Detector {
     ) -> Verdict {
         suspicion.fresh_log_ratio += fresh_log_ratio;
         suspicion.contacts_since = suspicion.contacts_since.saturating_add(1);
-        let gone = self.candidates[usize::from(suspicion.candidate)].evidence().contacts() == 0;
+        let gone = self.candidates.contacts(usize::from(suspicion.candidate)) == 0;
         if suspicion.fresh_log_ratio <= -FRESH_LOOK_LOG_RATIO || gone {
             self.dismiss();
             return Verdict::Dismissed;
@@ -235,7 +232,7 @@ impl Detector {
         let confirmed = suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO;
         let verdict = if confirmed { self.decided(params, &suspicion, eroding, others) } else { Verdict::Looking };
         if verdict == Verdict::Looking {
-            self.suspicion = Some(suspicion);
+            self.suspicion = Some(Box::new(suspicion));
         } else {
             *self = Self::default();
         }
@@ -246,14 +243,8 @@ impl Detector {
     /// step the next time.
     fn dismiss(&mut self) {
         self.suspicion = None;
-        self.continuations = Default::default();
-        for (candidate, supposed) in self.candidates.iter_mut().zip(&ALL) {
-            if supposed.kind.is_gradual() {
-                candidate.calm();
-            } else {
-                *candidate = Candidate::default();
-            }
-        }
+        self.continuations = Continuations::default();
+        self.candidates.dismiss();
     }
 
     /// What a confirmed suspicion is: looking on while that cannot be said.
@@ -312,6 +303,22 @@ impl Detector {
     }
 
     fn gain_of_going_on(&self, index: usize) -> f64 {
-        self.continuations.get(index).map_or(0.0, |one| one.gain_of_going_on(self.candidates[index].evidence()))
+        self.continuations.gain_of_going_on(index, &self.candidates.evidence(index))
+    }
+}
+
+impl BorshSerialize for Detector {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        self.candidates.serialize(writer)?;
+        self.continuations.write(&self.candidates, writer)?;
+        self.suspicion.serialize(writer)
+    }
+}
+
+impl BorshDeserialize for Detector {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let candidates = Candidates::deserialize_reader(reader)?;
+        let continuations = Continuations::read(&candidates, reader)?;
+        Ok(Self { candidates, continuations, suspicion: BorshDeserialize::deserialize_reader(reader)? })
     }
 }

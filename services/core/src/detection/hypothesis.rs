@@ -31,13 +31,13 @@ impl Kind {
     /// A step shows from its first contact on. A gradual change hardly shows at first: were its start given up at
     /// the first doubt, it would be placed long after it was, where it looks like a step.
     #[must_use]
-    pub fn restarts_at(self) -> f64 {
+    pub const fn restarts_at(self) -> f64 {
         if self.is_gradual() { 0.05 } else { 1.0 }
     }
 
     /// Whether the change adds up contact by contact.
     #[must_use]
-    pub fn is_gradual(self) -> bool {
+    pub const fn is_gradual(self) -> bool {
         match self {
             Self::Shorter | Self::LessSensitive => false,
             Self::Eroding | Self::Drifting => true,
@@ -73,6 +73,15 @@ pub const COUNT: usize = 17;
 /// Number of supposed cuts; they come first.
 pub const CUTS: usize = 7;
 
+/// Those before it are steps, and those from it on are gradual.
+pub const GRADUAL_FROM: usize = 10;
+
+/// Those before it are of the length, and those from it on of the baseline.
+pub const OF_LENGTH: usize = 13;
+
+/// Those whose size is told by the contacts after the change's start.
+pub const OF_ANY_SIZE: [usize; 2] = [6, 9];
+
 /// All that are looked for. Sizes of steps double: 0.25 to 8 mm of 70 shorter, since a change is found by the
 /// neighbouring hypotheses too; for more, where one contact may be forty standard deviations off, the size is
 /// estimated on the way. A weight w delays an alarm by ln(1/w) nats, and a contact gives few nats on a small cut
@@ -101,6 +110,16 @@ pub const ALL: [Hypothesis; COUNT] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn they_are_in_the_order_that_is_stated() {
+        for (index, one) in ALL.iter().enumerate() {
+            assert_eq!(one.kind == Kind::Shorter, index < CUTS, "{one:?}");
+            assert_eq!(one.kind.is_gradual(), index >= GRADUAL_FROM, "{one:?}");
+            assert_eq!(one.kind.state() == LENGTH, index < OF_LENGTH, "{one:?}");
+            assert_eq!(one.spread > 0.0, OF_ANY_SIZE.contains(&index), "{one:?}");
+        }
+    }
 
     #[test]
     fn property_the_weights_sum_to_one() {

@@ -5,8 +5,8 @@
 //! what the cut does, and the other way round, unless erosion would have to be faster than it can be: so telling
 //! a small cut from erosion takes several times the contacts of the alarm, and no rule can do without them.
 
-use super::candidate::{Candidate, Fit};
-use super::hypothesis::{ALL, COUNT, Kind};
+use super::candidate::{Candidates, Fit};
+use super::hypothesis::{ALL, Kind};
 use crate::estimation::filter::STATES;
 
 /// A confirmed change.
@@ -44,30 +44,30 @@ pub(super) fn limits(kind: Kind, erosion_per_contact_max: f64) -> (f64, f64) {
 /// The hypothesis of a kind that explains most, of those whose window has at least so many contacts: a single
 /// outlier after the alarm is no explanation of the alarm.
 pub(super) fn best(
-    candidates: &[Candidate; COUNT],
+    candidates: &Candidates,
     kind: Kind,
     erosion_per_contact_max: f64,
     contacts_min: u32,
 ) -> Option<Explanation> {
-    let of_kind = candidates.iter().zip(ALL).enumerate().filter(|(_, (_, supposed))| supposed.kind == kind);
+    let of_kind = ALL.iter().enumerate().filter(|(_, supposed)| supposed.kind == kind);
     of_kind
-        .filter(|(_, (candidate, _))| candidate.evidence().contacts() >= contacts_min)
-        .filter_map(|(index, (candidate, _))| {
-            let fit = candidate.evidence().fit(limits(kind, erosion_per_contact_max))?;
+        .map(|(index, _)| (index, candidates.evidence(index)))
+        .filter(|(_, evidence)| evidence.contacts() >= contacts_min)
+        .filter_map(|(index, evidence)| {
+            let fit = evidence.fit(limits(kind, erosion_per_contact_max))?;
             Some(Explanation { index, fit })
         })
         .max_by(|a, b| a.fit.gain.total_cmp(&b.fit.gain))
 }
 
 impl Change {
-    pub(super) fn of(candidates: &[Candidate; COUNT], explained: &Explanation) -> Self {
-        let candidate = &candidates[explained.index];
+    pub(super) fn of(candidates: &Candidates, explained: &Explanation) -> Self {
         Self {
             kind: ALL[explained.index].kind,
             size: explained.fit.size,
             variance: explained.fit.variance,
-            lacking: candidate.lacking(),
-            contacts: candidate.evidence().contacts(),
+            lacking: candidates.lacking(explained.index),
+            contacts: candidates.contacts(explained.index),
         }
     }
 }

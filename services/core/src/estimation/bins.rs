@@ -4,8 +4,10 @@
 //! `ln(measured sensitivity / model's)` is kept, each contact compared at its own contact ratio and pressure,
 //! so that neither the slope within a bin nor a dithering regulator adds to the error.
 
+use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::counts;
 use crate::mechanics::CONTACT_RATIOS;
 use crate::units::ContactRatio;
 
@@ -13,12 +15,13 @@ use crate::units::ContactRatio;
 pub const WIDTH: f64 = 0.05;
 
 /// The mean log deviation from the model in one bin.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bin {
     contacts: u32,
-    weight: f64,
-    sum: f64,
-    ratios: f64,
+    /// Sum of the inverse of the contacts' noise variances.
+    weight: f32,
+    mean: f32,
+    mean_ratio: f32,
 }
 
 impl Bin {
@@ -31,19 +34,48 @@ impl Bin {
     /// Mean of ln(measured / model's sensitivity), weighted by the contacts' stated noise.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        if self.weight > 0.0 { self.sum / self.weight } else { 0.0 }
+        f64::from(self.mean)
     }
 
     /// Mean contact ratio of the contacts, weighted likewise: the outermost bins are half empty.
     #[must_use]
     pub fn mean_ratio(&self) -> f64 {
-        if self.weight > 0.0 { self.ratios / self.weight } else { 0.0 }
+        f64::from(self.mean_ratio)
     }
 
     /// Variance of the mean deviation; infinite while empty.
     #[must_use]
     pub fn variance(&self) -> f64 {
-        1.0 / self.weight
+        1.0 / f64::from(self.weight)
+    }
+
+    fn add(&mut self, ratio: f64, log_deviation: f64, weight: f64) {
+        let sum = f64::from(self.weight) + weight;
+        let nearer = |mean: f32, to: f64| (f64::from(mean) + (to - f64::from(mean)) * (weight / sum)) as f32;
+        self.contacts = self.contacts.saturating_add(1);
+        self.weight = sum as f32;
+        (self.mean, self.mean_ratio) = (nearer(self.mean, log_deviation), nearer(self.mean_ratio, ratio));
+    }
+}
+
+/// An empty one takes one byte.
+impl BorshSerialize for Bin {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        counts::write(self.contacts, writer)?;
+        if self.contacts > 0 {
+            (self.weight, self.mean, self.mean_ratio).serialize(writer)?;
+        }
+        Ok(())
+    }
+}
+
+impl BorshDeserialize for Bin {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut read = Self { contacts: counts::read(reader)?, ..Self::default() };
+        if read.contacts > 0 {
+            (read.weight, read.mean, read.mean_ratio) = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        Ok(read)
     }
 }
 
@@ -51,9 +83,45 @@ impl Bin {
 ///
 /// They wait for further contacts and not for what these say: whoever dropped contacts because of what followed
 /// would choose among them, and learn a biased response.
-#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Waiting {
-    contacts: Vec<(ContactRatio, f64, f64)>,
+    contacts: [Waits; Waiting::CONTACTS],
+    /// The next place, and how many are taken.
+    at: u8,
+    count: u8,
+}
+
+/// One contact that waits, with as many digits as an average of thousands can show.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+struct Waits {
+    /// The inverse of the noise variance, the upper half of a single's bits: 8 of digits.
+    weight: u16,
+    /// In 4096ths, at most 8 to either side: 2.4e-4 where contacts scatter by 0.03.
+    log_deviation: i16,
+    /// Contact ratio in 255ths.
+    ratio: u8,
+}
+
+const LOG_DEVIATION_STEPS: f64 = 4096.0;
+
+impl Waits {
+    fn new(ratio: ContactRatio, log_deviation: f64, noise_variance: f64) -> Self {
+        let weight = (1.0 / noise_variance) as f32;
+        Self {
+            ratio: (ratio.a() * f64::from(u8::MAX)).round() as u8,
+            weight: (weight.to_bits().saturating_add(1 << 15) >> 16) as u16,
+            log_deviation: (log_deviation * LOG_DEVIATION_STEPS).round() as i16,
+        }
+    }
+
+    fn counts(self, bins: &mut ResponseBins) {
+        let ratio = f64::from(self.ratio) / f64::from(u8::MAX);
+        let log_deviation = f64::from(self.log_deviation) / LOG_DEVIATION_STEPS;
+        let weight = f64::from(f32::from_bits(u32::from(self.weight) << 16));
+        if let Some(index) = ContactRatio::new(ratio).ok().and_then(ResponseBins::index) {
+            bins.bins[index].add(ratio, log_deviation, weight);
+        }
+    }
 }
 
 impl Waiting {
@@ -62,11 +130,42 @@ impl Waiting {
 
     /// Takes one contact in, as [`ResponseBins::add`] does; the one that has waited longest goes to the bins.
     pub fn add(&mut self, bins: &mut ResponseBins, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
-        if self.contacts.len() == Self::CONTACTS {
-            let (ratio, log_deviation, noise_variance) = self.contacts.remove(0);
-            bins.add(ratio, log_deviation, noise_variance);
+        let place = &mut self.contacts[usize::from(self.at) % Self::CONTACTS];
+        let longest = std::mem::replace(place, Waits::new(ratio, log_deviation, noise_variance));
+        if usize::from(self.count) == Self::CONTACTS {
+            longest.counts(bins);
+        } else {
+            self.count += 1;
         }
-        self.contacts.push((ratio, log_deviation, noise_variance));
+        self.at = (self.at + 1) % Self::CONTACTS as u8;
+    }
+
+    /// From the one that has waited longest on.
+    fn in_order(&self) -> impl Iterator<Item = &Waits> {
+        let first = usize::from(self.at) + Self::CONTACTS - usize::from(self.count);
+        (first..first + usize::from(self.count)).map(|at| &self.contacts[at % Self::CONTACTS])
+    }
+}
+
+impl BorshSerialize for Waiting {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        (self.at, self.count).serialize(writer)?;
+        self.in_order().try_for_each(|one| one.serialize(writer))
+    }
+}
+
+impl BorshDeserialize for Waiting {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let (at, count) = <(u8, u8)>::deserialize_reader(reader)?;
+        if usize::from(at) >= Self::CONTACTS || usize::from(count) > Self::CONTACTS {
+            return Err(Error::new(ErrorKind::InvalidData, "too many contacts wait"));
+        }
+        let mut read = Self { at, count, ..Self::default() };
+        let first = usize::from(at) + Self::CONTACTS - usize::from(count);
+        for place in first..first + usize::from(count) {
+            read.contacts[place % Self::CONTACTS] = Waits::deserialize_reader(reader)?;
+        }
+        Ok(read)
     }
 }
 
@@ -87,18 +186,14 @@ impl ResponseBins {
     /// Takes one contact in: its log deviation from the model and that deviation's noise variance.
     pub fn add(&mut self, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
         if let Some(index) = Self::index(ratio) {
-            let bin = &mut self.bins[index];
-            bin.contacts = bin.contacts.saturating_add(1);
-            bin.weight += 1.0 / noise_variance;
-            bin.sum += log_deviation / noise_variance;
-            bin.ratios += ratio.a() / noise_variance;
+            self.bins[index].add(ratio.a(), log_deviation, 1.0 / noise_variance);
         }
     }
 
     /// Every log deviation is another by this much: what was measured is brought to a new scale.
     pub fn shift(&mut self, log_shift: f64) {
-        for bin in &mut self.bins {
-            bin.sum += log_shift * bin.weight;
+        for bin in self.bins.iter_mut().filter(|bin| bin.contacts > 0) {
+            bin.mean = (f64::from(bin.mean) + log_shift) as f32;
         }
     }
 
@@ -134,9 +229,9 @@ mod tests {
     fn the_last_contacts_do_not_count_yet() {
         let (mut waiting, mut bins) = (Waiting::default(), ResponseBins::default());
         for k in 0..40 {
-            waiting.add(&mut bins, ContactRatio::TIP, f64::from(k), 1.0);
+            waiting.add(&mut bins, ContactRatio::TIP, 0.125 * f64::from(k), 1.0);
         }
         assert_eq!(bins.contacts(), 24);
-        assert_eq!(bins.bin(11).mean(), 11.5);
+        assert_eq!(bins.bin(11).mean(), 0.125 * 11.5);
     }
 }

@@ -18,10 +18,10 @@
 //! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
 
 use borsh::{BorshDeserialize, BorshSerialize};
-use nalgebra::{Matrix4, Vector4};
 
 use super::noise::{NoiseScale, SensorNoise};
 use super::outlier::{InnovationDensity, Seen};
+use super::symmetric::Symmetric;
 use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
@@ -83,7 +83,7 @@ impl Default for FilterParams {
 pub struct LengthFilter {
     whole_length_mm: f64,
     mean: [f64; STATES],
-    covariance: [[f64; STATES]; STATES],
+    covariance: Symmetric,
 }
 
 /// How far the state may wander from one contact to the next, as standard deviations.
@@ -157,11 +157,9 @@ impl LengthFilter {
     /// A whisker fresh from its factsheet: length known, offset not.
     #[must_use]
     pub fn new(whole_length: Millimetre, params: &FilterParams) -> Self {
-        let mut covariance = [[0.0; STATES]; STATES];
-        covariance[0][0] = params.offset_level.powi(2);
-        covariance[1][1] = params.offset_slope.powi(2);
-        covariance[LENGTH][LENGTH] = (params.length_mm / whole_length.mm()).powi(2);
-        covariance[BASELINE][BASELINE] = params.baseline_strain.powi(2);
+        let length = params.length_mm / whole_length.mm();
+        let prior = [params.offset_level, params.offset_slope, length, params.baseline_strain];
+        let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
         Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
     }
 
@@ -170,7 +168,7 @@ impl LengthFilter {
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
         anew.mean[LENGTH] = self.mean[LENGTH];
-        anew.covariance[LENGTH][LENGTH] = self.covariance[LENGTH][LENGTH];
+        anew.covariance.widen(LENGTH, self.covariance.variance(LENGTH) - anew.covariance.variance(LENGTH));
         anew
     }
 
@@ -181,8 +179,14 @@ impl LengthFilter {
         let by_model = MODEL_SLOPE_SD * self.mean[LENGTH];
         LengthEstimate {
             length: Millimetre::known(length_mm),
-            sd_mm: length_mm * (self.covariance[LENGTH][LENGTH].max(0.0) + by_model.powi(2)).sqrt(),
+            sd_mm: length_mm * (self.covariance.variance(LENGTH).max(0.0) + by_model.powi(2)).sqrt(),
         }
+    }
+
+    /// ln(length / whole length).
+    #[must_use]
+    pub fn log_length(&self) -> f64 {
+        self.mean[LENGTH]
     }
 
     /// Present offset from the model.
@@ -194,7 +198,7 @@ impl LengthFilter {
     /// Present baseline, m/m, and its standard deviation.
     #[must_use]
     pub fn baseline_strain(&self) -> (f64, f64) {
-        (self.mean[BASELINE], self.covariance[BASELINE][BASELINE].max(0.0).sqrt())
+        (self.mean[BASELINE], self.covariance.variance(BASELINE).max(0.0).sqrt())
     }
 
     /// Compares one contact with the prediction; changes nothing.
@@ -222,12 +226,12 @@ impl LengthFilter {
         // A = a (L + elongation), so d ln A / d ln L is a little under one.
         let elongated_mm = length.mm() + morphology.elongation_mm;
         let share = by_deflection / expected_strain;
-        let row = Vector4::new(
+        let row = [
             share,
             share * (contact.ratio.a() - Offset::CENTRE),
             share * log_slope * length.mm() / elongated_mm,
             1.0 / expected_strain,
-        );
+        ];
         let noise_variance = scale.variance() * noise.log_variance(expected_strain, contact.ratio, log_slope);
         Ok(self.innovation(residual, row, noise_variance, scale.density(), predicted))
     }
@@ -235,18 +239,18 @@ impl LengthFilter {
     fn innovation(
         &self,
         residual: f64,
-        row: Vector4<f64>,
+        row: [f64; STATES],
         noise_variance: f64,
         density: InnovationDensity,
         predicted: f64,
     ) -> Innovation {
-        let spread = Matrix4::from(self.covariance) * row;
-        let state_variance = row.dot(&spread);
+        let spread = self.covariance.times(&row);
+        let state_variance: f64 = row.iter().zip(spread).map(|(row, spread)| row * spread).sum();
         let variance = state_variance + noise_variance;
         let standardised = residual / variance.sqrt();
         let seen = density.at(standardised);
         let gain_noise_variance = noise_variance / seen.sound.max(LEAST_SOUND);
-        let gain = spread / (state_variance + gain_noise_variance);
+        let gain = spread.map(|spread| spread / (state_variance + gain_noise_variance));
         Innovation {
             residual,
             variance,
@@ -254,8 +258,8 @@ impl LengthFilter {
             standardised,
             density,
             seen,
-            row: row.into(),
-            gain: gain.into(),
+            row,
+            gain,
             gain_noise_variance,
             predicted_sensitivity_per_mm: predicted,
         }
@@ -263,16 +267,13 @@ impl LengthFilter {
 
     /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander.
     pub fn learn(&mut self, seen: &Innovation, wander: Wander) {
-        let gain = Vector4::from(seen.gain);
-        let mean = Vector4::from(self.mean) + gain * seen.residual;
-        let keep = Matrix4::identity() - gain * Vector4::from(seen.row).transpose();
-        let mut covariance = keep * Matrix4::from(self.covariance) * keep.transpose()
-            + gain * gain.transpose() * seen.gain_noise_variance;
-        covariance[(0, 0)] += wander.offset.powi(2);
-        covariance[(LENGTH, LENGTH)] += (wander.length_mm / self.whole_length_mm).powi(2);
-        covariance[(BASELINE, BASELINE)] += wander.baseline_strain.powi(2);
-        self.mean = mean.into();
-        self.covariance = covariance.into();
+        for (mean, gain) in self.mean.iter_mut().zip(seen.gain) {
+            *mean += gain * seen.residual;
+        }
+        self.covariance = self.covariance.after_reading(&seen.row, &seen.gain, seen.gain_noise_variance);
+        self.covariance.widen(0, wander.offset.powi(2));
+        self.covariance.widen(LENGTH, (wander.length_mm / self.whole_length_mm).powi(2));
+        self.covariance.widen(BASELINE, wander.baseline_strain.powi(2));
     }
 
     /// The noise turned out to be another: so is the variance of what was learned by averaging it away.
@@ -281,14 +282,10 @@ impl LengthFilter {
     pub fn rescale(&mut self, factor: f64, params: &FilterParams) {
         let prior = [params.offset_level, params.offset_slope, 0.0, params.baseline_strain];
         let by: [f64; STATES] = std::array::from_fn(|state| {
-            let told = self.covariance[state][state] < 0.5 * prior[state].powi(2);
+            let told = self.covariance.variance(state) < 0.5 * prior[state].powi(2);
             if told { factor.sqrt() } else { 1.0 }
         });
-        for (row, by_row) in self.covariance.iter_mut().zip(by) {
-            for (one, by_column) in row.iter_mut().zip(by) {
-                *one *= by_row * by_column;
-            }
-        }
+        self.covariance.scale(&by);
     }
 
     /// The state lacks `lacking` times `size`, of which the variance is given: a change was found.
@@ -296,26 +293,25 @@ impl LengthFilter {
     /// The model is linearised at the old length, so a tenth of the change of lambda is added to its standard
     /// deviation; the contacts that follow take that away again.
     pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) {
-        let lacking = Vector4::from(lacking);
-        let mean = Vector4::from(self.mean) + lacking * size;
-        let mut covariance = Matrix4::from(self.covariance) + lacking * lacking.transpose() * variance;
-        covariance[(LENGTH, LENGTH)] += (0.1 * size * lacking[LENGTH]).powi(2);
-        self.mean = mean.into();
-        self.covariance = covariance.into();
+        for (mean, lacks) in self.mean.iter_mut().zip(lacking) {
+            *mean += lacks * size;
+        }
+        self.covariance.add_square(&lacking, variance);
+        self.covariance.widen(LENGTH, (0.1 * size * lacking[LENGTH]).powi(2));
     }
 
     /// The pressure has moved for good: the model's error is another one now, the length is the same.
     pub fn pressure_moved(&mut self, by_mpa: f64, params: &FilterParams) {
         let sd = params.offset_per_mpa * by_mpa;
-        self.covariance[0][0] += sd.powi(2);
-        self.covariance[1][1] += sd.powi(2);
+        self.covariance.widen(0, sd.powi(2));
+        self.covariance.widen(1, sd.powi(2));
     }
 
     /// Every whisker of the array reads by about this much more or less, in log sensitivity: no length.
     ///
     /// How much of it this whisker's offset has taken up already is not known: it is learned anew.
     pub fn shared_shift(&mut self, log_shift: f64) {
-        self.covariance[0][0] += log_shift.powi(2);
-        self.covariance[1][1] += log_shift.powi(2);
+        self.covariance.widen(0, log_shift.powi(2));
+        self.covariance.widen(1, log_shift.powi(2));
     }
 }

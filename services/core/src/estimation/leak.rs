@@ -89,13 +89,14 @@ const CLOCK_SET_BACK: Micros = Micros(10_000_000);
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct LeakWatch {
     /// Readings before this, by the robot's clock, are not used.
-    quiet_from: Option<Micros>,
+    quiet_from: Micros,
     bin: Bin,
     open: Option<Stretch>,
     closed: Pool,
     refills: [Refills; 2],
     is_leaking: bool,
-    rate_per_s: Option<Interval>,
+    /// Mean and bounds.
+    rate_per_s: Option<[f32; 3]>,
 }
 
 /// Readings that are being averaged.
@@ -103,8 +104,8 @@ pub struct LeakWatch {
 struct Bin {
     since: Micros,
     readings: u32,
-    seconds: f64,
-    mpa: f64,
+    seconds: f32,
+    mpa: f32,
 }
 
 /// An interval in which the valves are shut.
@@ -112,25 +113,25 @@ struct Bin {
 struct Stretch {
     since: Micros,
     trend: Trend,
-    mpa: f64,
+    mpa: f32,
     /// The newest average but one, and the newest, which waits until it is known that no valve opened in it.
-    before_mpa: Option<f64>,
-    waiting: (f64, f64),
+    before_mpa: Option<f32>,
+    waiting: (f32, f32),
 }
 
 /// Sums over closed intervals, fading.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Pool {
-    intervals: f64,
-    seconds: f64,
-    weight: f64,
-    slope: f64,
-    squares: f64,
-    freedom: f64,
+    intervals: f32,
+    seconds: f32,
+    weight: f32,
+    slope: f32,
+    squares: f32,
+    freedom: f32,
     /// Sum of weight^2 times the variance that rounding may add to a slope.
-    rounding: f64,
+    rounding: f32,
     /// Sums of weight^2, weight^2 slope, weight^2 slope^2.
-    scatter: [f64; 3],
+    scatter: [f32; 3],
 }
 
 impl LeakWatch {
@@ -139,20 +140,20 @@ impl LeakWatch {
         self.close(params);
         self.bin = Bin::default();
         self.refills.iter_mut().for_each(Refills::interrupt);
-        self.quiet_from = Some(at.after(params.settling));
+        self.quiet_from = at.after(params.settling);
     }
 
     /// Whether no valve has moved on purpose for long enough.
     #[must_use]
     pub fn is_quiet(&self, at: Micros) -> bool {
-        self.quiet_from.is_none_or(|from| at >= from)
+        at >= self.quiet_from
     }
 
     /// Takes one reading of the pressure in, at a time of the robot's clock, while the setpoint is held. Old ones,
     /// which a robot sends again, change nothing.
     pub fn read(&mut self, params: &LeakParams, source: Source, at: Micros, pressure: Megapascal) {
         if source == Source::Status
-            && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from.unwrap_or_default())
+            && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from)
         {
             // Only contacts are sent again: the robot's clock was set back.
             *self = Self { closed: self.closed, is_leaking: self.is_leaking, ..Self::default() };
@@ -177,22 +178,22 @@ impl LeakWatch {
     fn take_bin(&mut self, params: &LeakParams) {
         let bin = std::mem::take(&mut self.bin);
         let count = f64::from(bin.readings);
-        let (since, mpa) = (bin.since, bin.mpa / count);
+        let (since, mpa, seconds) = (bin.since, f64::from(bin.mpa) / count, f64::from(bin.seconds) / count);
         if mpa < LEAST_MPA {
             return self.close(params);
         }
         let too_long = |open: &Stretch| since.since(open.since) >= params.interval_max;
         let leapt = |open: &Stretch| {
-            let refilled = |before_mpa: f64| mpa - before_mpa > JUMP_REFILLS * params.refill_mpa;
-            let vented = open.waiting.1 - mpa > VENT_REFILLS * params.refill_mpa;
+            let refilled = |before_mpa: f32| mpa - f64::from(before_mpa) > JUMP_REFILLS * params.refill_mpa;
+            let vented = f64::from(open.waiting.1) - mpa > VENT_REFILLS * params.refill_mpa;
             vented || refilled(open.waiting.1) || open.before_mpa.is_some_and(refilled)
         };
         if self.open.as_ref().is_some_and(|open| too_long(open) || leapt(open)) {
             self.close(params);
         }
         match &mut self.open {
-            Some(open) => open.follow(since.since(open.since).as_s() + bin.seconds / count, mpa),
-            None => self.open = Some(Stretch::new(since, bin.seconds / count, mpa)),
+            Some(open) => open.follow(since.since(open.since).as_s() + seconds, mpa),
+            None => self.open = Some(Stretch::new(since, seconds, mpa)),
         }
         self.judge(params);
     }
@@ -213,7 +214,7 @@ impl LeakWatch {
 
     /// States the rate, and calls a leak, or calls it over once all evidence is down to half of what it takes.
     fn judge(&mut self, params: &LeakParams) {
-        let Some(mpa) = self.open.as_ref().map(|open| open.mpa) else { return };
+        let Some(mpa) = self.open.as_ref().map(|open| f64::from(open.mpa)) else { return };
         let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
         let refilled = greatest(&|refills| refills.least_mpa_per_s(params.refill_mpa)) / mpa;
         let leaps = greatest(&Refills::least_leaps_per_s);
@@ -228,7 +229,8 @@ impl LeakWatch {
             // The line does not account for the refills: it is of the time before, or they outrun the readings.
             self.closed = Pool::default();
         }
-        self.rate_per_s = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
+        let told = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
+        self.rate_per_s = told.map(|rate| [rate.mean, rate.low, rate.high].map(|one| one as f32));
     }
 
     /// Whether the chamber is called leaking.
@@ -241,7 +243,7 @@ impl LeakWatch {
     /// interval; none until there is enough to tell, or when refills come too fast for the readings.
     #[must_use]
     pub fn rate_per_s(&self) -> Option<Interval> {
-        self.rate_per_s
+        self.rate_per_s.map(|rate| rate.map(f64::from)).map(|[mean, low, high]| Interval { mean, low, high })
     }
 
     fn fitted_rate_per_s(&self, params: &LeakParams) -> Option<Interval> {
@@ -260,29 +262,31 @@ impl Bin {
         }
         self.readings += 1;
         // A contact may come a little after a status that is younger.
-        self.seconds += at.since(self.since).as_s() - self.since.since(at).as_s();
-        self.mpa += mpa;
+        self.seconds += (at.since(self.since).as_s() - self.since.since(at).as_s()) as f32;
+        self.mpa += mpa as f32;
     }
 }
 
 impl Stretch {
     fn new(since: Micros, seconds: f64, mpa: f64) -> Self {
-        Self { since, trend: Trend::new(u32::MAX / 2), mpa, before_mpa: None, waiting: (seconds, mpa) }
+        let waiting = (seconds as f32, mpa as f32);
+        Self { since, trend: Trend::new(u32::MAX / 2), mpa: mpa as f32, before_mpa: None, waiting }
     }
 
     fn follow(&mut self, seconds: f64, mpa: f64) {
-        let waited = std::mem::replace(&mut self.waiting, (seconds, mpa));
-        self.trend.add(waited.0, waited.1.ln());
+        let waited = std::mem::replace(&mut self.waiting, (seconds as f32, mpa as f32));
+        self.trend.add(f64::from(waited.0), f64::from(waited.1).ln());
         self.before_mpa = Some(waited.1);
     }
 
     fn span_s(&self) -> f64 {
-        self.waiting.0
+        f64::from(self.waiting.0)
     }
 }
 
 impl Pool {
     fn fade(&mut self, keep: f64) {
+        let keep = keep as f32;
         for sum in [
             &mut self.intervals,
             &mut self.seconds,
@@ -299,44 +303,44 @@ impl Pool {
 
     fn add(&mut self, params: &LeakParams, open: &Stretch) {
         let Some(Slope { per_x, weight, squares, freedom }) = open.trend.slope() else { return };
-        let by_pressure = open.mpa.powi(2);
+        let mpa = f64::from(open.mpa);
+        let by_pressure = mpa.powi(2);
         let weight = by_pressure * weight;
         self.intervals += 1.0;
-        self.seconds += open.span_s();
-        self.weight += weight;
-        self.slope += weight * per_x;
-        self.squares += by_pressure * squares;
-        self.freedom += freedom;
+        self.seconds += open.span_s() as f32;
+        self.weight += weight as f32;
+        self.slope += (weight * per_x) as f32;
+        self.squares += (by_pressure * squares) as f32;
+        self.freedom += freedom as f32;
         // Rounding errors are uniform over a step, so that a line through a few of them is off by about a step over
         // the interval (1 / sqrt(12) times sqrt(12)): much less once the pressure falls through several steps.
-        let step = params.sensor_step_mpa / open.mpa;
+        let step = params.sensor_step_mpa / mpa;
         let fallen = per_x.abs() * open.span_s();
         let rounding = step / open.span_s().max(1.0) * (step / fallen.max(step));
-        self.rounding += (weight * rounding).powi(2);
+        self.rounding += (weight * rounding).powi(2) as f32;
         for (sum, power) in self.scatter.iter_mut().zip([1.0, per_x, per_x.powi(2)]) {
-            *sum += weight.powi(2) * power;
+            *sum += (weight.powi(2) * power) as f32;
         }
     }
 
     fn told(&self) -> Option<Interval> {
-        self.rate().filter(|_| self.seconds >= LEAST_S)
+        self.rate().filter(|_| f64::from(self.seconds) >= LEAST_S)
     }
 
     fn rate(&self) -> Option<Interval> {
-        let freedom = self.freedom + (self.intervals - 1.0).max(0.0);
-        if self.weight <= 0.0 || freedom < LEAST_FREEDOM {
+        let [intervals, weight, slope, squares, freedom, rounding] =
+            [self.intervals, self.weight, self.slope, self.squares, self.freedom, self.rounding].map(f64::from);
+        let all_freedom = freedom + (intervals - 1.0).max(0.0);
+        if weight <= 0.0 || all_freedom < LEAST_FREEDOM {
             return None;
         }
-        let slope = self.slope / self.weight;
-        let within = if self.freedom > 0.0 { self.squares / self.freedom / self.weight } else { 0.0 };
-        let [one, linear, square] = self.scatter;
-        let scatter = (square - 2.0 * slope * linear + slope.powi(2) * one).max(0.0) / self.weight.powi(2);
-        let between = if self.intervals >= INTERVALS_FOR_SCATTER {
-            scatter * self.intervals / (self.intervals - 1.0)
-        } else {
-            0.0
-        };
-        let within = within + self.rounding / self.weight.powi(2);
-        Interval::of(-slope, within.max(between), freedom)
+        let slope = slope / weight;
+        let within = if freedom > 0.0 { squares / freedom / weight } else { 0.0 };
+        let [one, linear, square] = self.scatter.map(f64::from);
+        let scatter = (square - 2.0 * slope * linear + slope.powi(2) * one).max(0.0) / weight.powi(2);
+        let between =
+            if intervals >= INTERVALS_FOR_SCATTER { scatter * intervals / (intervals - 1.0) } else { 0.0 };
+        let within = within + rounding / weight.powi(2);
+        Interval::of(-slope, within.max(between), all_freedom)
     }
 }

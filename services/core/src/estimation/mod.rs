@@ -15,8 +15,10 @@ pub mod noise;
 pub mod outlier;
 pub mod own_calibration;
 pub mod refill;
+mod single;
 pub mod smooth;
 pub mod spread;
+mod symmetric;
 pub mod trend;
 
 pub use bins::{Bin, ResponseBins, Waiting};

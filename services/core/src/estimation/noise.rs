@@ -50,13 +50,13 @@ impl SensorNoise {
 /// [`NoiseScale::MEMORY_CONTACTS`].
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct NoiseScale {
-    variance: f64,
-    contacts: f64,
+    variance: f32,
+    contacts: f32,
 }
 
 impl Default for NoiseScale {
     fn default() -> Self {
-        Self { variance: 1.0, contacts: Self::PRIOR_CONTACTS }
+        Self { variance: 1.0, contacts: Self::PRIOR_CONTACTS as f32 }
     }
 }
 
@@ -69,24 +69,26 @@ impl NoiseScale {
     /// Factor on the stated variance, dimensionless, between 1/16 and 16.
     #[must_use]
     pub fn variance(&self) -> f64 {
-        self.variance
+        f64::from(self.variance)
     }
 
     /// The density of an innovation that was standardised by this scale.
     #[must_use]
     pub fn density(&self) -> InnovationDensity {
-        InnovationDensity::learned_from(self.contacts)
+        InnovationDensity::learned_from(f64::from(self.contacts))
     }
 
-    /// Takes one standardised innovation in; call it only while nothing is suspected. `share` is that of the
-    /// noise in the innovation's variance, 0 to 1: what is not known of the state says nothing of the noise.
+    /// Takes one standardised innovation in; call it only while nothing is suspected. `sound` is its probability
+    /// of being no outlier by [`Self::density`], and `share` that of the noise in the innovation's variance, 0 to 1: what is
+    /// not known of the state says nothing of the noise.
     ///
     /// Returns the factor by which the scale's variance has changed.
-    pub fn learn(&mut self, standardised: f64, share: f64) -> f64 {
-        let before = self.variance;
-        let square = self.density().at(standardised).sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
-        self.contacts = (self.contacts + share).min(Self::MEMORY_CONTACTS);
-        self.variance = (before * (1.0 + share * (square - 1.0) / self.contacts)).clamp(0.0625, 16.0);
-        self.variance / before
+    pub fn learn(&mut self, standardised: f64, sound: f64, share: f64) -> f64 {
+        let before = self.variance();
+        let square = sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
+        self.contacts = (f64::from(self.contacts) + share).min(Self::MEMORY_CONTACTS) as f32;
+        let after = before * (1.0 + share * (square - 1.0) / f64::from(self.contacts));
+        self.variance = after.clamp(0.0625, 16.0) as f32;
+        self.variance() / before
     }
 }

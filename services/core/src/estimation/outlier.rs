@@ -7,6 +7,8 @@
 //! a likelihood ratio stays below some thousand whatever a single contact says, and an outlier says next to
 //! nothing about the length.
 
+use super::single;
+
 /// Share of contacts that are taken for outliers; it bounds what one contact can say.
 const OUTLIERS: f64 = 0.005;
 /// Their standard deviation in units of the noise.
@@ -30,6 +32,18 @@ pub struct Seen {
     pub sound: f64,
 }
 
+/// How many densities are asked for at once: the hypotheses of [`crate::detection`], and a few more.
+pub const LANES: usize = 20;
+
+/// Densities at several places, times sqrt(2 pi), and the probability of being no outlier at each.
+#[derive(Debug, Clone)]
+pub struct Densities {
+    /// The densities.
+    pub density: [f32; LANES],
+    /// Probabilities of being no outlier, 0 to 1.
+    pub sound: [f32; LANES],
+}
+
 impl InnovationDensity {
     /// `contacts` is what the noise's scale rests on.
     #[must_use]
@@ -48,6 +62,38 @@ impl InnovationDensity {
         // Far out both are tiny: never a division of zero by zero.
         if density > 1e-300 { Seen { density, sound: core / density } } else { Seen { density: 1e-300, sound: 0.0 } }
     }
+
+    /// The same at several places, to seven digits: it is asked for at every contact for every hypothesis. Beyond some
+    /// hundred standard deviations the density falls no further: there a contact tells nothing.
+    #[must_use]
+    pub fn at_each(&self, standardised: &[f32; LANES]) -> Densities {
+        let per_freedom = (1.0 / self.degrees_of_freedom) as f32;
+        let power = (-0.5 * (self.degrees_of_freedom + 1.0)) as f32;
+        let mut one = Densities { density: [0.0; LANES], sound: [0.0; LANES] };
+        for index in 0..LANES {
+            let square = least(standardised[index] * standardised[index], SQUARE_MAX);
+            let core = (1.0 - OUTLIERS) as f32 * single::exp(power * single::ln_one_plus(square * per_freedom));
+            let wide = single::exp(largest((-0.5 / (OUTLIER_SD * OUTLIER_SD)) as f32 * square, LEAST_LOG_WIDE));
+            let density = core + (OUTLIERS / OUTLIER_SD) as f32 * wide;
+            one.density[index] = density;
+            one.sound[index] = core / density;
+        }
+        one
+    }
+}
+
+/// Log of what an outlier's density falls to: far above the least of what a core's does.
+const LEAST_LOG_WIDE: f32 = -60.0;
+
+/// No standardised innovation is further out.
+const SQUARE_MAX: f32 = 1e12;
+
+fn largest(one: f32, other: f32) -> f32 {
+    if one > other { one } else { other }
+}
+
+fn least(one: f32, other: f32) -> f32 {
+    if one < other { one } else { other }
 }
 
 /// ln(1 + y), by its series where that is exact enough: it is asked for at every contact for every hypothesis.
@@ -76,6 +122,34 @@ mod tests {
         let density = InnovationDensity::learned_from(1e9);
         let seen = integral(|w| normal(w) * density.at(w).sound * w * w);
         assert!((seen - MEAN_SQUARE_SEEN).abs() < 2e-4, "{seen}");
+    }
+
+    #[test]
+    fn property_all_at_once_are_the_same_to_six_digits() {
+        for freedom in [3.0, 6.0, 60.0, 150.0, 4000.0, 1e6] {
+            let density = InnovationDensity::learned_from(freedom);
+            for step in 0..2000_u16 {
+                let at: [f32; LANES] =
+                    std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
+                let all = density.at_each(&at);
+                for (lane, at) in at.into_iter().enumerate() {
+                    let one = density.at(f64::from(at));
+                    let off = f64::from(all.density[lane]) / one.density - 1.0;
+                    assert!(off.abs() < 4e-6, "{freedom} {at}: {off}");
+                    assert!((f64::from(all.sound[lane]) - one.sound).abs() < 4e-6, "{freedom} {at}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn property_far_out_a_contact_tells_nothing() {
+        let density = InnovationDensity::learned_from(4000.0);
+        for at in [200.0, 1e3, 1e6, 1e15] {
+            let all = density.at_each(&std::array::from_fn(|lane| if lane == 0 { at } else { -0.9 * at }));
+            assert_eq!(all.density[0], all.density[1], "{at}");
+            assert!(all.density[0] > 0.0 && all.sound[0] < 1e-6, "{at}: {all:?}");
+        }
     }
 
     /// The likelihood ratio of any shift has a mean of at most one while nothing changes, up to the outliers

@@ -16,7 +16,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::units::Micros;
 
 /// Averages of so many readings are compared.
-const SCALES: [u32; 5] = [1, 2, 4, 8, 16];
+const SCALES: [u8; 5] = [1, 2, 4, 8, 16];
+/// The most of them.
+const LONGEST: u8 = 16;
 /// Time constant with which changes fade, in seconds.
 const MEMORY_S: f64 = 150.0;
 /// Nothing is told sooner, and counts are spread over no less, in seconds.
@@ -28,66 +30,79 @@ const LEAP_REFILLS: f64 = 1.5;
 /// ... between readings no further apart than this, in seconds.
 const LEAP_GAP_S: f64 = 2.5;
 /// A change by more than this many refills counts as so many: nothing that happens once weighs more.
-const CHANGE_MAX: f64 = 4.0;
+const CHANGE_MAX: f32 = 4.0;
 /// Lower bounds are so many standard deviations below the estimate. They are asked for again and again for as long
 /// as a chamber lives.
 const BOUND_SDS: f64 = 3.0;
 
 /// One source's readings: each is in order by itself.
-#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Refills {
-    last: Option<(Micros, f64)>,
+    /// When the last reading was, if anything is averaged.
+    last_at: Micros,
+    leaps: f32,
+    seconds: f32,
     scales: [Scale; SCALES.len()],
-    leaps: f64,
-    seconds: f64,
+    /// Readings since the last average of the longest scale.
+    readings: u8,
+    /// Scales that have an average already, one bit each.
+    averaged: u8,
 }
 
 /// Changes of averages over one number of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Scale {
-    readings: u32,
-    sum: f64,
-    last: Option<f64>,
-    cubes: f64,
-    squared_cubes: f64,
+    sum: f32,
+    /// The last average.
+    last: f32,
+    cubes: f32,
+    squared_cubes: f32,
 }
 
 impl Refills {
     /// What was between the readings before and those to come is not known.
     pub fn interrupt(&mut self) {
-        self.last = None;
+        (self.last_at, self.readings, self.averaged) = (Micros::default(), 0, 0);
         for scale in &mut self.scales {
-            (scale.readings, scale.sum, scale.last) = (0, 0.0, None);
+            (scale.sum, scale.last) = (0.0, 0.0);
         }
     }
 
     /// Takes one reading in. Those that are older than the last one change nothing.
     pub fn read(&mut self, refill_mpa: f64, at: Micros, mpa: f64) {
-        if self.last.is_some_and(|(before, _)| at.since(before).as_s() > GAP_MAX_S) {
+        let before = self.last_at;
+        if self.averaged != 0 && at.since(before).as_s() > GAP_MAX_S {
             self.interrupt();
         }
-        let refills = mpa / refill_mpa;
-        if let Some((before, before_refills)) = self.last {
+        let refills = (mpa / refill_mpa) as f32;
+        if self.averaged != 0 {
             if at <= before {
                 return;
             }
-            self.pass(at.since(before).as_s(), refills - before_refills);
+            // The averages over one reading are the readings.
+            self.pass(at.since(before).as_s(), refills - self.scales[0].last);
         }
-        self.last = Some((at, refills));
-        for (scale, readings) in self.scales.iter_mut().zip(SCALES) {
-            scale.add(readings, refills);
+        self.last_at = at;
+        self.readings += 1;
+        for (index, (scale, readings)) in self.scales.iter_mut().zip(SCALES).enumerate() {
+            scale.sum += refills;
+            if self.readings.is_multiple_of(readings) {
+                scale.take(f32::from(readings), self.averaged & 1 << index != 0);
+                self.averaged |= 1 << index;
+            }
         }
+        self.readings %= LONGEST;
     }
 
-    fn pass(&mut self, seconds: f64, leap: f64) {
-        let keep = (-seconds / MEMORY_S).exp();
+    fn pass(&mut self, seconds: f64, leap: f32) {
+        let keep = fading(seconds / MEMORY_S) as f32;
         self.leaps *= keep;
-        self.seconds = self.seconds * keep + seconds;
+        self.seconds = self.seconds * keep + seconds as f32;
         for scale in &mut self.scales {
             scale.cubes *= keep;
             scale.squared_cubes *= keep;
         }
-        if seconds <= LEAP_GAP_S && leap.abs() > LEAP_REFILLS {
+        if seconds <= LEAP_GAP_S && f64::from(leap.abs()) > LEAP_REFILLS {
             self.leaps += 1.0;
         }
     }
@@ -96,42 +111,46 @@ impl Refills {
     /// the least refill.
     #[must_use]
     pub fn least_mpa_per_s(&self, refill_mpa: f64) -> f64 {
-        if self.seconds < LEAST_S {
+        let seconds = f64::from(self.seconds);
+        if seconds < LEAST_S {
             return 0.0;
         }
-        refill_mpa * self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max) / self.seconds
+        refill_mpa * self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max) / seconds
     }
 
     /// Lower bound of the leaps per second.
     #[must_use]
     pub fn least_leaps_per_s(&self) -> f64 {
-        (self.leaps - BOUND_SDS * self.leaps.sqrt()).max(0.0) / self.seconds.max(LEAST_S)
+        let leaps = f64::from(self.leaps);
+        (leaps - BOUND_SDS * leaps.sqrt()).max(0.0) / f64::from(self.seconds).max(LEAST_S)
     }
 }
 
 impl Scale {
     /// Lower bound of the sum of refills.
     fn least_sum(&self) -> f64 {
-        let cubes = self.cubes - BOUND_SDS * self.squared_cubes.sqrt();
-        if cubes <= 0.0 {
+        let [cubes, squared_cubes] = [self.cubes, self.squared_cubes].map(f64::from);
+        let surely = cubes - BOUND_SDS * squared_cubes.sqrt();
+        if surely <= 0.0 {
             return 0.0;
         }
-        let size = (self.squared_cubes / self.cubes).cbrt().max(1.0);
-        cubes / size.powi(2)
+        let size = (squared_cubes / cubes).cbrt().max(1.0);
+        surely / size.powi(2)
     }
 
-    fn add(&mut self, readings: u32, refills: f64) {
-        self.readings += 1;
-        self.sum += refills;
-        if self.readings < readings {
-            return;
-        }
-        let mean = self.sum / f64::from(readings);
-        if let Some(last) = self.last {
-            let cube = (mean - last).clamp(-CHANGE_MAX, CHANGE_MAX).powi(3);
+    /// Ends an average.
+    fn take(&mut self, readings: f32, has_last: bool) {
+        let mean = self.sum / readings;
+        if has_last {
+            let cube = (mean - self.last).clamp(-CHANGE_MAX, CHANGE_MAX).powi(3);
             self.cubes += cube;
             self.squared_cubes += cube.powi(2);
         }
-        (self.readings, self.sum, self.last) = (0, 0.0, Some(mean));
+        (self.sum, self.last) = (0.0, mean);
     }
+}
+
+/// exp(-x), by its series where that is exact: it is asked for with every reading.
+fn fading(x: f64) -> f64 {
+    if x < 0.05 { 1.0 - x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0)))) } else { (-x).exp() }
 }

@@ -7,6 +7,7 @@
 //! uncertainty, and the scatter of the readings does not come into it. What still hangs together from block to
 //! block widens the interval by (1 + r) / (1 - r) of the variance, r being the correlation of neighbours.
 
+use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -15,20 +16,15 @@ pub const BLOCKS: usize = 16;
 /// A correlation of neighbouring blocks beyond this is not believed: too few blocks to tell.
 const CORRELATION_MAX: f64 = 0.8;
 
-/// The series' blocks.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+/// The series' blocks: means over so many readings each, the last one over as many as there are by now.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
-    blocks: Vec<Block>,
+    x: [f32; BLOCKS],
+    y: [f32; BLOCKS],
+    blocks: u8,
+    readings_in_last: u32,
     readings_per_block: u32,
     readings_per_block_max: u32,
-}
-
-/// Sums over one block.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-struct Block {
-    readings: u32,
-    x: f64,
-    y: f64,
 }
 
 /// A fitted line's slope with what it rests on.
@@ -61,7 +57,10 @@ impl Trend {
     #[must_use]
     pub fn new(readings_per_block_max: u32) -> Self {
         Self {
-            blocks: Vec::new(),
+            x: [0.0; BLOCKS],
+            y: [0.0; BLOCKS],
+            blocks: 0,
+            readings_in_last: 0,
             readings_per_block: 1,
             readings_per_block_max: readings_per_block_max.max(1).next_power_of_two(),
         }
@@ -69,64 +68,100 @@ impl Trend {
 
     /// Takes one reading in; x must not fall.
     pub fn add(&mut self, x: f64, y: f64) {
-        let full = self.blocks.last().is_none_or(|block| block.readings >= self.readings_per_block);
-        if full && self.blocks.len() == BLOCKS {
-            self.make_room();
+        if self.blocks == 0 || self.readings_in_last >= self.readings_per_block {
+            if usize::from(self.blocks) == BLOCKS {
+                self.make_room();
+            }
+            let new = usize::from(self.blocks);
+            (self.x[new], self.y[new]) = (0.0, 0.0);
+            (self.blocks, self.readings_in_last) = (self.blocks + 1, 0);
         }
-        if full {
-            self.blocks.push(Block::default());
-        }
-        if let Some(block) = self.blocks.last_mut() {
-            block.readings += 1;
-            block.x += x;
-            block.y += y;
-        }
+        self.readings_in_last += 1;
+        let (last, share) = (usize::from(self.blocks) - 1, 1.0 / f64::from(self.readings_in_last));
+        let nearer = |mean: f32, to: f64| (f64::from(mean) + (to - f64::from(mean)) * share) as f32;
+        (self.x[last], self.y[last]) = (nearer(self.x[last], x), nearer(self.y[last], y));
     }
 
     /// Longer blocks, or if they may not grow the oldest goes.
     fn make_room(&mut self) {
         if self.readings_per_block >= self.readings_per_block_max {
-            self.blocks.remove(0);
-            return;
+            self.x.copy_within(1.., 0);
+            self.y.copy_within(1.., 0);
+            self.blocks -= 1;
+        } else {
+            for one in [&mut self.x, &mut self.y] {
+                for pair in 0..BLOCKS / 2 {
+                    one[pair] = 0.5 * (one[2 * pair] + one[2 * pair + 1]);
+                }
+            }
+            self.readings_per_block *= 2;
+            self.blocks = (BLOCKS / 2) as u8;
         }
-        self.readings_per_block *= 2;
-        let merged = self.blocks.chunks(2).map(|pair| Block {
-            readings: pair.iter().map(|block| block.readings).sum(),
-            x: pair.iter().map(|block| block.x).sum(),
-            y: pair.iter().map(|block| block.y).sum(),
-        });
-        self.blocks = merged.collect();
+        self.readings_in_last = self.readings_per_block;
     }
 
     /// Readings that count.
     #[must_use]
     pub fn readings(&self) -> u32 {
-        self.blocks.iter().map(|block| block.readings).sum()
+        let full = u32::from(self.blocks.saturating_sub(1));
+        self.readings_per_block.saturating_mul(full).saturating_add(self.readings_in_last)
+    }
+
+    /// The blocks, each with its readings.
+    fn means(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+        let last = usize::from(self.blocks).saturating_sub(1);
+        let readings = move |at| f64::from(if at == last { self.readings_in_last } else { self.readings_per_block });
+        let blocks = self.x.iter().zip(&self.y).take(usize::from(self.blocks)).enumerate();
+        blocks.map(move |(at, (x, y))| (readings(at), f64::from(*x), f64::from(*y)))
     }
 
     /// The line's slope; none with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {
-        let readings = f64::from(self.readings());
-        let mean_x = self.blocks.iter().map(|block| block.x).sum::<f64>() / readings;
-        let mean_y = self.blocks.iter().map(|block| block.y).sum::<f64>() / readings;
-        let at: Vec<(f64, f64, f64)> = self
-            .blocks
-            .iter()
-            .map(|block| (f64::from(block.readings), block))
-            .map(|(count, block)| (count, block.x / count - mean_x, block.y / count - mean_y))
-            .collect();
-        let weight: f64 = at.iter().map(|(count, x, _)| count * x * x).sum();
-        if at.len() < 2 || weight <= 0.0 {
+        let sums = self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
+        let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
+        let at = || self.means().map(|(count, x, y)| (count, x - mean_x, y - mean_y));
+        let (weight, product) =
+            at().fold((0.0, 0.0), |(weight, product), (count, x, y)| (weight + count * x * x, product + count * x * y));
+        if self.blocks < 2 || weight <= 0.0 {
             return None;
         }
-        let per_x = at.iter().map(|(count, x, y)| count * x * y).sum::<f64>() / weight;
-        let residuals: Vec<f64> = at.iter().map(|(count, x, y)| count.sqrt() * (y - per_x * x)).collect();
-        let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
-        let neighbours: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        let correlation = if squares > 0.0 { unbiased(neighbours / squares, at.len() as f64) } else { 0.0 };
+        let per_x = product / weight;
+        let (mut squares, mut neighbours, mut before) = (0.0, 0.0, 0.0);
+        for (count, x, y) in at() {
+            let residual = count.sqrt() * (y - per_x * x);
+            squares += residual * residual;
+            neighbours += before * residual;
+            before = residual;
+        }
+        let blocks = f64::from(self.blocks);
+        let correlation = if squares > 0.0 { unbiased(neighbours / squares, blocks) } else { 0.0 };
         let squares = squares * (1.0 + correlation) / (1.0 - correlation);
-        Some(Slope { per_x, weight, squares, freedom: at.len() as f64 - 2.0 })
+        Some(Slope { per_x, weight, squares, freedom: blocks - 2.0 })
+    }
+}
+
+/// Only the blocks that are there.
+impl BorshSerialize for Trend {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        (self.blocks, self.readings_in_last, self.readings_per_block, self.readings_per_block_max).serialize(writer)?;
+        let blocks = self.x.iter().zip(&self.y).take(usize::from(self.blocks));
+        blocks.map(|(x, y)| (*x, *y)).try_for_each(|block| block.serialize(writer))
+    }
+}
+
+impl BorshDeserialize for Trend {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut read = Self::new(1);
+        (read.blocks, read.readings_in_last, read.readings_per_block, read.readings_per_block_max) =
+            BorshDeserialize::deserialize_reader(reader)?;
+        if usize::from(read.blocks) > BLOCKS {
+            return Err(Error::new(ErrorKind::InvalidData, "a series has too many blocks"));
+        }
+        for at in 0..usize::from(read.blocks) {
+            (read.x[at], read.y[at]) = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        Ok(read)
     }
 }
 
@@ -153,7 +188,34 @@ impl Interval {
         if freedom < 1.0 || !variance.is_finite() {
             return None;
         }
-        let half = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975) * variance.max(0.0).sqrt();
+        let half = student_t975(freedom)? * variance.max(0.0).sqrt();
         Some(Self { mean, low: mean - half, high: mean + half })
+    }
+}
+
+/// From so many degrees of freedom on a series is exact enough.
+const MANY: f64 = 8.0;
+
+/// The 97.5 % quantile of Student's t: it is asked for with every few readings of every pressure.
+fn student_t975(freedom: f64) -> Option<f64> {
+    if freedom < MANY {
+        return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));
+    }
+    // Cornish and Fisher's expansion in 1 / degrees of freedom (Abramowitz and Stegun 26.7.5) at the normal's 1.96.
+    Some([1.589_0, 2.556_0, 2.822_5, 2.372_3, 1.959_963_985].into_iter().reduce(|sum, one| sum / freedom + one)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn property_the_quantile_is_that_of_the_library() {
+        for k in 0..400 {
+            let freedom = 1.0 + 0.25 * f64::from(k);
+            let truth = StudentsT::new(0.0, 1.0, freedom).unwrap().inverse_cdf(0.975);
+            let off = student_t975(freedom).unwrap() / truth - 1.0;
+            assert!(off.abs() < 5e-5, "{freedom}: {off}");
+        }
     }
 }

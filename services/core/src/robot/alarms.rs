@@ -22,12 +22,16 @@ impl Standing {
 }
 
 impl Robot {
-    /// Raises what is due and does not stand, and clears what stands and is not due.
+    /// Raises what is due and does not stand, and clears what stands and is not due: of the whiskers that the step has
+    /// touched.
     pub(super) fn tell_alarms(&mut self, effects: &mut Vec<Effect>) {
         // Few wait for approval, and none where nobody has to approve: then this is empty.
         let waiting: Vec<WhiskerIndex> =
             self.compensations.iter().filter(|one| one.proposed).map(|one| one.target()).collect();
-        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
+        self.touched.sort_unstable();
+        for index in self.touched.drain(..).map(|index| index as usize) {
+            let whisker = &mut self.whiskers[index];
+            whisker.touched = false;
             let due = whisker.due(waiting.contains(&index));
             if due == whisker.standing {
                 continue;
@@ -41,6 +45,22 @@ impl Robot {
             let raised = slots.iter().filter_map(|&slot| due.0[slot]);
             effects.extend(raised.map(|kind| Effect::Alarm { whisker: index, kind }));
         }
+        let waits = |index: &WhiskerIndex| waiting.contains(index);
+        let told = |(index, one): (WhiskerIndex, &Whisker)| one.due(waits(&index)) == one.standing;
+        debug_assert!(self.whiskers.iter().enumerate().all(told), "a whisker was changed that was not touched");
+    }
+
+    /// What people are told of a whisker is to be looked at, at the end of this step.
+    pub(super) fn touch(&mut self, index: WhiskerIndex) {
+        let touched = &mut self.whiskers[index].touched;
+        if !std::mem::replace(touched, true) {
+            self.touched.push(index as u32);
+        }
+    }
+
+    /// The same of all whiskers.
+    pub(super) fn touch_all(&mut self) {
+        (0..self.whiskers.len()).for_each(|index| self.touch(index));
     }
 }
 

@@ -18,10 +18,12 @@ impl Robot {
             return;
         }
         let whisker = &mut self.whiskers[index];
-        whisker.desired = Some(desired);
+        whisker.desired = Some(Box::new(desired));
         whisker.attempts = 0;
         whisker.not_before = Micros::default();
         whisker.changed = true;
+        self.touch(index);
+        self.quiet.end();
     }
 
     /// Back to the nominal pressure, because a compensation is over.
@@ -97,6 +99,7 @@ impl Robot {
         whisker.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.epoch, version: self.next_version };
         self.next_version += 1;
+        self.changed = true;
         // The factsheet's limit and the paper's are kept here too, whatever was asked for.
         let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
         let way_mpa = (pressure.mpa() - whisker.air.setpoint.mpa()).abs();
@@ -119,7 +122,7 @@ impl Robot {
             resend_at: now.after(params.command.resend_after),
         };
         whisker.changed = true;
-        if let Some(replaced) = whisker.command.replace(flight) {
+        if let Some(replaced) = whisker.command.replace(Box::new(flight)) {
             effects.push(state_of(replaced.command.key, CommandState::Superseded));
         }
         effects.push(Effect::Command(Box::new(command)));
@@ -144,6 +147,8 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.given_up = true;
         whisker.changed = true;
+        self.touch(index);
+        let whisker = &mut self.whiskers[index];
         whisker.desired = None;
         whisker.holds = Holds::Known;
         // Also what is only proposed: it could not be carried out.

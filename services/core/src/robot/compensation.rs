@@ -118,6 +118,7 @@ impl Robot {
         if !std::mem::take(&mut self.undecided) {
             return;
         }
+        self.touch_all();
         self.end_broken(effects);
         for array in 0..self.arrays.len() {
             self.decide_array(params, array as u16, effects);
@@ -153,6 +154,7 @@ impl Robot {
         self.changed = true;
         self.undecided = true;
         self.whiskers[ended.target()].undecided = true;
+        self.whiskers[ended.target()].changed = true;
         effects.push(Effect::Ended { compensation: id, case: ended.case, reason });
         // Nothing was sent for a proposed one.
         if reason != EndReason::SetpointFailed && !ended.proposed {
@@ -213,11 +215,11 @@ impl Robot {
     /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
     fn ask(&self, params: &Params, target: WhiskerIndex) -> Vec<Asked> {
         let whisker = &self.whiskers[target];
-        let neighbours: &[u32] = match self.arrays[usize::from(whisker.array)].kind {
-            ArrayKind::Type1 => &whisker.neighbours,
+        let neighbours: &[u16] = match self.arrays[usize::from(whisker.array)].kind {
+            ArrayKind::Type1 => &whisker.sheet.neighbours,
             ArrayKind::Type2 => &[],
         };
-        let candidates = std::iter::once(target).chain(neighbours.iter().map(|&index| index as usize));
+        let candidates = std::iter::once(target).chain(neighbours.iter().filter_map(|&number| self.place(whisker.array, number)));
         candidates.map(|compensator| self.ask_one(params, target, compensator)).collect()
     }
 
@@ -261,6 +263,7 @@ impl Robot {
         self.whiskers[target].changed = true;
         let compensation = self.next_compensation;
         self.next_compensation += 1;
+        self.changed = true;
         let cases = cases_for_each(asked.len());
         let of_target: Vec<&Asked> = asked.iter().filter(|one| one.target == target).collect();
         let candidates: Vec<CandidateRecord> =

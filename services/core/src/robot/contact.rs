@@ -22,6 +22,7 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
+        self.touch(index);
         let suspicious = self.whiskers[index].detector.is_suspicious();
         let others = if suspicious { self.others_feel(index) } else { Others::Not };
         let whisker = &mut self.whiskers[index];
@@ -99,14 +100,14 @@ impl Robot {
             Kind::Shorter => {
                 whisker.jump(change);
                 if whisker.is_at_nominal_pressure() {
-                    whisker.whole_offset.get_or_insert(whisker.filter.offset());
+                    whisker.whole_offset.get_or_insert_with(|| Box::new(whisker.filter.offset()));
                 }
-                let before = whisker.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
-                whisker.pending_trim = Some(PendingTrim {
+                let before = whisker.pending_trim.as_ref().map_or(length_before_mm, |pending| pending.length_before_mm);
+                whisker.pending_trim = Some(Box::new(PendingTrim {
                     length_before_mm: before,
                     contacts_since_change: change.contacts,
                     contacts_since_confirmed: 0,
-                });
+                }));
             }
             Kind::Eroding => {
                 whisker.jump(change);
@@ -159,10 +160,12 @@ impl Robot {
         let Some(pending) = whisker.pending_trim.take() else { return };
         let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
+        whisker.changed = true;
         whisker.refused_servers.clear();
         self.undecided = true;
         let id = self.next_trim;
         self.next_trim += 1;
+        self.changed = true;
         effects.push(Effect::Trim(Trim {
             id,
             whisker: index,
@@ -181,6 +184,7 @@ impl Robot {
             self.undecided = true;
             // Only who is trimmed needs to be served.
             whisker.unserved = false;
+            whisker.changed = true;
             effects.push(Effect::Condition { whisker: index, from, to });
         }
     }

@@ -51,8 +51,8 @@ pub(super) struct GaugeWatch {
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Level {
     strain: f64,
-    deflection_mm: f64,
-    ratio: f64,
+    deflection_mm: f32,
+    ratio: f32,
     /// How often it came again from another contact, ...
     repeats: u8,
     /// ... and how often of these it was far above what the contact should give.
@@ -160,8 +160,8 @@ impl Level {
     fn new(contact: &Observation) -> Self {
         Self {
             strain: contact.strain,
-            deflection_mm: contact.deflection_mm,
-            ratio: contact.ratio.a(),
+            deflection_mm: contact.deflection_mm as f32,
+            ratio: contact.ratio.a() as f32,
             repeats: 0,
             far_above: 0,
             above: 0,
@@ -169,7 +169,7 @@ impl Level {
     }
 
     fn is_another(&self, contact: &Observation) -> bool {
-        (contact.deflection_mm / self.deflection_mm - 1.0).abs() > OTHER_DEFLECTION
-            || (contact.ratio.a() - self.ratio).abs() > OTHER_RATIO
+        (contact.deflection_mm / f64::from(self.deflection_mm) - 1.0).abs() > OTHER_DEFLECTION
+            || (contact.ratio.a() - f64::from(self.ratio)).abs() > OTHER_RATIO
     }
 }

@@ -18,6 +18,7 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let Some(index) = self.find(entry.array, entry.whisker) else { return };
+        self.touch(index);
         let whisker = &mut self.whiskers[index];
         whisker.heard = Some(now);
         whisker.changed = true;
@@ -31,6 +32,9 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
+        if whisker.air.unheld_since.is_some() {
+            self.quiet.end();
+        }
         self.refresh_fault(params, now, index, effects);
     }
 
@@ -75,6 +79,7 @@ impl Robot {
             return;
         }
         whisker.changed = true;
+        self.touch(index);
         effects.push(Effect::Fault { whisker: index, from, to });
         self.undecided = true;
     }

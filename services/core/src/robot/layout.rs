@@ -53,6 +53,7 @@ impl Robot {
             effects.extend(gone.gone(&names));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
+        self.index_places();
         for one in &mut self.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
@@ -125,8 +126,7 @@ impl Robot {
         old: &mut [Option<Whisker>],
         effects: &mut Vec<Effect>,
     ) {
-        let (at, first) = (self.arrays.len() as u16, self.whiskers.len() as u32);
-        let positions: BTreeMap<u16, u32> = array.whiskers.iter().map(|sheet| sheet.number).zip(first..).collect();
+        let at = self.arrays.len() as u16;
         for sheet in &array.whiskers {
             let index = self.whiskers.len();
             let from = moves.from[index];
@@ -140,7 +140,6 @@ impl Robot {
                 }
             };
             whisker.array = at;
-            whisker.neighbours = sheet.neighbours.iter().filter_map(|number| positions.get(number).copied()).collect();
             if let Some(flight) = &mut whisker.command {
                 flight.command.whisker = index;
             }
@@ -201,12 +200,11 @@ impl Whisker {
     fn renewed(self, sheet: WhiskerSheet, params: &Params) -> Self {
         let release = Desired { pressure: sheet.pressure, reason: Reason::Release, compensation: None, gain: None };
         let mut renewed = Self {
-            neighbours: self.neighbours,
             air: Air { learned_at: self.air.setpoint, ..self.air },
             fault: self.fault,
             heard: self.heard,
             // Dropped at once where that is held already.
-            desired: Some(release),
+            desired: Some(Box::new(release)),
             command: self.command,
             held: self.held,
             // For what is over to be told.

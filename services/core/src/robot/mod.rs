@@ -24,7 +24,9 @@ mod layout;
 mod measure;
 mod operator;
 pub mod params;
+mod places;
 mod prediction;
+mod quiet;
 mod rebaseline;
 pub mod refinement;
 pub mod sequence;
@@ -49,6 +51,8 @@ pub use whisker::Whisker;
 
 use crate::units::Micros;
 use event::{ArrayKind, Factsheet, Link};
+use places::Places;
+use quiet::Quiet;
 
 /// One robot: its numbers, its whiskers, its compensations.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -70,20 +74,27 @@ pub struct Robot {
     /// An operator holds all whiskers, also those that come later.
     held: bool,
     /// Since when this program listens: silence before that is not the robot's.
-    #[borsh(skip)]
     listening_since: Micros,
     /// When its factsheet was asked for last.
     #[borsh(skip)]
     factsheet_asked: Option<Micros>,
     /// It was taken up, not met for the first time: what its whiskers hold may have been set by commands that are not
     /// remembered here, because the database was restored or the state could not be read.
-    #[borsh(skip)]
     is_taken_up: bool,
     #[borsh(skip)]
     changed: bool,
     /// Stored one by one: see [`Robot::to_bytes`].
     #[borsh(skip)]
     whiskers: Vec<Whisker>,
+    /// Follows from the layout.
+    #[borsh(skip)]
+    places: Places,
+    /// Those whose alarms are to be looked at, at the end of this step.
+    #[borsh(skip)]
+    touched: Vec<u32>,
+    /// What a tick would find out anyway.
+    #[borsh(skip)]
+    quiet: Quiet,
 }
 
 /// An array of the factsheet.
@@ -145,6 +156,9 @@ impl Robot {
             is_taken_up: false,
             changed: true,
             whiskers: Vec::new(),
+            places: Places::default(),
+            touched: Vec::new(),
+            quiet: Quiet::default(),
         }
     }
 
@@ -152,6 +166,19 @@ impl Robot {
     ///
     /// `now` is the supervisor's clock. Effects are appended, so that the caller can use one buffer again.
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
+        let was_undecided = self.undecided;
+        match event {
+            Event::Contacts { .. } | Event::Status { .. } => self.quiet.not_beyond(now.after(params.health.stale_after)),
+            Event::Tick => {}
+            Event::Connection { .. }
+            | Event::Factsheet { .. }
+            | Event::Setpoint { .. }
+            | Event::Operator(_)
+            | Event::PolicyChanged => {
+                self.quiet.end();
+                self.touch_all();
+            }
+        }
         let outcome = match *event {
             Event::Connection { boot_id, link } => self.connection(params, now, boot_id, link, effects),
             Event::Factsheet { boot_id, factsheet } => self.factsheet(params, now, boot_id, factsheet, effects),
@@ -180,15 +207,13 @@ impl Robot {
                 Outcome::Taken
             }
             Event::Tick => {
-                for index in 0..self.whiskers.len() {
-                    self.refresh_fault(params, now, index, effects);
-                    self.reconcile(params, now, index, effects);
-                }
+                self.tick(params, now, effects);
                 Outcome::Taken
             }
         };
         self.decide(params, now, effects);
         self.tell_alarms(effects);
+        self.changed |= self.undecided != was_undecided;
         outcome
     }
 
@@ -199,6 +224,7 @@ impl Robot {
     fn heard_time(&mut self, robot_time: Micros) {
         if self.robot_time.is_none_or(|newest| robot_time > newest) {
             self.robot_time = Some(robot_time);
+            self.changed = true;
         }
     }
 
@@ -261,8 +287,10 @@ impl Robot {
         }
         // A whisker that the robot has and that never says anything becomes stale, too.
         for whisker in &mut self.whiskers {
+            whisker.changed |= whisker.heard.is_none();
             whisker.heard.get_or_insert(now);
         }
+        self.touch_all();
         Outcome::Taken
     }
 
@@ -275,7 +303,9 @@ impl Robot {
         contacts: &[event::Contact<'_>],
         effects: &mut Vec<Effect>,
     ) -> Outcome {
-        match self.sequences.admit(boot_id, seq, now) {
+        let (admission, changed) = self.sequences.admit(boot_id, seq, now);
+        self.changed |= changed;
+        match admission {
             Admission::New => {}
             Admission::Duplicate => {
                 self.changed |= self.has_gap(boot_id);
@@ -290,7 +320,6 @@ impl Robot {
                 return Outcome::NotYet(Admission::TooManyGaps);
             }
         }
-        self.changed = true;
         let newest = !self.is_old(boot_id);
         for (position, contact) in contacts.iter().enumerate() {
             if newest {

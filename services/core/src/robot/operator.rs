@@ -58,6 +58,7 @@ impl Robot {
         let (target, compensator) = (self.compensations[at].target(), self.compensations[at].compensator());
         let number = self.whiskers[compensator].sheet.number;
         self.whiskers[target].refused_servers.push(number);
+        self.whiskers[target].changed = true;
         self.end(id, EndReason::Refused, effects);
         Ok(())
     }
@@ -138,7 +139,8 @@ impl Robot {
         let running = running.map(|one| one.desired(Reason::Compensation(one.case)));
         let whisker = &mut self.whiskers[index];
         whisker.given_up = false;
-        let wanted = whisker.desired.take();
+        whisker.changed = true;
+        let wanted = whisker.desired.take().map(|wanted| *wanted);
         match running {
             // As it was wanted before: it may be a refinement.
             Some(own) => self.desire(index, wanted.filter(|one| one.compensation == own.compensation).unwrap_or(own)),

@@ -40,7 +40,6 @@ pub struct Sequence {
     /// Numbers of gaps that were given up.
     given_up: u64,
     /// Since when it is heard without closing the oldest gap.
-    #[borsh(skip)]
     standing_since: Option<Micros>,
 }
 
@@ -98,6 +97,11 @@ impl Sequence {
         }
         self.give_up_the_oldest();
         self.place(seq)
+    }
+
+    /// What may change also where nothing new is taken.
+    fn waits(&self) -> (u64, Option<Micros>, Option<Micros>) {
+        (self.next, self.blocked_since, self.standing_since)
     }
 
     /// A gap that stays open costs a robot that looks at the watermark only everything beyond it.
@@ -172,10 +176,14 @@ impl Sequences {
         }
     }
 
-    /// Takes a number in.
-    pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> Admission {
-        let found = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == boot_id);
-        found.map_or(Admission::UnknownBoot, |sequence| sequence.admit(seq, now))
+    /// Takes a number in; also whether anything has changed by that.
+    pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> (Admission, bool) {
+        let Some(sequence) = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == boot_id) else {
+            return (Admission::UnknownBoot, false);
+        };
+        let before = sequence.waits();
+        let admission = sequence.admit(seq, now);
+        (admission, admission == Admission::New || sequence.waits() != before)
     }
 
     /// Nothing could be heard meanwhile: no gap was left open by the robot until now.
@@ -240,11 +248,11 @@ mod tests {
     #[test]
     fn a_boot_without_factsheet_is_not_known() {
         let mut sequences = Sequences::default();
-        assert_eq!(sequences.admit("b1", 0, NOW), Admission::UnknownBoot);
+        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::UnknownBoot);
         sequences.begin("b1");
-        assert_eq!(sequences.admit("b1", 0, NOW), Admission::New);
+        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::New);
         sequences.begin("b1");
-        assert_eq!(sequences.admit("b1", 0, NOW), Admission::Duplicate, "a factsheet said again forgets nothing");
+        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::Duplicate, "a factsheet said again forgets nothing");
     }
 
     #[test]
@@ -280,7 +288,7 @@ mod tests {
 
         let mut sequences = Sequences { boots: vec![sequence(&[0, 10])] };
         sequences.wait_anew();
-        assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)), Admission::New);
+        assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)).0, Admission::New);
         assert_eq!(sequences.of("b").map(Sequence::given_up), Some(0));
     }
 }

@@ -139,20 +139,20 @@ impl super::Whisker {
 
     /// Whether a change may be the rest of the array's shift: then it is no length either, and taken out. True if so.
     pub(super) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
-        let Some(unsteady) = self.unsteady else { return false };
+        let Some(unsteady) = self.unsteady.take() else { return false };
         let lacking = change.lacking[LENGTH].abs().max(1.0);
         let log_shift = change.size * lacking * self.log_slope_with_length(model);
         let rest = log_shift.abs() <= REST_MAX * unsteady.log_shift;
         if rest {
             self.take_out(log_shift);
-            self.unsteady = Some(unsteady);
         }
+        self.unsteady = Some(unsteady);
         rest
     }
 
     fn take_out(&mut self, log_shift: f64) {
         self.filter.shared_shift(log_shift);
-        self.unsteady = Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
+        self.unsteady = Some(Box::new(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS }));
         self.whole.shift(log_shift);
         if let Some(offset) = &mut self.whole_offset {
             offset.level += log_shift;

@@ -6,7 +6,7 @@ use super::whisker::Holds;
 use crate::units::Micros;
 
 /// Raised with every change of what is stored: bytes of two versions may have the same length.
-const STATE_VERSION: u16 = 2;
+const STATE_VERSION: u16 = 3;
 
 impl Robot {
     /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
@@ -22,12 +22,25 @@ impl Robot {
         borsh::to_vec(self.whiskers.get(index)?).ok()
     }
 
-    /// The robot as it was stored, under a new epoch, listened to from `now` on. `whiskers` are in the order of
-    /// their indices.
+    /// The robot as it was stored, under a new epoch, listened to from `now` on: [`Robot::restore`], then
+    /// [`Robot::take_up`].
     ///
     /// # Errors
     /// The bytes are not from this version of the program.
     pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64, now: Micros) -> Result<Self, RestoreError> {
+        let mut robot = Self::restore(head, whiskers)?;
+        robot.take_up(epoch, now);
+        Ok(robot)
+    }
+
+    /// The robot exactly as it was stored: whatever has happened to it since, given to [`Robot::step`] again at the same
+    /// times, has the same effects and leaves the same bytes. `whiskers` are in the order of their indices.
+    ///
+    /// What is not stored makes no difference to that, but for when its factsheet was asked for last.
+    ///
+    /// # Errors
+    /// The bytes are not from this version of the program.
+    pub fn restore(head: &[u8], whiskers: &[Vec<u8>]) -> Result<Self, RestoreError> {
         let (version, mut robot): (u16, Self) = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
         if version != STATE_VERSION {
             return Err(RestoreError::Head);
@@ -39,9 +52,17 @@ impl Robot {
         if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
             return Err(RestoreError::Layout);
         }
-        robot.epoch = epoch;
-        robot.listening_since = now;
-        Ok(robot.taken_up())
+        robot.index_places();
+        Ok(robot)
+    }
+
+    /// Goes on under a new epoch, listening from `now` on: nothing is known of what was said meanwhile. It marks nothing as
+    /// changed: whoever restores the robot again takes it up again.
+    pub fn take_up(&mut self, epoch: u64, now: Micros) {
+        self.epoch = epoch;
+        self.is_taken_up = true;
+        self.whiskers.iter_mut().for_each(|one| one.holds = Holds::Unheard);
+        self.listen_from(now);
     }
 
     /// The robot as one that was supervised before, by a state that may be older than what its whiskers hold, or by one
@@ -49,6 +70,7 @@ impl Robot {
     #[must_use]
     pub fn taken_up(mut self) -> Self {
         self.is_taken_up = true;
+        self.whiskers.iter_mut().for_each(|one| one.holds = Holds::Unheard);
         self
     }
 
@@ -86,6 +108,13 @@ impl Robot {
     pub fn listen_from(&mut self, now: Micros) {
         self.listening_since = self.listening_since.max(now);
         self.sequences.wait_anew();
+        self.quiet.end();
+    }
+
+    /// Whether the head or a whisker has changed since that was last taken.
+    #[must_use]
+    pub fn has_changed(&self) -> bool {
+        self.changed || self.whiskers.iter().any(|one| one.changed)
     }
 
     /// Whether the head has changed since the last call.

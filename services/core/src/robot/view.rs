@@ -12,8 +12,8 @@ impl Robot {
     /// Index of a whisker.
     #[must_use]
     pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
-        let array = self.arrays.iter().position(|known| known.name == array)? as u16;
-        self.whiskers.iter().position(|one| one.array == array && one.sheet.number == number)
+        let array = self.arrays.iter().position(|known| known.name == array)?;
+        self.place(array as u16, number)
     }
 
     /// A whisker for people and the database.

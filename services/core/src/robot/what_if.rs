@@ -81,7 +81,7 @@ impl Robot {
         let one = self.whiskers.get_mut(index).ok_or(WhatIfError::UnknownWhisker(index))?;
         let estimate_mm = one.filter.length().length.mm();
         // A cut that is being looked into counts from its result on.
-        let present_mm = one.pending_trim.map_or(estimate_mm, |pending| pending.length_before_mm);
+        let present_mm = one.pending_trim.as_ref().map_or(estimate_mm, |pending| pending.length_before_mm);
         if length.mm() >= present_mm {
             return Err(WhatIfError::NotShorter { asked_mm: length.mm(), present_mm });
         }
@@ -89,7 +89,7 @@ impl Robot {
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
         one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0, 0.0]);
         if one.is_at_nominal_pressure() {
-            one.whole_offset.get_or_insert(one.filter.offset());
+            one.whole_offset.get_or_insert_with(|| Box::new(one.filter.offset()));
         }
         one.pending_trim = None;
         one.refused_servers.clear();

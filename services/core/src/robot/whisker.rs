@@ -22,8 +22,6 @@ use crate::units::{Megapascal, Micros};
 pub struct Whisker {
     pub(super) array: u16,
     pub(super) sheet: WhiskerSheet,
-    /// Indices of the neighbours in the robot.
-    pub(super) neighbours: Vec<u32>,
     pub(super) filter: LengthFilter,
     pub(super) noise: NoiseScale,
     pub(super) detector: Detector,
@@ -31,25 +29,25 @@ pub struct Whisker {
     pub(super) contacts: u64,
     pub(super) condition: Condition,
     /// A confirmed cut whose length is not certain enough yet to act on.
-    pub(super) pending_trim: Option<PendingTrim>,
+    pub(super) pending_trim: Option<Box<PendingTrim>>,
     /// Its response while whole, against the model at whole length.
     pub(super) whole: ResponseBins,
     /// Contacts that are not counted in it yet, and never will be if the whisker is not whole any more.
     pub(super) whole_waiting: Waiting,
     /// Its offset while whole at nominal pressure, once it is not any more.
-    pub(super) whole_offset: Option<Offset>,
+    pub(super) whole_offset: Option<Box<Offset>>,
     /// Its responses at the pressures where it served.
     pub(super) own: OwnCalibration,
     pub(super) air: Air,
     pub(super) leak: LeakWatch,
     pub(super) gauge: GaugeWatch,
     /// From the verdict that it erodes on.
-    pub(super) erosion: Option<ErosionWatch>,
+    pub(super) erosion: Option<Box<ErosionWatch>>,
     pub(super) fault: Option<Fault>,
     /// By the supervisor's clock.
     pub(super) heard: Option<Micros>,
-    pub(super) desired: Option<Desired>,
-    pub(super) command: Option<InFlight>,
+    pub(super) desired: Option<Box<Desired>>,
+    pub(super) command: Option<Box<InFlight>>,
     pub(super) attempts: u8,
     /// No new setpoint before this, by the supervisor's clock.
     pub(super) not_before: Micros,
@@ -59,7 +57,7 @@ pub struct Whisker {
     /// variance.
     pub(super) told_since_alarm: f64,
     /// The whole array has shifted, and may go on doing so.
-    pub(super) unsteady: Option<Unsteady>,
+    pub(super) unsteady: Option<Box<Unsteady>>,
     /// Its gauge's baseline drifts.
     pub(super) drifting: bool,
     /// People were told so.
@@ -76,14 +74,16 @@ pub struct Whisker {
     pub(super) refused_servers: Vec<u16>,
     /// What people were told and what is still so.
     pub(super) standing: Standing,
-    #[borsh(skip)]
     pub(super) holds: Holds,
     #[borsh(skip)]
     pub(super) changed: bool,
+    /// What people are told of it is to be looked at, at the end of this step.
+    #[borsh(skip)]
+    pub(super) touched: bool,
 }
 
 /// Whether a pressure is one that this program knows of, since it has the robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub(super) enum Holds {
     /// No word of it yet.
     #[default]
@@ -112,9 +112,9 @@ pub(super) struct Unsteady {
 }
 
 impl Unsteady {
-    fn after_contact(self) -> Option<Self> {
+    fn after_contact(&self) -> Option<Self> {
         let contacts_left = self.contacts_left.checked_sub(1)?;
-        Some(Self { contacts_left, ..self })
+        Some(Self { contacts_left, ..*self })
     }
 }
 
@@ -159,7 +159,6 @@ impl Whisker {
     pub(super) fn new(array: u16, sheet: WhiskerSheet, params: &Params) -> Self {
         Self {
             array,
-            neighbours: Vec::new(),
             filter: LengthFilter::new(sheet.length, &params.filter),
             noise: NoiseScale::default(),
             detector: Detector::default(),
@@ -199,6 +198,7 @@ impl Whisker {
             standing: Standing::default(),
             holds: Holds::default(),
             changed: true,
+            touched: false,
             sheet,
         }
     }
@@ -211,7 +211,7 @@ impl Whisker {
 
     /// Its offset from the model while whole at nominal pressure.
     pub(super) fn whole_offset(&self) -> Offset {
-        self.whole_offset.unwrap_or_else(|| self.filter.offset())
+        self.whole_offset.as_deref().copied().unwrap_or_else(|| self.filter.offset())
     }
 
     /// One contact: is it fit for use, what does it say, and has anything changed?
@@ -249,8 +249,7 @@ impl Whisker {
             self.learn_noise(params, seen);
             if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
                 // Against the model at whole length: the residual is against the present estimate.
-                let estimate = self.filter.length().length.mm();
-                let shift = seen.row[LENGTH] * (estimate / self.sheet.length.mm()).ln();
+                let shift = seen.row[LENGTH] * self.filter.log_length();
                 let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
                 // An outlier counts for what it is worth.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
@@ -262,7 +261,9 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         self.filter.learn(seen, self.wander(params));
-        self.unsteady = self.unsteady.and_then(Unsteady::after_contact);
+        if let Some(unsteady) = &self.unsteady {
+            self.unsteady = unsteady.after_contact().map(Box::new);
+        }
         self.shift_told &= self.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
@@ -270,7 +271,7 @@ impl Whisker {
     }
 
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
-        let factor = self.noise.learn(seen.standardised, seen.noise_variance / seen.variance);
+        let factor = self.noise.learn(seen.standardised, seen.seen.sound, seen.noise_variance / seen.variance);
         if self.condition == Condition::Learning {
             self.filter.rescale(factor, &params.filter);
         }
@@ -286,7 +287,7 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
-            offset: self.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
+            offset: self.unsteady.as_ref().map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
         }
     }
 
@@ -300,7 +301,7 @@ impl Whisker {
         let (target, max) = (self.target(), self.sheet.pressure_max);
         let watch = self.erosion.get_or_insert_with(|| {
             let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
-            ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm)
+            Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
         });
         watch.follow(&self.filter.length());
     }
@@ -325,7 +326,7 @@ impl Whisker {
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.whole_offset = Some(self.filter.offset());
+                self.whole_offset = Some(Box::new(self.filter.offset()));
             }
             self.filter.pressure_moved(moved_mpa, &params.filter);
             self.detector = Detector::default();

@@ -1,0 +1,114 @@
+//! A covariance of the filter's four states: of a symmetric matrix one half is enough, in single
+//! precision: it says how much is known, and a ten-millionth of that is nothing.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::filter::STATES;
+
+/// Entries on the diagonal and above it.
+const ENTRIES: usize = STATES * (STATES + 1) / 2;
+
+/// A symmetric matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub(super) struct Symmetric([f32; ENTRIES]);
+
+/// Where an entry is.
+const fn at(row: usize, column: usize) -> usize {
+    let (row, column) = if row < column { (row, column) } else { (column, row) };
+    row * (2 * STATES - row - 1) / 2 + column
+}
+
+/// Every entry once, as row and column.
+fn entries() -> impl Iterator<Item = (usize, usize)> {
+    (0..STATES).flat_map(|row| (row..STATES).map(move |column| (row, column)))
+}
+
+impl Symmetric {
+    /// These on the diagonal, 0 beside it.
+    pub(super) fn diagonal(entries: [f64; STATES]) -> Self {
+        let mut one = Self::default();
+        entries.into_iter().enumerate().for_each(|(state, value)| one.0[at(state, state)] = value as f32);
+        one
+    }
+
+    /// A variance.
+    pub(super) fn variance(&self, state: usize) -> f64 {
+        self.entry(state, state)
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.0[at(row, column)])
+    }
+
+    fn add(&mut self, row: usize, column: usize, more: f64) {
+        self.0[at(row, column)] = (self.entry(row, column) + more) as f32;
+    }
+
+    /// Adds to a variance.
+    pub(super) fn widen(&mut self, state: usize, variance: f64) {
+        self.add(state, state, variance);
+    }
+
+    /// The matrix times a column.
+    pub(super) fn times(&self, column: &[f64; STATES]) -> [f64; STATES] {
+        std::array::from_fn(|row| (0..STATES).map(|k| self.entry(row, k) * column[k]).sum())
+    }
+
+    /// Adds `column column^T` times a factor.
+    pub(super) fn add_square(&mut self, column: &[f64; STATES], factor: f64) {
+        for (row, other) in entries() {
+            self.add(row, other, column[row] * column[other] * factor);
+        }
+    }
+
+    /// Every row and every column times a factor of its own.
+    pub(super) fn scale(&mut self, by: &[f64; STATES]) {
+        for (row, column) in entries() {
+            self.0[at(row, column)] = (self.entry(row, column) * by[row] * by[column]) as f32;
+        }
+    }
+
+    /// After a reading, in Joseph's form, which keeps the matrix positive whatever the gain:
+    /// `(1 - gain row^T) P (1 - gain row^T)^T + gain gain^T noise`.
+    pub(super) fn after_reading(&self, row: &[f64; STATES], gain: &[f64; STATES], noise_variance: f64) -> Self {
+        let spread = self.times(row);
+        let kept = |i: usize, j: usize| self.entry(i, j) - gain[i] * spread[j];
+        let seen: [f64; STATES] = std::array::from_fn(|i| (0..STATES).map(|j| kept(i, j) * row[j]).sum());
+        let mut after = Self::default();
+        for (i, j) in entries() {
+            after.0[at(i, j)] = (kept(i, j) - seen[i] * gain[j] + gain[i] * gain[j] * noise_variance) as f32;
+        }
+        after
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix4, Vector4};
+
+    #[test]
+    fn property_it_is_what_full_matrices_give() {
+        let full = |one: &Symmetric| Matrix4::from_fn(|i, j| one.entry(i, j));
+        let mut one = Symmetric::diagonal([0.02, 0.04, 2e-3, 4e-4]);
+        let mut all = full(&one);
+        for step in 0..500 {
+            let wave = |k: u32| f64::from(step * (2 * k + 3) % 17) / 17.0 - 0.4;
+            let row = [1.0, wave(1), -3.0 + wave(2), wave(3)];
+            let (noise, wide) = (0.01 + 0.02 * (0.4 + wave(4)), if step % 5 == 0 { 3.0 } else { 1.0 });
+            let spread = all * Vector4::from(row);
+            assert!((spread - Vector4::from(one.times(&row))).norm() <= 1e-4 * spread.norm());
+            let gain = spread / (Vector4::from(row).dot(&spread) + wide * noise);
+            let keep = Matrix4::identity() - gain * Vector4::from(row).transpose();
+            all = keep * all * keep.transpose() + gain * gain.transpose() * noise;
+            one = one.after_reading(&row, &gain.into(), noise);
+            one.widen(2, 1e-6);
+            all[(2, 2)] += 1e-6;
+            one.add_square(&row, 1e-9);
+            all += Vector4::from(row) * Vector4::from(row).transpose() * 1e-9;
+            assert!((full(&one) - all).norm() <= 1e-4 * all.norm(), "{step}");
+            assert!(full(&one).symmetric_eigenvalues().min() > 0.0, "{step}");
+        }
+        assert_eq!(one.variance(2), one.entry(2, 2));
+    }
+}

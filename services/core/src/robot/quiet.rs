@@ -1,0 +1,63 @@
+//! Until when a tick has nothing to do: most robots are heard in time and hold what they shall hold.
+//!
+//! With time alone a whisker falls silent, a pressure is not held for too long, and a setpoint is sent, sent again or
+//! expires. Where nothing is under way, a look at all whiskers tells when the first of these can be; it is told anew after
+//! anything that could bring it nearer.
+
+use super::Robot;
+use super::effect::{Effect, WhiskerIndex};
+use super::params::Params;
+use super::whisker::Whisker;
+use crate::units::Micros;
+
+/// From the last look at all whiskers until the first of them can have something to be done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Quiet(Option<(Micros, Micros)>);
+
+impl Quiet {
+    /// The next tick looks at all whiskers.
+    pub(super) fn end(&mut self) {
+        self.0 = None;
+    }
+
+    /// Something can have to be done after `until`.
+    pub(super) fn not_beyond(&mut self, until: Micros) {
+        if let Some((_, known)) = &mut self.0 {
+            *known = until.min(*known);
+        }
+    }
+
+    fn holds(self, now: Micros) -> bool {
+        self.0.is_some_and(|(from, until)| from <= now && now <= until)
+    }
+}
+
+impl Robot {
+    /// Time has passed.
+    pub(super) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        if self.quiet.holds(now) {
+            return;
+        }
+        for index in 0..self.whiskers.len() {
+            self.refresh_fault(params, now, index, effects);
+            self.reconcile(params, now, index, effects);
+        }
+        let each = |index: WhiskerIndex| self.whiskers[index].quiet_until(params, now, self.listening_since);
+        let until = (0..self.whiskers.len()).map(each).try_fold(Micros(u64::MAX), |least, one| Some(least.min(one?)));
+        self.quiet = Quiet(until.map(|until| (now, until)));
+    }
+}
+
+impl Whisker {
+    /// Until when nothing comes about by time alone; none if something is under way.
+    fn quiet_until(&self, params: &Params, now: Micros, listening_since: Micros) -> Option<Micros> {
+        if self.desired.is_some() || self.command.is_some() {
+            return None;
+        }
+        let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));
+        let unheld = self.air.unheld_since.map(|since| since.after(params.health.unheld_after));
+        // What has come about already stays as it is.
+        let to_come = [silent, unheld].into_iter().flatten().filter(|&at| now <= at);
+        Some(to_come.min().unwrap_or(Micros(u64::MAX)))
+    }
+}
