@@ -198,9 +198,7 @@ fn step(robot: &mut Robot, params: &Params, now: Micros, said: &Said) -> Vec<Eff
     match said {
         Said::Connection(boot, link) => tell(&Event::Connection { boot_id: BOOTS[*boot], link: *link }),
         Said::Factsheet(boot) => tell(&Event::Factsheet { boot_id: BOOTS[*boot], factsheet: &factsheet() }),
-        Said::Contacts(boot, seq, contacts) => {
-            tell(&Event::Contacts { boot_id: BOOTS[*boot], seq: *seq, contacts })
-        }
+        Said::Contacts(boot, seq, contacts) => tell(&Event::Contacts { boot_id: BOOTS[*boot], seq: *seq, contacts }),
         Said::Status(boot, robot_time, whiskers) => {
             tell(&Event::Status { boot_id: BOOTS[*boot], robot_time: *robot_time, whiskers })
         }
@@ -287,7 +285,11 @@ impl Life {
         assert_eq!(Store::all_of(&robot), self.stored[from]);
         for at in from + 1..self.told.len() {
             let (now, said) = &self.told[at];
-            assert_eq!(step(&mut robot, &self.params, *now, said), self.effects[at], "from {from}, event {at}: {said:?}");
+            assert_eq!(
+                step(&mut robot, &self.params, *now, said),
+                self.effects[at],
+                "from {from}, event {at}: {said:?}"
+            );
             assert_eq!(Store::all_of(&robot), self.stored[at], "from {from}, event {at}: {said:?}");
         }
     }

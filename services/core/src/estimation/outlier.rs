@@ -70,8 +70,8 @@ impl InnovationDensity {
         let per_freedom = (1.0 / self.degrees_of_freedom) as f32;
         let power = (-0.5 * (self.degrees_of_freedom + 1.0)) as f32;
         let mut one = Densities { density: [0.0; LANES], sound: [0.0; LANES] };
-        for index in 0..LANES {
-            let square = least(standardised[index] * standardised[index], SQUARE_MAX);
+        for (index, &standardised) in standardised.iter().enumerate() {
+            let square = least(standardised * standardised, SQUARE_MAX);
             let core = (1.0 - OUTLIERS) as f32 * single::exp(power * single::ln_one_plus(square * per_freedom));
             let wide = single::exp(largest((-0.5 / (OUTLIER_SD * OUTLIER_SD)) as f32 * square, LEAST_LOG_WIDE));
             let density = core + (OUTLIERS / OUTLIER_SD) as f32 * wide;
@@ -129,8 +129,7 @@ mod tests {
         for freedom in [3.0, 6.0, 60.0, 150.0, 4000.0, 1e6] {
             let density = InnovationDensity::learned_from(freedom);
             for step in 0..2000_u16 {
-                let at: [f32; LANES] =
-                    std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
+                let at: [f32; LANES] = std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
                 let all = density.at_each(&at);
                 for (lane, at) in at.into_iter().enumerate() {
                     let one = density.at(f64::from(at));

@@ -118,7 +118,8 @@ impl Trend {
     /// The line's slope; none with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {
-        let sums = self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
+        let sums =
+            self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
         let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
         let at = || self.means().map(|(count, x, y)| (count, x - mean_x, y - mean_y));
         let (weight, product) =
@@ -202,7 +203,7 @@ fn student_t975(freedom: f64) -> Option<f64> {
         return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));
     }
     // Cornish and Fisher's expansion in 1 / degrees of freedom (Abramowitz and Stegun 26.7.5) at the normal's 1.96.
-    Some([1.589_0, 2.556_0, 2.822_5, 2.372_3, 1.959_963_985].into_iter().reduce(|sum, one| sum / freedom + one)?)
+    [1.589_0, 2.556_0, 2.822_5, 2.372_3, 1.959_963_985].into_iter().reduce(|sum, one| sum / freedom + one)
 }
 
 #[cfg(test)]

@@ -74,34 +74,11 @@ impl Robot {
         self
     }
 
-    /// The robot as it was read, to be given what it was given after it was stored: it goes on as the one that was stored
-    /// did, to which no pressure is stray. To be ended by [`Self::caught_up`].
-    #[must_use]
-    pub fn going_on(mut self) -> Self {
-        self.is_taken_up = false;
-        self
-    }
-
-    /// The robot after all of it: taken up from here.
-    #[must_use]
-    pub fn caught_up(mut self) -> Self {
-        for whisker in &mut self.whiskers {
-            whisker.holds = Holds::Unheard;
-        }
-        self.taken_up()
-    }
-
     /// Whether the robot has told what each whisker holds since it was taken up. Until then a status may undo a stray
     /// pressure, which the same status would not do again to the robot as it was stored.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         !self.is_taken_up || self.whiskers.iter().all(|whisker| whisker.holds == Holds::Known)
-    }
-
-    /// Whether anything has changed since [`Self::take_changed`] and [`Self::take_changed_whiskers`].
-    #[must_use]
-    pub fn has_changed(&self) -> bool {
-        self.changed || self.whiskers.iter().any(|whisker| whisker.changed)
     }
 
     /// Says that nothing could be heard before: whatever was silent until then was not silent by itself.

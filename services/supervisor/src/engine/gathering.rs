@@ -114,6 +114,7 @@ impl Gathering {
         }
         let is_taken = outcome == Outcome::Taken;
         let is_kept = is_ordinary
+            && known.stored != Stored::Before
             && match event {
                 // Also what is not taken can give up a gap.
                 Event::Contacts { boot_id, .. } if is_taken || known.robot.has_gap(boot_id) => {

@@ -39,6 +39,8 @@ pub(super) enum Stored {
     Journal(i64),
     /// Its state will be written by the next transaction.
     Next,
+    /// Its state as it was before it was taken up here: nothing is added to that.
+    Before,
 }
 
 impl Known {
@@ -57,17 +59,16 @@ impl Known {
         }
     }
 
-    /// A robot as it was stored. Bytes of another version of the program cannot be used: then it starts anew, without the
+    /// A robot exactly as it was stored, not taken up yet. Bytes of another version of the program cannot be used: then it starts anew, without the
     /// alarms that stood, and all of it is held if anything of it was.
-    pub(super) fn take_up(
+    pub(super) fn as_stored(
         name: Name,
         stored: StoredRobot,
         epoch: u64,
         params: &Params,
         gathering: &mut Gathering,
     ) -> Self {
-        let restored =
-            stored.state.as_ref().map(|state| Robot::from_bytes(state, &stored.whisker_states, epoch, wall_clock()));
+        let restored = stored.state.as_ref().map(|state| Robot::restore(state, &stored.whisker_states));
         let (robot, whisker_ids) = match restored {
             Some(Ok(robot)) => (robot, stored.whisker_ids),
             Some(Err(problem)) => {
@@ -84,8 +85,14 @@ impl Known {
             }
             None => (Robot::new(epoch, stored.numbers), Vec::new()),
         };
-        let stated = survey::Stated::of(&robot, params);
-        Self { whisker_ids, boots: stored.boots, stated, ..Self::new(name, stored.robot_id, robot) }
+        Self { whisker_ids, boots: stored.boots, ..Self::new(name, stored.robot_id, robot) }
+    }
+
+    /// From here on it is supervised under a new epoch.
+    pub(super) fn begin(&mut self, epoch: u64, params: &Params) {
+        self.robot.take_up(epoch, wall_clock());
+        self.stated = survey::Stated::of(&self.robot, params);
+        self.stored = Stored::Before;
     }
 
     /// The number of a boot, 0 if it has none.

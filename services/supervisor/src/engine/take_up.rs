@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use tracing::{error, info};
+use vibrissa_core::robot::Event;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
-use vibrissa_core::robot::{Event, Numbers, Robot};
 use vibrissa_protocol::Name;
 
 use super::gathering::{Gathering, is_ordinary};
@@ -48,7 +48,7 @@ pub(super) async fn take_up(writer: &mut Writer, lease: &Lease, shards: &mut [Sh
             entries += journey.go_through(*number, bytes, shards);
         }
     }
-    journey.arrive(shards);
+    journey.arrive(lease.epoch(), shards);
     if entries > 0 {
         let seconds = begun.elapsed().as_secs_f64();
         info!(fleet = %lease.fleet(), entries, seconds, "went through the journal");
@@ -69,7 +69,7 @@ impl Journey {
         let shard = &mut shards[at];
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
         let params = shard.gathering.params.clone();
-        let known = Known::take_up(name.clone(), stored, epoch, &params, &mut shard.gathering);
+        let known = Known::as_stored(name.clone(), stored, epoch, &params, &mut shard.gathering);
         if !known.whisker_ids.is_empty() {
             let follower = Follower {
                 name: name.clone(),
@@ -103,30 +103,22 @@ impl Journey {
         count
     }
 
-    /// All are as they were at the last commit: they are taken up from here, and their states written.
-    fn arrive(&self, shards: &mut [Shard]) {
-        for follower in self.followers.values().filter(|follower| follower.has_gone_on) {
-            follower.with_robot(&mut shards[follower.shard], Robot::caught_up);
-            let Shard { robots, gathering } = &mut shards[follower.shard];
-            if let Some(known) = robots.get_mut(&follower.name) {
-                gathering.store_next(known);
+    /// All are as they were at the last commit: they are taken up from here, and what came from the journal is written.
+    fn arrive(&self, epoch: u64, shards: &mut [Shard]) {
+        for Shard { robots, gathering } in shards {
+            for known in robots.values_mut() {
+                known.begin(epoch, &gathering.params);
+                if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
+                    gathering.store_next(known);
+                }
             }
         }
     }
 }
 
 impl Follower {
-    fn with_robot(&self, shard: &mut Shard, change: impl FnOnce(Robot) -> Robot) {
-        if let Some(known) = shard.robots.get_mut(&self.name) {
-            let robot = std::mem::replace(&mut known.robot, Robot::new(0, Numbers::default()));
-            known.robot = change(robot);
-        }
-    }
-
     fn go_on(&mut self, entry: &Entry, shard: &mut Shard) {
-        if !std::mem::replace(&mut self.has_gone_on, true) {
-            self.with_robot(shard, Robot::going_on);
-        }
+        self.has_gone_on = true;
         let Some(known) = shard.robots.get_mut(&self.name) else { return };
         let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
         match &entry.told {

@@ -125,15 +125,6 @@ impl Inbox {
         }
     }
 
-    /// Takes the next messages, at most so many; waits for one. 0 when no more can come.
-    pub async fn recv_many(&mut self, taken: &mut Vec<Incoming>, most: usize) -> usize {
-        let before = taken.len();
-        let count = self.messages.recv_many(taken, most).await;
-        let bytes = taken[before..].iter().map(|one| weight(&one.topic, &one.payload)).sum();
-        self.bytes.fetch_sub(bytes, Ordering::Relaxed);
-        count
-    }
-
     /// Whether nothing waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
