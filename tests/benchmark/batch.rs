@@ -22,8 +22,9 @@ const LEAST_SHARE: f64 = 0.65;
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
     let sqlite = Store::Sqlite(bench.stage.folder.path().join("batch.sqlite3"));
+    let stores = [Store::postgres().await, sqlite];
     let mut subjects = Vec::new();
-    for store in [Store::postgres().await, sqlite] {
+    for store in &stores {
         let subject = Subject::start(bench, &broker, store, PART).await?;
         let mut first = arguments(1, CONTACTS, FIRST_MESSAGES);
         first.push(("learn", LEARN.to_string()));
@@ -33,7 +34,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let (mut plain, mut cpus) = (Vec::new(), Vec::new());
     let mut round = 0;
     while bench.has_time_for(round) {
-        if let Store::Postgres(server) = &subjects[0].0.store {
+        if let Store::Postgres(server) = &stores[0] {
             plain.push(unnest::rows_per_s(server, Duration::from_secs_f64(bench.pace.burst_s / 2.0)).await?);
             bench.line(PART, round, json!({ "subject": "unnest", "contacts_per_s": plain[round] }))?;
         }

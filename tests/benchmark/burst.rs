@@ -22,11 +22,11 @@ const MESSAGES_MAX: f64 = 1e6;
 const NULL_FLEET: &str = "null";
 
 /// A supervisor with its database.
-pub struct Subject {
+pub struct Subject<'a> {
     /// Its fleet.
     pub fleet: String,
     /// Its database.
-    pub store: Store,
+    pub store: &'a Store,
     /// It.
     pub supervisor: Supervisor,
 }
@@ -41,11 +41,11 @@ pub struct Burst {
     pub duplicated: i64,
 }
 
-impl Subject {
-    /// Starts one of each database.
-    pub async fn start(bench: &Bench, broker: &Mosquitto, store: Store, part: &str) -> anyhow::Result<Self> {
+impl<'a> Subject<'a> {
+    /// Starts a supervisor for a fleet that is called after the part and the database.
+    pub async fn start(bench: &Bench, broker: &Mosquitto, store: &'a Store, part: &str) -> anyhow::Result<Self> {
         let fleet = format!("{part}-{}", store.name().to_lowercase());
-        let supervisor = Supervisor::start(&bench.stage, broker, &store, &fleet).await?;
+        let supervisor = Supervisor::start(&bench.stage, broker, store, &fleet).await?;
         Ok(Self { fleet, store, supervisor })
     }
 
@@ -147,8 +147,9 @@ pub async fn run(bench: &mut Bench, qos: u8) -> anyhow::Result<()> {
     bench.say(&format!("{part}: {} whiskers learn", ROBOTS * WHISKERS));
     let broker = stage::broker();
     let sqlite = Store::Sqlite(bench.stage.folder.path().join(format!("{part}.sqlite3")));
+    let stores = [Store::postgres().await, sqlite];
     let mut subjects = Vec::new();
-    for store in [Store::postgres().await, sqlite] {
+    for store in &stores {
         let subject = Subject::start(bench, &broker, store, part).await?;
         let mut first = arguments(qos, 1, FIRST_MESSAGES);
         first.push(("learn", LEARN.to_string()));

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::burst::{Burst, Subject, messages};
 use crate::report::{Figure, Target, median};
-use crate::stage::{self, Store, Supervisor};
+use crate::stage::{self, Store};
 use crate::{Bench, usage};
 
 /// Whiskers in all, and of each robot.
@@ -47,18 +47,14 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let mut round = 0;
     while bench.has_time_for(round) {
         for scale in &mut scales {
-            let fleet = format!("{PART}-{}", scale.whiskers);
-            let supervisor = Supervisor::start(&bench.stage, &broker, &scale.store, &fleet).await?;
+            let subject = Subject::start(bench, &broker, &scale.store, &scale.part()).await?;
             if round > 0 {
-                scale.ready_s.push(supervisor.ready_s);
+                scale.ready_s.push(subject.supervisor.ready_s);
             }
-            let store = std::mem::replace(&mut scale.store, Store::Sqlite(Default::default()));
-            let subject = Subject { fleet, store, supervisor };
             let burst = subject.burst(&broker, &arguments(scale.whiskers, messages(&bench.pace, scale.rate))).await?;
             bench.report.line(PART, round, burst.json(&format!("{} whiskers", scale.whiskers)))?;
-            scale.take(&burst);
             subject.supervisor.stop().await?;
-            scale.store = subject.store;
+            scale.take(&burst);
             bench.say(&format!(
                 "{PART}, round {}: {} whiskers {:.0}/s, known within {:.1} s",
                 round + 1,
@@ -70,21 +66,22 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         round += 1;
     }
     if let Some(last) = scales.last_mut() {
-        let fleet = format!("{PART}-{}", last.whiskers);
-        let supervisor = Supervisor::start(&bench.stage, &broker, &last.store, &fleet).await?;
+        let supervisor = Subject::start(bench, &broker, &last.store, &last.part()).await?.supervisor;
         last.ready_s.push(supervisor.ready_s);
         let peak_mib = usage::of_tree(supervisor.pid()).peak_mib;
-        bench.line(
-            PART,
-            round,
-            json!({ "restart_s": supervisor.ready_s, "whiskers": last.whiskers, "peak_mib": peak_mib }),
-        )?;
+        let line = json!({ "restart_s": supervisor.ready_s, "whiskers": last.whiskers, "peak_mib": peak_mib });
+        bench.line(PART, round, line)?;
         supervisor.stop().await?;
     }
     rows(bench, &scales)
 }
 
 impl Scale {
+    /// What its fleet is called after.
+    fn part(&self) -> String {
+        format!("{PART}-{}", self.whiskers)
+    }
+
     fn take(&mut self, burst: &Burst) {
         self.rate = burst.loaded.messages_per_s();
         self.rates.push(self.rate);

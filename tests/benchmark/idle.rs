@@ -14,10 +14,8 @@ const PART: &str = "idle";
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     bench.say(&format!("{PART}: {ROBOTS} robots, a message a second each"));
     let broker = stage::broker();
-    for (store, target) in [
-        (Store::postgres().await, Target::AtMost(2.0)),
-        (Store::Sqlite(bench.stage.folder.path().join("idle.sqlite3")), Target::AtMost(2.0)),
-    ] {
+    let sqlite = Store::Sqlite(bench.stage.folder.path().join("idle.sqlite3"));
+    for store in [&Store::postgres().await, &sqlite] {
         let subject = Subject::start(bench, &broker, store, PART).await?;
         let mut told = arguments(0, 1, (ROBOTS * SECONDS) as u64);
         told.push(("rate", ROBOTS.to_string()));
@@ -36,7 +34,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         bench.row(
             PART,
             &format!("{name}: supervisor's CPU of a core"),
-            target,
+            Target::AtMost(2.0),
             Figure(share("supervisor"), "%"),
             beside,
         )?;

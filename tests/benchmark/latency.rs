@@ -36,7 +36,7 @@ struct Series {
 /// Measures.
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
-    let mut store = Store::postgres().await;
+    let store = Store::postgres().await;
     let mut floor: Vec<u64> = Vec::new();
     let mut series = RATES.map(|_| Series::default());
     let mut round = 0;
@@ -54,7 +54,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         drop(responder);
         for ((rate, ..), series) in RATES.into_iter().zip(&mut series) {
             // A fleet of its own each time, whose whiskers are whole.
-            let subject = Subject::start(bench, &broker, store, &format!("{PART}-{rate}-{round}")).await?;
+            let subject = Subject::start(bench, &broker, &store, &format!("{PART}-{rate}-{round}")).await?;
             let messages = (rate as f64 * bench.pace.latency_s) as u64;
             let burst = subject.burst(&broker, &arguments(rate, messages)).await?;
             let report = &burst.loaded.report;
@@ -76,7 +76,6 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
             series.wrong += burst.lost.abs() + burst.duplicated;
             series.cpus.push(burst.loaded.cpu_s_per_million("supervisor"));
             subject.supervisor.stop().await?;
-            store = subject.store;
         }
         round += 1;
     }

@@ -99,8 +99,20 @@ struct Pace {
     latency_s: f64,
     /// Most whiskers.
     whiskers_max: usize,
-    /// No new round begins after that.
-    ends: Instant,
+    /// Of what its budget gives to a part, the share.
+    budget: f64,
+}
+
+impl Part {
+    /// How long it may take before it begins no other round, seconds; all of them together are nine minutes.
+    fn budget_s(self) -> f64 {
+        match self {
+            Self::Burst | Self::BurstQos0 | Self::Batch => 90.0,
+            Self::Flat => 150.0,
+            Self::Latency => 90.0,
+            Self::Idle => 30.0,
+        }
+    }
 }
 
 /// What all parts use.
@@ -108,6 +120,8 @@ struct Bench {
     stage: Stage,
     pace: Pace,
     report: Report,
+    /// When the part in hand began, and how long it may take.
+    part: (Instant, Duration),
 }
 
 impl Bench {
@@ -127,19 +141,13 @@ impl Bench {
             // Kept when the folder goes.
             None => tempfile::Builder::new().prefix("vibrissa-bench-").suffix(".jsonl").tempfile()?.keep()?.1,
         };
-        let now = Instant::now();
         let pace = if arguments.quick {
-            Pace { rounds: 1, burst_s: 2.0, latency_s: 4.0, whiskers_max: 10_000, ends: now + Duration::from_secs(110) }
+            Pace { rounds: 1, burst_s: 2.0, latency_s: 4.0, whiskers_max: 10_000, budget: 0.2 }
         } else {
-            Pace {
-                rounds: 3,
-                burst_s: 3.5,
-                latency_s: 8.0,
-                whiskers_max: 100_000,
-                ends: now + Duration::from_secs(540),
-            }
+            Pace { rounds: 3, burst_s: 3.5, latency_s: 8.0, whiskers_max: 100_000, budget: 1.0 }
         };
-        Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)? })
+        let part = (Instant::now(), Duration::ZERO);
+        Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)?, part })
     }
 
     /// Says what goes on.
@@ -147,9 +155,11 @@ impl Bench {
         eprintln!("bench: {text}");
     }
 
-    /// Whether there is time for one more round, after those that there were.
+    /// Whether there is time for one more round of the part in hand, if it takes as long as those that there were.
     fn has_time_for(&self, round: usize) -> bool {
-        round < self.pace.rounds && (round == 0 || Instant::now() < self.pace.ends)
+        let (begun, budget) = self.part;
+        let of_one = begun.elapsed() / u32::try_from(round.max(1)).unwrap_or(u32::MAX);
+        round < self.pace.rounds && (round == 0 || begun.elapsed() + of_one < budget)
     }
 
     fn line(&mut self, part: &str, round: usize, measured: Value) -> anyhow::Result<()> {
@@ -209,6 +219,7 @@ async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<(
 async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
     for part in Part::value_variants().iter().filter(|part| only.is_empty() || only.contains(part)) {
         let begun = Instant::now();
+        bench.part = (begun, Duration::from_secs_f64(part.budget_s() * bench.pace.budget));
         match part {
             Part::Burst => burst::run(bench, 1).await,
             Part::BurstQos0 => burst::run(bench, 0).await,

@@ -111,6 +111,13 @@ impl Store {
     }
 }
 
+/// Whether the fleet's robots are heard and answered. A supervisor that has not taken up any fleet yet calls itself ready as well.
+async fn is_ready(http: SocketAddr, fleet: &str) -> bool {
+    let heard = format!("vibrissa_broker_connected{{fleet=\"{fleet}\"}} 1");
+    matches!(web::try_get(http, "/metrics").await, Ok((200, text)) if text.contains(&heard))
+        && matches!(web::try_get(http, "/readyz").await, Ok((200, _)))
+}
+
 /// A supervisor that is ready.
 pub struct Supervisor {
     process: Process,
@@ -135,7 +142,7 @@ impl Supervisor {
             log: log.clone(),
         });
         let mut supervisor = Self { process, ready_s: 0.0 };
-        while !matches!(web::try_get(http, "/readyz").await, Ok((200, _))) {
+        while !is_ready(http, fleet).await {
             let said = || std::fs::read_to_string(&log).unwrap_or_default();
             ensure!(supervisor.process.ended_already().is_none(), "the supervisor has ended: {}", said());
             ensure!(begun.elapsed() < READY_PATIENCE, "the supervisor does not become ready: {}", said());
