@@ -261,6 +261,12 @@ impl Mosquitto {
         self.port
     }
 
+    /// Its process.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.process.id()
+    }
+
     /// How many lines of its log hold that text.
     ///
     /// # Panics

@@ -61,6 +61,12 @@ impl Postgres {
         self.port
     }
 
+    /// Its process, whose children serve connections; none while it is down.
+    #[must_use]
+    pub fn pid(&self) -> Option<u32> {
+        self.process.as_ref().map(Child::id)
+    }
+
     /// Its database's URL as seen through that port of 127.0.0.1: its own, or that of a proxy before it.
     #[must_use]
     pub fn url(port: u16) -> String {

@@ -58,6 +58,15 @@ impl Process {
         self.running = Some(child);
     }
 
+    /// Its process id.
+    ///
+    /// # Panics
+    /// It does not run.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.running.as_ref().expect("a running process").id()
+    }
+
     /// Sends it a signal: SIGSTOP and SIGCONT freeze and revive it.
     ///
     /// # Panics

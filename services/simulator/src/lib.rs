@@ -5,13 +5,14 @@
 //! for byte. Outside of it, [`Fleet`] drives robots over real MQTT by the wall clock.
 //!
 //! Read in this order: [`scenario`] (what is simulated), [`plant`] and [`regulator`] (a whisker's
-//! physics), [`robot`] (the contract), [`fleet`] (the network).
+//! physics), [`robot`] (the contract), [`fleet`] (the network). [`load`] is another thing: many messages, made cheaply.
 
 mod commands;
 mod driver;
 pub mod fleet;
 mod journal;
 mod link;
+pub mod load;
 pub mod outbox;
 pub mod plant;
 mod random;

@@ -3,16 +3,19 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_simulator::load::{self, LoadPlan};
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 
 /// A fleet of simulated robots with soft whisker arrays, over MQTT 5.
 #[derive(Debug, Parser)]
-#[command(name = "vibrissa-simulator", version)]
+#[command(name = "vibrissa-simulator", version, subcommand_negates_reqs = true, args_conflicts_with_subcommands = true)]
 struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// The broker: mqtt://host[:1883], or mqtts://host[:8883] for TLS
     #[arg(long, env = "VIBRISSA_MQTT_URL", default_value = "mqtt://127.0.0.1:1883", hide_env_values = true)]
     mqtt_url: String,
@@ -26,14 +29,22 @@ struct Arguments {
     #[arg(long, env = "VIBRISSA_MQTT_CA_FILE", value_name = "FILE")]
     mqtt_ca_file: Option<PathBuf>,
     /// What to simulate, in TOML
-    #[arg(long, env = "VIBRISSA_SCENARIO", value_name = "FILE")]
-    scenario: PathBuf,
+    #[arg(long, env = "VIBRISSA_SCENARIO", value_name = "FILE", required = true)]
+    scenario: Option<PathBuf>,
     /// A rule of the contract that the robots break, to test what tests robots; a wrong name tells all that there are
     #[arg(long, value_name = "FAULT")]
     misbehave: Option<Misbehaviour>,
     /// What to log, such as info or vibrissa_simulator=debug
     #[arg(long, env = "VIBRISSA_LOG", default_value = "info")]
     log: EnvFilter,
+}
+
+/// What else it can do.
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Makes load: contacts messages of many robots, as fast as they go or on a schedule, until all are receipted; then
+    /// prints what came of it as one line of JSON
+    Load(LoadPlan),
 }
 
 impl Arguments {
@@ -53,13 +64,23 @@ impl Arguments {
     }
 }
 
-#[tokio::main]
-async fn main() -> anyhow::Result<()> {
+fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
+    if let Some(Command::Load(plan)) = arguments.command {
+        // One thread: what the generator takes is taken from what it measures.
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        println!("{}", serde_json::to_string(&runtime.block_on(load::run(plan, load::say_prepared))?)?);
+        return Ok(());
+    }
+    tokio::runtime::Runtime::new()?.block_on(simulate(arguments))
+}
+
+async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     let broker = arguments.broker()?;
     tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(std::io::stderr).init();
-    let path = arguments.scenario.display();
-    let text = std::fs::read_to_string(&arguments.scenario).with_context(|| format!("cannot read {path}"))?;
+    let scenario = arguments.scenario.as_ref().context("--scenario is missing")?;
+    let path = scenario.display();
+    let text = std::fs::read_to_string(scenario).with_context(|| format!("cannot read {path}"))?;
     let mut scenario = Scenario::from_toml_str(&text).with_context(|| format!("cannot simulate {path}"))?;
 
     if arguments.misbehave.is_some() {

@@ -6,6 +6,8 @@
     reason = "a test that cannot go on has failed, and it picks the messages that it waits for"
 )]
 
+mod load;
+
 use std::collections::BTreeSet;
 
 use vibrissa_protocol::{

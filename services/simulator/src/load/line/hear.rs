@@ -1,0 +1,100 @@
+//! What comes back: acknowledgements, receipts, setpoints, requests.
+
+use std::io;
+
+use tokio::time::Instant;
+use vibrissa_protocol::{Receipt, Request, RequestKind, RobotTopic, Setpoint};
+
+use super::Line;
+use crate::fleet::now_us;
+use crate::load::packet::{self, Inbound, Incoming};
+
+impl Line {
+    /// Takes what there is to read.
+    pub(super) fn read(&mut self) -> io::Result<()> {
+        match self.stream.try_read(self.inbound.space()) {
+            Ok(0) => return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the broker has ended the connection")),
+            Ok(count) => self.inbound.filled(count),
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(()),
+            Err(error) => return Err(error),
+        }
+        let mut inbound = std::mem::replace(&mut self.inbound, Inbound::none());
+        let mut taken = Ok(());
+        while let (Ok(()), Some(packet)) = (&taken, inbound.next_packet()?) {
+            taken = self.take(packet);
+        }
+        self.inbound = inbound;
+        taken
+    }
+
+    fn take(&mut self, packet: Incoming<'_>) -> io::Result<()> {
+        match packet {
+            Incoming::ConnAck(0) | Incoming::SubAck | Incoming::PingResponse => {
+                self.waited_for = self.waited_for.saturating_sub(1);
+                self.heard = Instant::now();
+            }
+            Incoming::ConnAck(code) => return Err(io::Error::other(format!("the broker does not let us in ({code})"))),
+            Incoming::PubAck => {
+                self.in_flight = self.in_flight.saturating_sub(1);
+                self.heard = Instant::now();
+            }
+            Incoming::Publish { topic, id, payload } => {
+                if let Some(id) = id {
+                    packet::acknowledge(&mut self.out, id);
+                }
+                self.hear(topic, payload);
+            }
+        }
+        Ok(())
+    }
+
+    /// What a supervisor says to one of the robots; anything else is passed over.
+    fn hear(&mut self, topic: &[u8], payload: &[u8]) {
+        let now_us = now_us();
+        let mut levels = topic.rsplit(|&byte| byte == b'/');
+        let (kind, robot) = (levels.next().unwrap_or_default(), levels.next().unwrap_or_default());
+        let number =
+            robot.strip_prefix(b"r").and_then(|digits| std::str::from_utf8(digits).ok()?.parse::<usize>().ok());
+        let at = number
+            .and_then(|number| number.checked_sub(self.index))
+            .map(|number| number / self.common.plan.connections);
+        let Some(at) = at.filter(|&at| at < self.robots.len()) else { return };
+        if kind == RobotTopic::Receipt.as_str().as_bytes() {
+            self.hear_receipt(at, payload, now_us);
+        } else if kind == RobotTopic::Setpoint.as_str().as_bytes() {
+            self.hear_setpoint(at, payload, now_us);
+        } else if let Ok(request) = serde_json::from_slice::<Request>(payload) {
+            match request.request {
+                RequestKind::Factsheet => {
+                    let factsheet = self.robots[at].factsheet(now_us);
+                    self.publish(at, RobotTopic::Factsheet, &factsheet);
+                }
+                RequestKind::Status => self.publish_status(at, now_us),
+            }
+        }
+    }
+
+    fn hear_receipt(&mut self, at: usize, payload: &[u8], now_us: u64) {
+        let Ok(receipt) = serde_json::from_slice::<Receipt>(payload) else { return };
+        if receipt.robot_boot_id != self.common.boot_id {
+            return;
+        }
+        let covered = self.robots[at].outbox.receipt(now_us, receipt.next, &receipt.held);
+        if covered > 0 {
+            self.uncovered -= covered;
+            self.counts.receipted += covered as u64;
+            self.counts.last_receipt_us = now_us;
+            self.heard = Instant::now();
+        }
+    }
+
+    fn hear_setpoint(&mut self, at: usize, payload: &[u8], now_us: u64) {
+        let Ok(setpoint) = serde_json::from_slice::<Setpoint>(payload) else { return };
+        let Some((whisker, answers)) = self.robots[at].apply(&setpoint, now_us) else { return };
+        self.counts.setpoints += 1;
+        self.counts.latencies_us.extend(self.robots[at].cuts.take(whisker, &setpoint, now_us));
+        for answer in answers {
+            self.publish(at, RobotTopic::SetpointState, &answer);
+        }
+    }
+}

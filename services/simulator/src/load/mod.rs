@@ -1,0 +1,111 @@
+//! Load: as many contacts messages of as many robots as a broker takes, made as cheaply as it can be done.
+//!
+//! Unlike [`crate::Fleet`], robots share connections, their chambers obey at once, and what ordinary whiskers read is drawn from
+//! readings made before. What they keep is the contract: births and factsheets first, numbers without gaps, a boot of its own
+//! for each run, statuses, answers to setpoints and requests, and sending again by receipt until everything is receipted.
+//!
+//! Read in this order: [`plan`], [`texts`] and [`robots`] (what is said), [`kept`] (what is sent again), `line` (how), [`cuts`].
+
+pub mod cuts;
+pub mod kept;
+mod line;
+pub mod packet;
+pub mod plan;
+mod report;
+pub mod robots;
+pub mod texts;
+
+use std::io;
+use std::sync::Arc;
+
+use vibrissa_protocol::BootId;
+
+pub use plan::{BadPlan, LoadPlan, Quality};
+pub use report::LoadReport;
+
+use crate::fleet::{Broker, CannotStart, now_us};
+use line::{Common, Line, Task};
+use texts::Texts;
+
+/// What [`say_prepared`] says.
+pub const PREPARED: &str = "prepared";
+/// Contacts in the messages of the preparation.
+const LEARN_CONTACTS: usize = 20;
+
+/// Load that cannot be made, or could not be made to the end.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The plan is none.
+    #[error(transparent)]
+    Plan(#[from] BadPlan),
+    /// The broker's address is none, or speaks TLS.
+    #[error("--mqtt-url: {0}")]
+    Address(String),
+    /// The broker cannot be reached, or nothing is receipted any more.
+    #[error("the load was not made to the end: {0}")]
+    Broken(#[from] io::Error),
+}
+
+/// Makes load until all of it is receipted; within a tokio runtime, of which one thread is enough. `prepared` is called when the
+/// preparation is over, before the first message that counts.
+///
+/// # Errors
+/// See [`LoadError`].
+pub async fn run(plan: LoadPlan, prepared: impl FnOnce()) -> Result<LoadReport, LoadError> {
+    plan.check()?;
+    let broker =
+        Broker::from_url(&plan.mqtt_url).map_err(|problem: CannotStart| LoadError::Address(problem.to_string()))?;
+    if broker.tls.is_some() {
+        return Err(LoadError::Address("the load speaks no TLS".to_owned()));
+    }
+    let boot_id = BootId::new(&format!("load-{:016x}-{}", now_us(), std::process::id())).expect("a short text");
+    let texts = Texts::new(&plan, boot_id.as_str()).map_err(io::Error::other)?;
+    let common = Common { plan: Arc::new(plan), texts: Arc::new(texts), boot_id, address: broker.address() };
+
+    let begun_us = now_us();
+    let mut lines = Vec::new();
+    for index in 0..common.plan.connections {
+        lines.push(Line::connect(common.clone(), index).await?);
+    }
+    lines = each(lines, async |line| line.introduce().await).await?;
+    if !common.plan.no_receipts {
+        lines = each(lines, async |line| line.work(preparation(&common.plan, line.robots())).await).await?;
+    }
+    let learning = if common.plan.learn > 0 { LEARN_CONTACTS } else { 1 };
+    let before = lines.iter_mut().map(|line| line.take_counts().sent * learning as u64).sum();
+    prepared();
+
+    let (measured_us, cpu_before_s) = (now_us(), report::cpu_s());
+    lines = each(lines, async |line| line.work(measured(&common.plan, line.robots(), measured_us)).await).await?;
+    let (ended_us, cpu_s) = (now_us(), report::cpu_s() - cpu_before_s);
+    let counts = lines.iter_mut().map(|line| (line.take_counts(), line.missed())).collect();
+    let report = LoadReport::new(&common, counts, before, [begun_us, measured_us, ended_us], cpu_s);
+    each(lines, async |line| line.end().await).await?;
+    Ok(report)
+}
+
+/// What is sent before anything is measured: at least one message of each robot, whose receipt says that it is known.
+fn preparation(plan: &LoadPlan, robots: usize) -> Task {
+    let of_each = (plan.learn * plan.whiskers).div_ceil(LEARN_CONTACTS).max(1);
+    let contacts = if plan.learn > 0 { LEARN_CONTACTS } else { 1 };
+    Task { messages: (of_each * robots) as u64, contacts, schedule: None, cuts: false }
+}
+
+/// Says that the preparation is over, on standard error: whoever has started this program may look at others' processor time.
+pub fn say_prepared() {
+    eprintln!("{PREPARED}");
+}
+
+/// This connection's share of what is measured.
+fn measured(plan: &LoadPlan, robots: usize, now_us: u64) -> Task {
+    let share = robots as f64 / plan.robots as f64;
+    let schedule = plan.rate.map(|rate| (now_us as f64, rate * share));
+    let messages = (plan.messages as f64 * share).round() as u64;
+    Task { messages, contacts: plan.contacts, schedule, cuts: plan.trim_every.is_some() }
+}
+
+/// Lets all connections do something at once, and waits until all of them have done it.
+async fn each(mut lines: Vec<Line>, work: impl AsyncFn(&mut Line) -> io::Result<()>) -> io::Result<Vec<Line>> {
+    futures_util::future::try_join_all(lines.iter_mut().map(|line| work(line))).await?;
+    Ok(lines)
+}

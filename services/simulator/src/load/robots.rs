@@ -1,0 +1,148 @@
+//! What robots of a load say beside contacts: births, factsheets, statuses, answers.
+
+use vibrissa_protocol::{
+    ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Factsheet, Gauge, Name, OnSupervisorLoss, Regulator,
+    Setpoint, SetpointOutcome, SetpointState, Status, Timestamp, WhiskerFacts, WhiskerStatus, encode,
+};
+
+use super::cuts::Cuts;
+use super::kept::Outbox;
+use super::plan::LoadPlan;
+use crate::scenario::WhiskerScenario;
+
+/// One robot.
+#[derive(Debug)]
+pub struct Robot {
+    /// Its number in the fleet.
+    pub number: usize,
+    /// Its topic without the last level: `whisker/v1/fleet/r000000/`.
+    pub level: String,
+    /// Contacts messages without a receipt.
+    pub outbox: Outbox,
+    /// Its whiskers that were cut.
+    pub cuts: Cuts,
+    /// When its next status is due.
+    pub status_at_us: u64,
+    boot_id: BootId,
+    arrays: Vec<Name>,
+    pressures_mpa: Vec<f64>,
+    array_whiskers: usize,
+    status_seq: u64,
+    factsheet_seq: u64,
+    answer_seq: u64,
+}
+
+impl Robot {
+    /// One that has said nothing yet.
+    #[must_use]
+    pub fn new(plan: &LoadPlan, number: usize, boot_id: &BootId) -> Self {
+        let arrays = plan.whiskers.div_ceil(plan.array_whiskers);
+        let array = |index| Name::new(&plan.place(index * plan.array_whiskers).0).expect("a letter and digits");
+        Self {
+            number,
+            level: format!("whisker/v1/{}/{}/", plan.fleet, plan.robot(number)),
+            outbox: Outbox::default(),
+            cuts: Cuts::default(),
+            status_at_us: 0,
+            boot_id: boot_id.clone(),
+            arrays: (0..arrays).map(array).collect(),
+            pressures_mpa: vec![WhiskerScenario::default().pressure_mpa; plan.whiskers],
+            array_whiskers: plan.array_whiskers,
+            status_seq: 0,
+            factsheet_seq: 0,
+            answer_seq: 0,
+        }
+    }
+
+    /// Its birth or farewell.
+    #[must_use]
+    pub fn connection(&self, now_us: u64, state: ConnectionState) -> Vec<u8> {
+        let seq = u64::from(state != ConnectionState::Online);
+        encode(&Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(now_us), state })
+    }
+
+    /// What is on it.
+    #[must_use]
+    pub fn factsheet(&mut self, now_us: u64) -> Vec<u8> {
+        let whiskers = self.pressures_mpa.len();
+        let array = |(index, array): (usize, &Name)| {
+            let count = (whiskers - index * self.array_whiskers).min(self.array_whiskers);
+            // Whoever has no neighbour can only help himself.
+            let array_type = if count > 1 { ArrayType::Type1 } else { ArrayType::Type2 };
+            let whiskers = (0..count).map(|number| whisker_facts(number as u16, count as u16)).collect();
+            ArrayFacts { array: array.clone(), array_type, whiskers }
+        };
+        encode(&Factsheet {
+            boot_id: self.boot_id.clone(),
+            seq: take(&mut self.factsheet_seq),
+            timestamp: Timestamp(now_us),
+            model: "load".to_owned(),
+            on_supervisor_loss: OnSupervisorLoss::Hold,
+            arrays: self.arrays.iter().enumerate().map(array).collect(),
+        })
+    }
+
+    /// All its chambers are well.
+    #[must_use]
+    pub fn status(&mut self, now_us: u64) -> Vec<u8> {
+        let status = |(whisker, &pressure_mpa): (usize, &f64)| WhiskerStatus {
+            array: self.arrays[whisker / self.array_whiskers].clone(),
+            whisker: (whisker % self.array_whiskers) as u16,
+            pressure_mpa,
+            setpoint_mpa: pressure_mpa,
+            regulator: Regulator::Ok,
+            gauge: Gauge::Ok,
+        };
+        encode(&Status {
+            boot_id: self.boot_id.clone(),
+            seq: take(&mut self.status_seq),
+            t_us: now_us,
+            whiskers: self.pressures_mpa.iter().enumerate().map(status).collect(),
+            contacts_dropped: None,
+        })
+    }
+
+    /// Applies a setpoint at once; gives its answers and the whisker, unless it is for another boot or for no whisker of ours.
+    pub fn apply(&mut self, setpoint: &Setpoint, now_us: u64) -> Option<(usize, [Vec<u8>; 3])> {
+        let array = self.arrays.iter().position(|array| *array == setpoint.array)?;
+        let whisker = array * self.array_whiskers + usize::from(setpoint.whisker);
+        if setpoint.robot_boot_id != self.boot_id || whisker >= self.pressures_mpa.len() {
+            return None;
+        }
+        self.pressures_mpa[whisker] = setpoint.pressure_mpa;
+        let outcomes = [SetpointOutcome::Received, SetpointOutcome::Applying, SetpointOutcome::Applied];
+        let answers = outcomes.map(|state| {
+            encode(&SetpointState {
+                boot_id: self.boot_id.clone(),
+                seq: take(&mut self.answer_seq),
+                command_id: setpoint.command_id.clone(),
+                state,
+                t_us: now_us,
+                pressure_mpa: Some(setpoint.pressure_mpa),
+                error: None,
+            })
+        });
+        Some((whisker, answers))
+    }
+}
+
+fn whisker_facts(number: u16, count: u16) -> WhiskerFacts {
+    let WhiskerScenario { length_mm, pressure_mpa, pressure_max_mpa, .. } = WhiskerScenario::default();
+    let neighbours = [number.checked_sub(1), Some(number + 1).filter(|&next| next < count)];
+    WhiskerFacts {
+        whisker: number,
+        x_mm: 25.0 * f64::from(number),
+        y_mm: 0.0,
+        model: "nguyen-2021".to_owned(),
+        length_mm,
+        pressure_mpa,
+        pressure_max_mpa,
+        neighbours: neighbours.into_iter().flatten().collect(),
+    }
+}
+
+fn take(counter: &mut u64) -> u64 {
+    let seq = *counter;
+    *counter += 1;
+    seq
+}

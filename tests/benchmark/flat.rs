@@ -1,0 +1,125 @@
+//! A hundred whiskers or a hundred thousand: the same burst, and a restart with all of them.
+
+use serde_json::json;
+
+use crate::burst::{Burst, Subject, messages};
+use crate::report::{Figure, Target, median};
+use crate::stage::{self, Store};
+use crate::{Bench, usage};
+
+/// Whiskers in all, and of each robot.
+const WHISKERS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+const OF_ROBOT: usize = 50;
+const OF_ARRAY: usize = 25;
+const PART: &str = "flat";
+const FIRST_RATE: f64 = 10_000.0;
+/// Numbering so many whiskers may take its time, which is told.
+const PATIENCE_S: u32 = 150;
+
+struct Scale {
+    whiskers: usize,
+    store: Store,
+    rate: f64,
+    rates: Vec<f64>,
+    peaks_mib: Vec<f64>,
+    prepared_s: Vec<f64>,
+    ready_s: Vec<f64>,
+    wrong: i64,
+}
+
+/// Measures.
+pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
+    let broker = stage::broker();
+    let mut scales = Vec::new();
+    for whiskers in WHISKERS.into_iter().filter(|&whiskers| whiskers <= bench.pace.whiskers_max) {
+        let store = Store::postgres().await;
+        scales.push(Scale {
+            whiskers,
+            store,
+            rate: FIRST_RATE,
+            rates: Vec::new(),
+            peaks_mib: Vec::new(),
+            prepared_s: Vec::new(),
+            ready_s: Vec::new(),
+            wrong: 0,
+        });
+    }
+    let mut round = 0;
+    while bench.has_time_for(round) {
+        for scale in &mut scales {
+            let subject = Subject::start(bench, &broker, &scale.store, &scale.part()).await?;
+            if round > 0 {
+                scale.ready_s.push(subject.supervisor.ready_s);
+            }
+            let burst = subject.burst(&broker, &arguments(scale.whiskers, messages(&bench.pace, scale.rate))).await?;
+            bench.report.line(PART, round, burst.json(&format!("{} whiskers", scale.whiskers)))?;
+            subject.supervisor.stop().await?;
+            scale.take(&burst);
+            bench.say(&format!(
+                "{PART}, round {}: {} whiskers {:.0}/s, known within {:.1} s",
+                round + 1,
+                scale.whiskers,
+                scale.rate,
+                burst.loaded.report.prepared_s
+            ));
+        }
+        round += 1;
+    }
+    if let Some(last) = scales.last_mut() {
+        let supervisor = Subject::start(bench, &broker, &last.store, &last.part()).await?.supervisor;
+        last.ready_s.push(supervisor.ready_s);
+        let peak_mib = usage::of_tree(supervisor.pid()).peak_mib;
+        let line = json!({ "restart_s": supervisor.ready_s, "whiskers": last.whiskers, "peak_mib": peak_mib });
+        bench.line(PART, round, line)?;
+        supervisor.stop().await?;
+    }
+    rows(bench, &scales)
+}
+
+impl Scale {
+    /// What its fleet is called after.
+    fn part(&self) -> String {
+        format!("{PART}-{}", self.whiskers)
+    }
+
+    fn take(&mut self, burst: &Burst) {
+        self.rate = burst.loaded.messages_per_s();
+        self.rates.push(self.rate);
+        self.peaks_mib.push(burst.loaded.usages.get("supervisor").map_or(f64::NAN, |usage| usage.peak_mib));
+        self.prepared_s.push(burst.loaded.report.prepared_s);
+        self.wrong += burst.lost.abs() + burst.duplicated;
+    }
+}
+
+/// Whiskers have not learned here, large or small: a hundred thousand would take too long to.
+fn arguments(whiskers: usize, messages: u64) -> Vec<(&'static str, String)> {
+    vec![
+        ("robots", (whiskers / OF_ROBOT).to_string()),
+        ("whiskers", OF_ROBOT.to_string()),
+        ("array-whiskers", OF_ARRAY.to_string()),
+        ("messages", messages.to_string()),
+        ("patience-s", PATIENCE_S.to_string()),
+    ]
+}
+
+fn rows(bench: &mut Bench, scales: &[Scale]) -> anyhow::Result<()> {
+    let of = |values: &[f64]| median(values.iter().copied());
+    let first = of(&scales[1].rates);
+    for scale in scales {
+        let ratio = median(scale.rates.iter().zip(&scales[1].rates).map(|(rate, first)| rate / first));
+        let target = if scale.whiskers == 100_000 { Target::AtLeast(0.85) } else { Target::None };
+        let what = format!("{} whiskers: share of 1000's", scale.whiskers);
+        let beside = format!("{} of {}", Figure(of(&scale.rates), "msg/s"), Figure(first, ""));
+        bench.row(PART, &what, target, Figure(ratio, ""), beside)?;
+        let what = format!("{} whiskers: peak memory", scale.whiskers);
+        let beside = format!("known within {}", Figure(scale.prepared_s[0], "s"));
+        bench.row(PART, &what, Target::None, Figure(of(&scale.peaks_mib), "MiB"), beside)?;
+    }
+    if let Some(last) = scales.last() {
+        let target = if last.whiskers == 100_000 { Target::AtMost(5.0) } else { Target::None };
+        let what = format!("{} whiskers: ready after a restart", last.whiskers);
+        bench.row(PART, &what, target, Figure(of(&last.ready_s), "s"), String::new())?;
+    }
+    let wrong = scales.iter().map(|scale| scale.wrong).sum::<i64>() as f64;
+    bench.row(PART, "contacts lost or twice", Target::AtMost(0.0), Figure(wrong, ""), String::new())
+}

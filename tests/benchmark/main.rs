@@ -1,0 +1,235 @@
+//! How fast, how flat and how cheap: the whole supervisor beside what it could reach at the most, in one run.
+//!
+//! Absolute figures depend on the machine and its mood, so each is held against a floor or a ceiling that was measured in the same
+//! round: a subscriber that does nothing, a table without an index, an echo. `docs/performance.md` says what each figure means.
+//!
+//! Read in this order: [`stage`] (what is measured), [`child`] (the load and other processes), `burst`, `batch`, `flat`, `latency`
+//! and `idle` (the parts), [`report`].
+
+mod batch;
+mod burst;
+mod child;
+mod flat;
+mod idle;
+mod latency;
+mod null;
+mod pingpong;
+mod report;
+mod stage;
+mod unnest;
+mod usage;
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, ensure};
+use clap::{Parser, Subcommand, ValueEnum};
+use serde_json::Value;
+use vibrissa_simulator::load::{self, LoadPlan};
+
+use null::NullArguments;
+use report::{Figure, Report, Target};
+use stage::Stage;
+
+/// The program that is measured, as it is built beside this one.
+const PROGRAM: &str = "vibrissa-under-test";
+
+/// Measures the supervisor beside floors and ceilings; ten minutes at the most.
+#[derive(Debug, Parser)]
+#[command(name = "bench", version, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    child: Option<Child>,
+    /// One short round of each: some two minutes
+    #[arg(long)]
+    quick: bool,
+    /// Only these parts
+    #[arg(long, value_enum, value_name = "NAME")]
+    only: Vec<Part>,
+    /// Where each measurement goes as a line of JSON; into a temporary folder if left out
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// The program `vibrissa` to measure, instead of the one that is built beside this
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+}
+
+/// What this program is in other processes.
+#[derive(Debug, Subcommand)]
+enum Child {
+    /// Makes load, as `vibrissa-simulator load` does
+    #[command(hide = true)]
+    Load(LoadPlan),
+    /// Subscribes as a supervisor does, and does nothing
+    #[command(hide = true)]
+    NullSubscriber(NullArguments),
+    /// Sends everything back
+    #[command(hide = true)]
+    Echo {
+        /// The broker's port on this machine
+        #[arg(long)]
+        port: u16,
+    },
+}
+
+/// A part of the benchmark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// A burst of messages with one contact each, at QoS 1
+    Burst,
+    /// The same at QoS 0
+    BurstQos0,
+    /// Twenty contacts in each message
+    Batch,
+    /// From a hundred whiskers to a hundred thousand
+    Flat,
+    /// From a contact to its setpoint
+    Latency,
+    /// A fleet that does little
+    Idle,
+}
+
+/// How long is measured.
+#[derive(Debug, Clone, Copy)]
+struct Pace {
+    rounds: usize,
+    /// Of one burst, seconds.
+    burst_s: f64,
+    /// Of one round of latencies, seconds.
+    latency_s: f64,
+    /// Most whiskers.
+    whiskers_max: usize,
+    /// Of what its budget gives to a part, the share.
+    budget: f64,
+}
+
+impl Part {
+    /// How long it may take before it begins no other round, seconds; all of them together are nine minutes.
+    fn budget_s(self) -> f64 {
+        match self {
+            Self::Burst | Self::BurstQos0 | Self::Batch => 90.0,
+            Self::Flat => 150.0,
+            Self::Latency => 90.0,
+            Self::Idle => 30.0,
+        }
+    }
+}
+
+/// What all parts use.
+struct Bench {
+    stage: Stage,
+    pace: Pace,
+    report: Report,
+    /// When the part in hand began, and how long it may take.
+    part: (Instant, Duration),
+}
+
+impl Bench {
+    fn new(arguments: &Arguments) -> anyhow::Result<Self> {
+        let program = match &arguments.program {
+            Some(path) => path.clone(),
+            None => std::env::current_exe()?.with_file_name(PROGRAM),
+        };
+        ensure!(
+            program.exists(),
+            "{} is missing: tests/bench builds it, or tell another with --program",
+            program.display()
+        );
+        let folder = tempfile::Builder::new().prefix("vibrissa-bench-").tempdir().context("a temporary folder")?;
+        let path = match &arguments.json {
+            Some(path) => path.clone(),
+            // Kept when the folder goes.
+            None => tempfile::Builder::new().prefix("vibrissa-bench-").suffix(".jsonl").tempfile()?.keep()?.1,
+        };
+        let pace = if arguments.quick {
+            Pace { rounds: 1, burst_s: 2.0, latency_s: 4.0, whiskers_max: 10_000, budget: 0.2 }
+        } else {
+            Pace { rounds: 3, burst_s: 3.5, latency_s: 8.0, whiskers_max: 100_000, budget: 1.0 }
+        };
+        let part = (Instant::now(), Duration::ZERO);
+        Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)?, part })
+    }
+
+    /// Says what goes on.
+    fn say(&self, text: &str) {
+        eprintln!("bench: {text}");
+    }
+
+    /// Whether there is time for one more round of the part in hand, if it takes as long as those that there were.
+    fn has_time_for(&self, round: usize) -> bool {
+        let (begun, budget) = self.part;
+        let of_one = begun.elapsed() / u32::try_from(round.max(1)).unwrap_or(u32::MAX);
+        round < self.pace.rounds && (round == 0 || begun.elapsed() + of_one < budget)
+    }
+
+    fn line(&mut self, part: &str, round: usize, measured: Value) -> anyhow::Result<()> {
+        self.report.line(part, round, measured)
+    }
+
+    fn row(
+        &mut self,
+        part: &'static str,
+        what: &str,
+        target: Target,
+        measured: Figure,
+        beside: String,
+    ) -> anyhow::Result<()> {
+        self.report.row(part, what, target, measured, beside)
+    }
+}
+
+fn main() -> anyhow::Result<()> {
+    let arguments = Arguments::parse();
+    let mut small = tokio::runtime::Builder::new_current_thread();
+    match arguments.child {
+        Some(Child::Load(plan)) => {
+            let report = small.enable_all().build()?.block_on(load::run(plan, load::say_prepared))?;
+            println!("{}", serde_json::to_string(&report)?);
+            Ok(())
+        }
+        Some(Child::NullSubscriber(arguments)) => {
+            let received = small.enable_all().build()?.block_on(null::run(arguments))?;
+            println!("{}", serde_json::to_string(&received)?);
+            Ok(())
+        }
+        Some(Child::Echo { port }) => small.enable_all().build()?.block_on(null::echo(port)),
+        None => {
+            let mut bench = Bench::new(&arguments)?;
+            bench.say(&format!("measurements go to {}", bench.report.path().display()));
+            let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+            let ended = runtime.block_on(until_interrupted(&mut bench, &arguments.only));
+            println!("{}", bench.report.table());
+            ended
+        }
+    }
+}
+
+/// Everything that was started ends with the parts, however they end.
+async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
+    tokio::select! {
+        ended = parts(bench, only) => ended,
+        interrupted = tokio::signal::ctrl_c() => {
+            interrupted?;
+            eprintln!("bench: interrupted; what was measured:");
+            Ok(())
+        }
+    }
+}
+
+async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
+    for part in Part::value_variants().iter().filter(|part| only.is_empty() || only.contains(part)) {
+        let begun = Instant::now();
+        bench.part = (begun, Duration::from_secs_f64(part.budget_s() * bench.pace.budget));
+        match part {
+            Part::Burst => burst::run(bench, 1).await,
+            Part::BurstQos0 => burst::run(bench, 0).await,
+            Part::Batch => batch::run(bench).await,
+            Part::Flat => flat::run(bench).await,
+            Part::Latency => latency::run(bench).await,
+            Part::Idle => idle::run(bench).await,
+        }
+        .with_context(|| format!("{part:?}"))?;
+        bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));
+    }
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! What is measured with: the broker as it is shipped, databases, supervisors in their own processes.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, ensure};
+use nix::sys::signal::Signal;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions, Connection, Row, SqliteConnection};
+use tempfile::TempDir;
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::web;
+
+const SHIPPED: &str = include_str!("../../deploy/mosquitto/mosquitto.conf");
+/// Settings of the shipped broker that say who is let in.
+const ACCESS: [&str; 3] = ["allow_anonymous ", "password_file ", "acl_file "];
+/// How long a start with many whiskers may take.
+const READY_PATIENCE: Duration = Duration::from_secs(120);
+const READY_PAUSE: Duration = Duration::from_millis(5);
+const END_PATIENCE: Duration = Duration::from_secs(30);
+
+/// Who is measured, and where files go.
+pub struct Stage {
+    /// The program `vibrissa`.
+    pub program: PathBuf,
+    /// Temporary: logs of supervisors, and SQLite's databases.
+    pub folder: TempDir,
+}
+
+/// A broker with the shipped settings, but for who is let in: passwords and access list would cost both sides the same.
+pub fn broker() -> Mosquitto {
+    let is_access = |line: &&str| ACCESS.iter().any(|setting| line.starts_with(setting));
+    let lines: Vec<&str> = SHIPPED.lines().filter(|line| !is_access(line)).chain(["allow_anonymous true"]).collect();
+    tokio::task::block_in_place(|| Mosquitto::builder().file(&lines.join("\n")).start())
+}
+
+/// A database of a supervisor's.
+pub enum Store {
+    /// A server of its own.
+    Postgres(Postgres),
+    /// A file.
+    Sqlite(PathBuf),
+}
+
+/// What is recorded of one boot of the robots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Recorded {
+    /// Rows of contacts.
+    pub rows: i64,
+    /// Of these different ones.
+    pub distinct: i64,
+}
+
+const ROWS: &str = "SELECT count(*) FROM contacts WHERE boot IN (SELECT boot FROM boots WHERE boot_id = $1)";
+const DISTINCT: &str = "SELECT count(*) FROM (SELECT DISTINCT boot, seq, position FROM contacts \
+                        WHERE boot IN (SELECT boot FROM boots WHERE boot_id = $1)) AS one";
+
+impl Store {
+    /// A new, empty server.
+    pub async fn postgres() -> Self {
+        Self::Postgres(Postgres::start().await)
+    }
+
+    /// As tables call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Postgres(_) => "PostgreSQL",
+            Self::Sqlite(_) => "SQLite",
+        }
+    }
+
+    /// Where supervisors find it.
+    fn url(&self) -> String {
+        match self {
+            Self::Postgres(server) => Postgres::url(server.port()),
+            Self::Sqlite(path) => format!("sqlite:{}", path.display()),
+        }
+    }
+
+    /// The server's process.
+    pub fn pid(&self) -> Option<u32> {
+        match self {
+            Self::Postgres(server) => server.pid(),
+            Self::Sqlite(_) => None,
+        }
+    }
+
+    /// What is recorded of a boot.
+    pub async fn recorded(&self, boot_id: &str) -> anyhow::Result<Recorded> {
+        let count = async |sql: &'static str| -> anyhow::Result<i64> {
+            match self {
+                Self::Postgres(server) => {
+                    let mut connection = server.connect().connect().await?;
+                    let count = sqlx::query(sql).bind(boot_id).fetch_one(&mut connection).await?.try_get(0)?;
+                    connection.close().await?;
+                    Ok(count)
+                }
+                Self::Sqlite(path) => {
+                    let options = SqliteConnectOptions::new().filename(path).read_only(true);
+                    let mut connection = SqliteConnection::connect_with(&options).await?;
+                    let count = sqlx::query(sql).bind(boot_id).fetch_one(&mut connection).await?.try_get(0)?;
+                    connection.close().await?;
+                    Ok(count)
+                }
+            }
+        };
+        Ok(Recorded { rows: count(ROWS).await?, distinct: count(DISTINCT).await? })
+    }
+}
+
+/// Whether the fleet's robots are heard and answered. A supervisor that has not taken up any fleet yet calls itself ready as well.
+async fn is_ready(http: SocketAddr, fleet: &str) -> bool {
+    let heard = format!("vibrissa_broker_connected{{fleet=\"{fleet}\"}} 1");
+    matches!(web::try_get(http, "/metrics").await, Ok((200, text)) if text.contains(&heard))
+        && matches!(web::try_get(http, "/readyz").await, Ok((200, _)))
+}
+
+/// A supervisor that is ready.
+pub struct Supervisor {
+    process: Process,
+    /// From the start of the process until it said that it is ready, seconds.
+    pub ready_s: f64,
+}
+
+impl Supervisor {
+    /// Starts one for a fleet, and waits until it is ready.
+    pub async fn start(stage: &Stage, broker: &Mosquitto, store: &Store, fleet: &str) -> anyhow::Result<Self> {
+        let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+        let mut arguments: Vec<String> = ["run", "--name", "bench", "--fleets", fleet].map(str::to_owned).into();
+        arguments.extend(["--http-listen".to_owned(), http.to_string(), "--database-url".to_owned(), store.url()]);
+        arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{}", broker.port())]);
+        let log = stage.folder.path().join(format!("{fleet}-{}.log", store.name()));
+        let begun = Instant::now();
+        let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
+        let process = Process::start(Launch {
+            program: stage.program.clone(),
+            arguments,
+            environment: vec![level],
+            log: log.clone(),
+        });
+        let mut supervisor = Self { process, ready_s: 0.0 };
+        while !is_ready(http, fleet).await {
+            let said = || std::fs::read_to_string(&log).unwrap_or_default();
+            ensure!(supervisor.process.ended_already().is_none(), "the supervisor has ended: {}", said());
+            ensure!(begun.elapsed() < READY_PATIENCE, "the supervisor does not become ready: {}", said());
+            tokio::time::sleep(READY_PAUSE).await;
+        }
+        supervisor.ready_s = begun.elapsed().as_secs_f64();
+        Ok(supervisor)
+    }
+
+    /// Its process.
+    pub fn pid(&self) -> u32 {
+        self.process.pid()
+    }
+
+    /// Stops it in good order.
+    pub async fn stop(mut self) -> anyhow::Result<()> {
+        self.process.signal(Signal::SIGTERM);
+        self.process.ended(END_PATIENCE).await.context("the supervisor does not end")?;
+        Ok(())
+    }
+}

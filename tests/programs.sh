@@ -1,0 +1,27 @@
+# shellcheck shell=bash
+# What tests/run and tests/bench need of a machine: sourced by both.
+
+# Debian keeps some servers off the search path.
+has() { command -v "$1" >/dev/null 2>&1 || compgen -G "/usr/sbin/$1" >/dev/null || compgen -G "/usr/lib/postgresql/*/bin/$1" >/dev/null; }
+
+# Each argument is program:package, as Debian calls it, or :package. Missing ones are installed where that may be done; otherwise
+# they are told, and the script ends.
+need() {
+    local entry missing=()
+    for entry in "$@"; do
+        if [ -z "${entry%%:*}" ] || ! has "${entry%%:*}"; then
+            missing+=("${entry##*:}")
+        fi
+    done
+    if [ ${#missing[@]} = 0 ]; then
+        return
+    fi
+    if [ "$(id -u)" = 0 ] && has apt-get; then
+        echo "== installing ${missing[*]}"
+        apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+    else
+        echo "$0: missing programs; install the packages: ${missing[*]}" >&2
+        exit 1
+    fi
+}
