@@ -304,7 +304,12 @@ impl Line {
         let is_acknowledged = match kind {
             RobotTopic::Contacts => self.common.plan.qos == Quality::AtLeastOnce,
             RobotTopic::Status => false,
-            _ => true,
+            RobotTopic::Connection
+            | RobotTopic::Factsheet
+            | RobotTopic::Receipt
+            | RobotTopic::Setpoint
+            | RobotTopic::SetpointState
+            | RobotTopic::Request => true,
         };
         let id = is_acknowledged.then(|| {
             self.in_flight += 1;
