@@ -69,6 +69,8 @@ pub(super) struct Line {
     turn: usize,
     packet_id: u16,
     in_flight: usize,
+    /// The window was full: a quarter of it is waited for, or each acknowledgement would lead to a write of its own.
+    is_full: bool,
     uncovered: usize,
     /// Acknowledgements of other kinds that are waited for.
     waited_for: usize,
@@ -97,6 +99,7 @@ impl Line {
             turn: 0,
             packet_id: 0,
             in_flight: 0,
+            is_full: false,
             uncovered: 0,
             waited_for: 1,
             round_at_us: 0,
@@ -202,6 +205,8 @@ impl Line {
 
     /// New messages as far as windows, schedule and buffer allow.
     fn send_new(&mut self, task: &mut Task, now_us: u64) -> io::Result<()> {
+        let window = self.common.plan.window;
+        self.is_full &= self.in_flight > window - window / 4;
         while task.messages > 0 && self.out.len() < OUT_BYTES && self.may_send(task, now_us) {
             let at = self.turn;
             self.turn = (self.turn + 1) % self.robots.len();
@@ -211,6 +216,7 @@ impl Line {
                 *at_us += 1e6 / *rate;
             }
         }
+        self.is_full |= self.in_flight >= window;
         Ok(())
     }
 
@@ -219,7 +225,7 @@ impl Line {
         match task.schedule {
             Some((at_us, _)) => at_us <= now_us as f64,
             None => {
-                let has_window = plan.qos == Quality::AtMostOnce || self.in_flight < plan.window;
+                let has_window = plan.qos == Quality::AtMostOnce || (!self.is_full && self.in_flight < plan.window);
                 has_window && (plan.no_receipts || self.uncovered < plan.unreceipted.div_ceil(plan.connections))
             }
         }

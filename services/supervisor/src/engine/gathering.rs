@@ -45,6 +45,8 @@ pub(super) struct Gathering {
     /// The setpoint that the message in hand is an answer to.
     pub(super) answering: Option<survey::Answering>,
     pub(super) effects: Vec<Effect>,
+    /// The contacts of a message that is done with.
+    pub(super) list: Vec<protocol::Contact>,
     /// The traces of setpoints under way, if there is a collector.
     pub(super) lives: Option<Lives>,
 }
@@ -78,6 +80,7 @@ impl Gathering {
             receipts_due: Vec::new(),
             answering: None,
             effects: Vec::new(),
+            list: Vec::new(),
             lives: None,
         }
     }

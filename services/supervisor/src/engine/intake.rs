@@ -40,13 +40,12 @@ impl FleetMetrics {
 impl Shard {
     /// A message for which nothing needs a number.
     pub(super) fn handle(&mut self, parcel: &Parcel) {
+        if parcel.kind == RobotTopic::Contacts {
+            return self.handle_contacts(parcel);
+        }
         let (Some(message), now) = (self.decode(parcel), parcel.received) else { return };
         let gathering = &mut self.gathering;
-        let Some(known) = self.robots.get_mut(&parcel.robot) else {
-            let problem = "neither birth nor factsheet was received of this robot";
-            gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
-            return;
-        };
+        let Some(known) = self.robots.get_mut(&parcel.robot) else { return self.unknown(parcel) };
         match &message {
             Message::Contacts(told) => gathering.take_contacts(known, told, now),
             Message::Status(told) => gathering.take_status(known, told, now),
@@ -56,6 +55,26 @@ impl Shard {
             // Not from robots: other supervisors' messages, which the subscriptions leave out.
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
         }
+    }
+
+    /// The many: their list of contacts is used again and again.
+    fn handle_contacts(&mut self, parcel: &Parcel) {
+        let list = std::mem::take(&mut self.gathering.list);
+        match protocol::decode_contacts(&parcel.payload, list) {
+            Ok(told) => {
+                match self.robots.get_mut(&parcel.robot) {
+                    Some(known) => self.gathering.take_contacts(known, &told, parcel.received),
+                    None => self.unknown(parcel),
+                }
+                self.gathering.list = told.contacts;
+            }
+            Err(refusal) => self.refused(parcel, &refusal),
+        }
+    }
+
+    fn unknown(&self, parcel: &Parcel) {
+        let problem = "neither birth nor factsheet was received of this robot";
+        self.gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
     }
 
     /// A birth, a farewell or a factsheet: a robot becomes known by it, and what comes before is not taken, and sent again.

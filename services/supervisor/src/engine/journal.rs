@@ -14,6 +14,9 @@ use super::shard::Known;
 /// Stands for an array that is not on the robot.
 const NO_ARRAY: u16 = u16::MAX;
 
+/// The number of [`Told::Contacts`].
+const CONTACTS: u8 = 1;
+
 /// Entries of the transaction that is gathered for.
 #[derive(Debug, Default)]
 pub(super) struct Journal {
@@ -86,9 +89,12 @@ impl Journal {
         let Event::Contacts { boot_id, seq, contacts } = event else { return };
         let contacts = if is_taken { contacts } else { &[][..] };
         self.contacts += contacts.len();
-        let kept = contacts.iter().map(|one| KeptContact::of(&known.robot, one)).collect();
-        let told = Told::Contacts { boot: known.boot(boot_id), seq: *seq, contacts: kept };
-        self.write(&Entry { robot_id: known.robot_id, now, told });
+        // As an entry of its own would be written, without making one.
+        let head = (known.robot_id, now, CONTACTS, known.boot(boot_id), *seq, contacts.len() as u32);
+        self.write(&head);
+        for one in contacts {
+            self.write(&KeptContact::of(&known.robot, one));
+        }
     }
 
     pub(super) fn status(&mut self, known: &Known, now: Micros, event: &Event<'_>) {
@@ -98,7 +104,7 @@ impl Journal {
         self.write(&Entry { robot_id: known.robot_id, now, told });
     }
 
-    fn write(&mut self, entry: &Entry) {
+    fn write(&mut self, entry: &impl BorshSerialize) {
         // Writing into memory cannot fail.
         let _ = entry.serialize(&mut self.bytes);
     }
@@ -175,5 +181,49 @@ impl KeptStatus {
             regulator: self.regulator,
             gauge: self.gauge,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use vibrissa_core::robot::Numbers;
+    use vibrissa_protocol::Name;
+
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
+        let mut known = Known::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()));
+        known.boots = BTreeMap::from([("b".to_owned(), 3)]);
+        let contact = Contact {
+            array: "nowhere",
+            whisker: 5,
+            robot_time: Micros(11),
+            ratio: ContactRatio::known(0.7),
+            deflection: Millimetre::known(3.0),
+            strain: Strain::known(0.001),
+            pressure: Megapascal::known(0.1),
+        };
+        let mut journal = Journal::default();
+        let contacts = [contact; 2];
+        let event = Event::Contacts { boot_id: "b", seq: 9, contacts: &contacts };
+        journal.contacts(&known, Micros(100), &event, true);
+        journal.tick(&known, Micros(200));
+        journal.contacts(&known, Micros(300), &event, false);
+        let (bytes, count) = journal.take();
+        assert_eq!((count, journal.is_empty()), (2, true));
+        let entries: Vec<Entry> = read(&bytes).map(Result::unwrap).collect();
+        let kept = |count: usize| (0..count).map(|_| KeptContact::of(&known.robot, &contact)).collect();
+        let told = |count| Told::Contacts { boot: 3, seq: 9, contacts: kept(count) };
+        let entry = |now, told| Entry { robot_id: 7, now: Micros(now), told };
+        assert_eq!(entries, [entry(100, told(2)), entry(200, Told::Tick), entry(300, told(0))]);
+        let Told::Contacts { contacts, .. } = &entries[0].told else { panic!("contacts") };
+        let arrays = ["a".to_owned()];
+        assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an array that is not there");
+        let cut: Vec<_> = read(&bytes[..bytes.len() - 1]).collect();
+        assert_eq!(cut.iter().filter(|entry| entry.is_ok()).count(), 2);
+        assert_eq!(cut.iter().filter(|entry| entry.is_err()).count(), 1);
     }
 }
