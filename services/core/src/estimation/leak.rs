@@ -152,9 +152,7 @@ impl LeakWatch {
     /// Takes one reading of the pressure in, at a time of the robot's clock, while the setpoint is held. Old ones,
     /// which a robot sends again, change nothing.
     pub fn read(&mut self, params: &LeakParams, source: Source, at: Micros, pressure: Megapascal) {
-        if source == Source::Status
-            && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from)
-        {
+        if source == Source::Status && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from) {
             // Only contacts are sent again: the robot's clock was set back.
             *self = Self { closed: self.closed, is_leaking: self.is_leaking, ..Self::default() };
         }
@@ -338,8 +336,7 @@ impl Pool {
         let within = if freedom > 0.0 { squares / freedom / weight } else { 0.0 };
         let [one, linear, square] = self.scatter.map(f64::from);
         let scatter = (square - 2.0 * slope * linear + slope.powi(2) * one).max(0.0) / weight.powi(2);
-        let between =
-            if intervals >= INTERVALS_FOR_SCATTER { scatter * intervals / (intervals - 1.0) } else { 0.0 };
+        let between = if intervals >= INTERVALS_FOR_SCATTER { scatter * intervals / (intervals - 1.0) } else { 0.0 };
         let within = within + rounding / weight.powi(2);
         Interval::of(-slope, within.max(between), all_freedom)
     }

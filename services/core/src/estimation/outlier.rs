@@ -129,8 +129,7 @@ mod tests {
         for freedom in [3.0, 6.0, 60.0, 150.0, 4000.0, 1e6] {
             let density = InnovationDensity::learned_from(freedom);
             for step in 0..2000_u16 {
-                let at: [f32; LANES] =
-                    std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
+                let at: [f32; LANES] = std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
                 let all = density.at_each(&at);
                 for (lane, at) in at.into_iter().enumerate() {
                     let one = density.at(f64::from(at));

@@ -118,7 +118,8 @@ impl Trend {
     /// The line's slope; none with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {
-        let sums = self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
+        let sums =
+            self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
         let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
         let at = || self.means().map(|(count, x, y)| (count, x - mean_x, y - mean_y));
         let (weight, product) =

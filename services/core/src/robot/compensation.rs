@@ -219,7 +219,8 @@ impl Robot {
             ArrayKind::Type1 => &whisker.sheet.neighbours,
             ArrayKind::Type2 => &[],
         };
-        let candidates = std::iter::once(target).chain(neighbours.iter().filter_map(|&number| self.place(whisker.array, number)));
+        let candidates =
+            std::iter::once(target).chain(neighbours.iter().filter_map(|&number| self.place(whisker.array, number)));
         candidates.map(|compensator| self.ask_one(params, target, compensator)).collect()
     }
 

@@ -168,7 +168,9 @@ impl Robot {
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
         let was_undecided = self.undecided;
         match event {
-            Event::Contacts { .. } | Event::Status { .. } => self.quiet.not_beyond(now.after(params.health.stale_after)),
+            Event::Contacts { .. } | Event::Status { .. } => {
+                self.quiet.not_beyond(now.after(params.health.stale_after))
+            }
             Event::Tick => {}
             Event::Connection { .. }
             | Event::Factsheet { .. }
