@@ -162,14 +162,14 @@ impl Candidates {
             let so_far = if self.contacts[index] == 0 { 1.0 } else { self.cusum[index] };
             let cusum = least(so_far * ratio, SHIRYAEV_MAX);
             let goes_on = cusum > RESTARTS_AT[index];
-            let kept = if goes_on { 1.0 } else { 0.0 };
+            let kept = |one: f32| if goes_on { one } else { 0.0 };
             let (signature, sound) = (felt.signature[index], felt.sound[index]);
-            self.cusum[index] = kept * cusum;
+            self.cusum[index] = kept(cusum);
             self.contacts[index] = if goes_on { self.contacts[index].saturating_add(1) } else { 0 };
-            self.gg[index] = kept * (self.gg[index] + sound * signature * signature);
-            self.gw[index] = kept * (self.gw[index] + sound * signature * standardised);
+            self.gg[index] = kept(self.gg[index] + sound * signature * signature);
+            self.gw[index] = kept(self.gw[index] + sound * signature * standardised);
             for one in &mut self.lacking {
-                one[index] = if goes_on { one[index] } else { 0.0 };
+                one[index] = kept(one[index]);
             }
         }
     }

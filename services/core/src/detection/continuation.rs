@@ -45,16 +45,17 @@ impl Continuations {
             }
         }
         for index in 0..CUTS {
-            let kept = if candidates.contacts(index) > 0 { 1.0 } else { 0.0 };
+            let goes_on = candidates.contacts(index) > 0;
+            let kept = |one: f32| if goes_on { one } else { 0.0 };
             let weighed = felt.sound[index] * slope[index];
             // The step itself is there from the first contact on; the slope adds its first share after it.
             self.lacking[LENGTH][index] += 1.0;
             for one in &mut self.lacking {
-                one[index] *= kept;
+                one[index] = kept(one[index]);
             }
-            self.rr[index] = kept * (self.rr[index] + weighed * slope[index]);
-            self.rw[index] = kept * (self.rw[index] + weighed * standardised);
-            self.gr[index] = kept * (self.gr[index] + weighed * felt.signature[index]);
+            self.rr[index] = kept(self.rr[index] + weighed * slope[index]);
+            self.rw[index] = kept(self.rw[index] + weighed * standardised);
+            self.gr[index] = kept(self.gr[index] + weighed * felt.signature[index]);
         }
     }
 

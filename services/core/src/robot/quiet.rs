@@ -11,8 +11,15 @@ use super::whisker::Whisker;
 use crate::units::Micros;
 
 /// From the last look at all whiskers until the first of them can have something to be done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Quiet(Option<(Micros, Micros)>);
+
+/// It follows from what a robot is, and makes none another.
+impl PartialEq for Quiet {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
 
 impl Quiet {
     /// The next tick looks at all whiskers.

@@ -1,0 +1,46 @@
+//! Ordinary events ask for no memory: a target of its own, for it counts what the allocator is asked for.
+
+use allocation_counter::measure;
+use vibrissa_evaluation::crowd::{Buffers, Crowd};
+
+/// A learned robot, with the buffers that a caller uses again.
+fn learned() -> (Crowd, Buffers) {
+    let (mut crowd, mut buffers) = (Crowd::new(1, 24), Buffers::default());
+    crowd.learn(400, &|| ());
+    crowd.contacts(0, 20, &mut buffers);
+    crowd.status(0, &mut buffers);
+    (crowd, buffers)
+}
+
+/// A step that has more effects than the contacts' records is none: an alarm, say.
+#[test]
+fn property_an_ordinary_contact_allocates_nothing() {
+    let (mut crowd, mut buffers) = learned();
+    for contacts in [1, 20] {
+        for step in 0..1000 {
+            let told = measure(|| {
+                crowd.contacts(0, contacts, &mut buffers);
+            });
+            let is_ordinary = buffers.effects.len() == contacts;
+            assert!(!is_ordinary || told.count_total == 0, "step {step} of {contacts}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn property_an_ordinary_status_and_a_tick_allocate_nothing() {
+    let (mut crowd, mut buffers) = learned();
+    for step in 0..1000 {
+        let told = measure(|| {
+            crowd.status(0, &mut buffers);
+            crowd.tick(0, &mut buffers);
+        });
+        assert!(!buffers.effects.is_empty() || told.count_total == 0, "step {step}: {told:?}");
+    }
+}
+
+/// The counter counts: making a robot takes some.
+#[test]
+fn a_new_robot_allocates() {
+    assert!(measure(|| drop(Crowd::new(1, 24))).count_total > 20);
+}
