@@ -160,9 +160,8 @@ pub async fn run(bench: &mut Bench, qos: u8) -> anyhow::Result<()> {
     let (mut null_rates, mut null_cpus) = (Vec::new(), Vec::new());
     let mut round = 0;
     while bench.has_time_for(round) {
-        let line;
-        let null_cpu;
-        (null_rate, null_cpu, line) = null(&broker, qos, messages(&bench.pace, null_rate)).await?;
+        let (rate, null_cpu, line) = null(&broker, qos, messages(&bench.pace, null_rate)).await?;
+        null_rate = rate;
         bench.line(part, round, line)?;
         null_rates.push(null_rate);
         null_cpus.push(null_cpu);

@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_protocol::{BootId, ConnectionState, RobotTopic};
+use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic};
 
 use super::packet::{self, Inbound, Manner};
 use super::plan::{LoadPlan, Quality};
@@ -307,15 +307,10 @@ impl Line {
     }
 
     fn publish(&mut self, at: usize, kind: RobotTopic, payload: &[u8]) {
-        let is_acknowledged = match kind {
-            RobotTopic::Contacts => self.common.plan.qos == Quality::AtLeastOnce,
-            RobotTopic::Status => false,
-            RobotTopic::Connection
-            | RobotTopic::Factsheet
-            | RobotTopic::Receipt
-            | RobotTopic::Setpoint
-            | RobotTopic::SetpointState
-            | RobotTopic::Request => true,
+        let is_acknowledged = if kind == RobotTopic::Contacts {
+            self.common.plan.qos == Quality::AtLeastOnce
+        } else {
+            kind.quality_of_service() == QualityOfService::AtLeastOnce
         };
         let id = is_acknowledged.then(|| {
             self.in_flight += 1;
