@@ -7,6 +7,7 @@ use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
+use super::history::History;
 use super::{Engine, Incoming, Known, publication, survey};
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
@@ -108,6 +109,7 @@ impl Engine {
             boots: BTreeMap::new(),
             seqs: publication::Seqs::default(),
             stated: survey::Stated::default(),
+            history: History::new(self.keep),
         };
         self.robots.insert(name.clone(), known);
         Ok(true)
@@ -132,10 +134,12 @@ impl Engine {
         // The layout is numbered from a copy first, so that a database that is away changes nothing.
         let mut laid_out = known.robot.clone();
         laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
-        let ids = self.writer.whisker_ids(&self.lease, known.robot_id, &laid_out).await?;
+        let whiskers = self.writer.whisker_ids(&self.lease, known.robot_id, &laid_out).await?;
+        let ids: Vec<i64> = whiskers.iter().map(|(whisker_id, _)| *whisker_id).collect();
         if ids != known.whisker_ids {
+            let gone = known.history.laid_out(&known.whisker_ids, &whiskers, now, &mut self.batch);
             known.whisker_ids = ids;
-            self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });
+            self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone(), gone });
         }
         self.step(name, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
         Ok(())

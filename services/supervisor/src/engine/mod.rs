@@ -4,15 +4,20 @@
 //! core, writes all that came of them in one transaction, and then publishes setpoints and receipts. What
 //! is published is therefore always committed; what is not committed is sent again by the robots.
 
+mod history;
 mod intake;
+pub mod keep;
 pub mod mail;
 mod outage;
 mod publication;
 mod record;
+pub mod rollup;
 mod survey;
 
+pub use keep::Keep;
 pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
+pub use rollup::Resolution;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -38,6 +43,7 @@ use crate::trace::{Lives, Step, Traces, is_told};
 
 pub use publication::{Publication, Stopwatch};
 
+use history::History;
 use outage::{LeaseLost, Outage};
 
 /// How long messages are gathered for one commit.
@@ -72,6 +78,8 @@ struct Known {
     seqs: publication::Seqs,
     /// What was measured last of each compensation.
     stated: survey::Stated,
+    /// What its whiskers felt, for the tables.
+    history: History,
 }
 
 /// Why an engine has ended.
@@ -99,6 +107,8 @@ pub struct Engine {
     /// Messages that had been shed at the last look.
     shed: u64,
     robots: BTreeMap<Name, Known>,
+    /// Which contacts are kept one by one.
+    keep: Keep,
     batch: Batch,
     /// Times of the contacts messages in the batch.
     taken: Vec<survey::Taken>,
@@ -170,6 +180,7 @@ impl Engine {
             readiness,
             handled: Micros::default(),
             robots,
+            keep: Keep::default(),
             batch,
             taken: Vec::new(),
             answering: None,
@@ -194,6 +205,16 @@ impl Engine {
             }
             lives
         });
+        self
+    }
+
+    /// The same with another policy of which contacts are kept one by one.
+    #[must_use]
+    pub(crate) fn keeping(mut self, keep: Keep) -> Self {
+        self.keep = keep;
+        for known in self.robots.values_mut() {
+            known.history.keep(keep);
+        }
         self
     }
 
@@ -238,6 +259,7 @@ impl Engine {
                 _ = surveys.tick() => {
                     self.survey_queues(&inbox, &outbox);
                     self.survey_robots();
+                    self.close_history(self.now(&inbox));
                     Ok(())
                 }
             };
@@ -394,7 +416,9 @@ fn take_up(stored: StoredRobot, epoch: u64, params: &Params, batch: &mut Batch) 
     };
     let stated = survey::Stated::of(&robot, params);
     let seqs = publication::Seqs::default();
-    Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs, stated }
+    let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
+    let history = History::taken_up(Keep::default(), rollups, wall_clock());
+    Known { robot_id: stored.robot_id, robot, whisker_ids, boots: stored.boots, seqs, stated, history }
 }
 
 /// A pressure as a bare number, if there is one.

@@ -34,7 +34,7 @@ impl Engine {
                 else {
                     return;
                 };
-                self.batch.contacts.push(ContactRow {
+                let row = ContactRow {
                     whisker_id: whisker_id(contact.whisker),
                     boot: known.boots.get(source.boot_id.as_str()).copied().unwrap_or_default(),
                     seq: source.seq as i64,
@@ -50,7 +50,8 @@ impl Engine {
                     residual: contact.residual,
                     length_mm: contact.length.length.mm(),
                     length_sd_mm: contact.length.sd_mm,
-                });
+                };
+                known.history.felt(contact.whisker, contact.used, row, &mut self.batch);
             }
             Effect::UnknownWhisker { position } => {
                 self.refuse(
@@ -59,20 +60,26 @@ impl Engine {
                     name.as_str(),
                 );
             }
-            Effect::Condition { whisker, from, to } => self.batch.records.push(Record::Health {
-                whisker_id: whisker_id(whisker),
-                recorded_us,
-                kind: "CONDITION",
-                was: Some(from.word()),
-                becomes: Some(to.word()),
-            }),
-            Effect::Fault { whisker, from, to } => self.batch.records.push(Record::Health {
-                whisker_id: whisker_id(whisker),
-                recorded_us,
-                kind: "FAULT",
-                was: from.map(Word::word),
-                becomes: to.map(Word::word),
-            }),
+            Effect::Condition { whisker, from, to } => {
+                self.batch.records.push(Record::Health {
+                    whisker_id: whisker_id(whisker),
+                    recorded_us,
+                    kind: "CONDITION",
+                    was: Some(from.word()),
+                    becomes: Some(to.word()),
+                });
+                known.history.decided(whisker, &mut self.batch);
+            }
+            Effect::Fault { whisker, from, to } => {
+                self.batch.records.push(Record::Health {
+                    whisker_id: whisker_id(whisker),
+                    recorded_us,
+                    kind: "FAULT",
+                    was: from.map(Word::word),
+                    becomes: to.map(Word::word),
+                });
+                known.history.decided(whisker, &mut self.batch);
+            }
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
                 self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
@@ -87,6 +94,7 @@ impl Engine {
                     length_after_sd_mm: trim.length_after.sd_mm,
                     contacts_to_detect: i64::from(trim.contacts_to_detect),
                 });
+                known.history.decided(trim.whisker, &mut self.batch);
             }
             Effect::Decided(decision) => {
                 let row = decision_row(robot_id, recorded_us, &decision, whisker_id);
@@ -96,6 +104,9 @@ impl Engine {
                     Some(one) => [one.case, STARTED],
                 });
                 self.batch.records.push(Record::Decision(Box::new(row)));
+                for whisker in decision.candidates.iter().map(|one| one.whisker).chain([decision.target]) {
+                    known.history.decided(whisker, &mut self.batch);
+                }
             }
             Effect::Ended { compensation, case, reason } => {
                 self.metrics.compensations.count([case.word(), reason.word()]);
@@ -141,9 +152,13 @@ impl Engine {
                     target_strain: response.target,
                     target_origin: response.target_origin.word(),
                 }));
+                known.history.serves(&mut self.batch);
             }
             Effect::Error(error) => {
                 known.stated.state(&error);
+                if let Some(target) = known.target_of(error.compensation) {
+                    known.history.stated((target, whisker_id(target)), now, error.mean, &mut self.batch);
+                }
                 if let Some(case) = known.case_of(error.compensation) {
                     self.metrics.compensation_error_ratio.of(case.word()).observe(error.mean);
                 }
@@ -188,11 +203,13 @@ impl Engine {
 
     /// The states of everything that was touched, for the same transaction.
     pub(super) fn snapshot(&mut self) {
-        let now_us = super::wall_clock().0 as i64;
+        let now = super::wall_clock();
+        let now_us = now.0 as i64;
         for name in std::mem::take(&mut self.touched) {
             let Some(known) = self.robots.get_mut(&name) else { continue };
             let mut changed = Vec::new();
             known.robot.take_changed_whiskers(|index| changed.push(index));
+            known.history.take_changed(&mut changed);
             let state = (known.robot.take_changed() || !changed.is_empty()).then(|| known.robot.to_bytes());
             if let Some(state) = state {
                 let Some(state) = state else {
@@ -236,6 +253,7 @@ impl Engine {
                         [left.mean, left.low, left.high]
                     }),
                     state,
+                    rollup: known.history.stored(index, now),
                 });
             }
         }

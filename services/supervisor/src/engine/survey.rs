@@ -17,6 +17,9 @@ use crate::mqtt::Inbox;
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;
 
+/// Whiskers whose minutes are closed in one commit at the most.
+const CLOSED_AT_ONCE: usize = 5000;
+
 /// Times of a contacts message.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Taken {
@@ -61,6 +64,11 @@ impl Stated {
 }
 
 impl Known {
+    /// The whisker that a compensation is for, while it is in force or proposed.
+    pub(super) fn target_of(&self, compensation: u32) -> Option<usize> {
+        self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.target())
+    }
+
     /// The case of a compensation that is in force or proposed.
     pub(super) fn case_of(&self, compensation: u32) -> Option<Case> {
         self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.case())
@@ -165,6 +173,16 @@ impl Engine {
                 self.fleet.as_str(),
                 self.robots.iter().map(|(name, known)| sample(name.as_str(), known)).collect(),
             );
+        }
+    }
+
+    /// Closes minutes and hours that are over, those of silent whiskers too; of a large fleet some at a time.
+    pub(super) fn close_history(&mut self, now: Micros) {
+        let mut left = CLOSED_AT_ONCE;
+        for (name, known) in &mut self.robots {
+            if known.history.close(now, &known.whisker_ids, &mut left, &mut self.batch) {
+                self.touched.insert(name.clone());
+            }
         }
     }
 

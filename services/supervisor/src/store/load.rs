@@ -26,6 +26,8 @@ pub struct StoredRobot {
     pub whisker_ids: Vec<i64>,
     /// The core's bytes of its whiskers, in the same order.
     pub whisker_states: Vec<Vec<u8>>,
+    /// The bytes of their minutes and hours that are not over, in the same order; none of who felt nothing yet.
+    pub rollups: Vec<Option<Vec<u8>>>,
     /// Numbers of its boots.
     pub boots: BTreeMap<String, i64>,
     /// Whether an operator held it or any of its whiskers.
@@ -52,6 +54,9 @@ impl RobotState {
         Robot::from_bytes(&self.head, &self.whiskers, 0, Micros::default())
     }
 }
+
+/// A whisker's number, and the bytes of its minute and hour that are not over, if it has felt anything.
+pub type NumberedWhisker = (i64, Option<Vec<u8>>);
 
 /// How long reading a whole fleet may take.
 const LOAD_PATIENCE: Duration = Duration::from_secs(120);
@@ -144,14 +149,20 @@ impl Writer {
         .await
     }
 
-    /// The numbers of a robot's whiskers, new or known, in the order of their index.
+    /// The numbers of a robot's whiskers, new or known, in the order of their index, each with the bytes of its minute and
+    /// hour as they were committed last.
     ///
     /// What is on the robot is brought up to date; the states follow with the batch that takes the new layout
     /// in, so that a crash in between leaves the old layout whole.
     ///
     /// # Errors
     /// The database cannot be written, or the fleet is not ours any more.
-    pub async fn whisker_ids(&mut self, lease: &Lease, robot_id: i64, robot: &Robot) -> Result<Vec<i64>, StoreError> {
+    pub async fn whisker_ids(
+        &mut self,
+        lease: &Lease,
+        robot_id: i64,
+        robot: &Robot,
+    ) -> Result<Vec<NumberedWhisker>, StoreError> {
         const WHAT: &str = "number the whiskers";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
@@ -181,7 +192,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
          FROM robots r WHERE fleet = $1";
-    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state FROM whiskers w \
+    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
          JOIN robots r ON r.robot_id = w.robot_id \
          WHERE fleet = $1 AND position IS NOT NULL AND w.state IS NOT NULL ORDER BY w.robot_id, position";
     const BOOTS: &str =
@@ -195,6 +206,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
             held: row.get::<i32, _>("is_held") != 0,
             whisker_ids: Vec::new(),
             whisker_states: Vec::new(),
+            rollups: Vec::new(),
             boots: BTreeMap::new(),
             numbers: Numbers {
                 next_trim: next_number(row.get("last_trim")),
@@ -207,6 +219,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.whisker_ids.push(row.get("whisker_id"));
             robot.whisker_states.push(row.get("state"));
+            robot.rollups.push(row.get("rollup"));
         }
     });
     on!(link, |link| for row in sqlx::query(BOOTS).bind(fleet).fetch_all(link).await? {
@@ -228,15 +241,20 @@ async fn array_id(tx: &mut Tx<'_>, robot_id: i64, array: &str, kind: ArrayKind) 
     on!(tx, |tx| sqlx::query_scalar(SQL).bind(robot_id).bind(array).bind(kind.word()).fetch_one(&mut **tx).await)
 }
 
-async fn whisker_id(tx: &mut Tx<'_>, robot_id: i64, array_id: i64, sheet: &WhiskerSheet) -> sqlx::Result<i64> {
+async fn whisker_id(
+    tx: &mut Tx<'_>,
+    robot_id: i64,
+    array_id: i64,
+    sheet: &WhiskerSheet,
+) -> sqlx::Result<NumberedWhisker> {
     const SQL: &str = "INSERT INTO whiskers (array_id, robot_id, whisker, x_mm, y_mm, model, whole_length_mm, \
          nominal_pressure_mpa, pressure_max_mpa, length_mm, length_sd_mm, condition, setpoint_mpa) \
          VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $7, 0, 'LEARNING', $8) \
          ON CONFLICT (array_id, whisker) DO UPDATE SET x_mm = excluded.x_mm, y_mm = excluded.y_mm, \
          model = excluded.model, whole_length_mm = excluded.whole_length_mm, \
          nominal_pressure_mpa = excluded.nominal_pressure_mpa, pressure_max_mpa = excluded.pressure_max_mpa \
-         RETURNING whisker_id";
-    on!(tx, |tx| sqlx::query_scalar(SQL)
+         RETURNING whisker_id, rollup";
+    on!(tx, |tx| sqlx::query_as(SQL)
         .bind(array_id)
         .bind(robot_id)
         .bind(i64::from(sheet.number))
