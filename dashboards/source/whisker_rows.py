@@ -7,11 +7,25 @@ from .rows import WHISKER_ID, between, bucket, time
 ITS = f"(c.target_whisker_id = {WHISKER_ID} OR c.compensator_whisker_id = {WHISKER_ID})"
 OF_CONTACTS = f"FROM contacts c WHERE c.whisker_id = {WHISKER_ID} AND {between('c.t_us')}"
 
+# Over days its minutes are asked, over months its hours, which stay when contacts have gone: one of the three.
+LENGTHS = f"""
+    SELECT c.t_us AS us, c.length_mm, c.length_sd_mm, 1 AS contacts
+    {OF_CONTACTS} AND $__interval_ms < 60000
+    UNION ALL SELECT m.start_us, m.length_mean_mm, m.length_sd_mm,
+        m.contacts_used + m.contacts_learning + m.contacts_unused
+    FROM contact_minutes m WHERE m.whisker_id = {WHISKER_ID} AND {between("m.start_us")}
+        AND m.length_mm IS NOT NULL AND $__interval_ms BETWEEN 60000 AND 3599999
+    UNION ALL SELECT h.start_us, h.length_mean_mm, h.length_sd_mm,
+        h.contacts_used + h.contacts_learning + h.contacts_unused
+    FROM contact_hours h WHERE h.whisker_id = {WHISKER_ID} AND {between("h.start_us")}
+        AND h.length_mm IS NOT NULL AND $__interval_ms >= 3600000
+"""
+
 LENGTH = f"""
-    SELECT {bucket("c.t_us")} AS "time", avg(c.length_mm) AS length,
-        avg(c.length_mm) - {rows.Z95} * avg(c.length_sd_mm) AS low,
-        avg(c.length_mm) + {rows.Z95} * avg(c.length_sd_mm) AS high
-    {OF_CONTACTS} GROUP BY 1 ORDER BY 1
+    SELECT {bucket("l.us")} AS "time", sum(l.length_mm * l.contacts) / sum(l.contacts) AS length,
+        sum((l.length_mm - {rows.Z95} * l.length_sd_mm) * l.contacts) / sum(l.contacts) AS low,
+        sum((l.length_mm + {rows.Z95} * l.length_sd_mm) * l.contacts) / sum(l.contacts) AS high
+    FROM ({LENGTHS}) l GROUP BY 1 ORDER BY 1
 """
 
 # The interval is that of the mean; a single contact has none.

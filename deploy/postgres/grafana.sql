@@ -19,7 +19,8 @@ GRANT USAGE ON SCHEMA public TO grafana;
 REVOKE ALL ON ALL TABLES IN SCHEMA public FROM grafana;
 GRANT SELECT ON
     alarm_shelves, alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors,
-    compensation_refinements, compensations, contacts, epochs, health_changes, leases, setpoint_states, setpoints, trims
+    compensation_refinements, compensations, contact_hours, contact_minutes, contacts, epochs, health_changes, leases,
+    setpoint_states, setpoints, trims
     TO grafana;
 -- What is decided by, not who set it and why.
 GRANT SELECT (

@@ -79,11 +79,11 @@ impl Watch {
     }
 }
 
-/// The row of the lease, and the newest contact.
+/// The row of the lease, with how often its owner has committed.
 struct Look {
     epoch: i64,
     holder: Option<String>,
-    newest: i64,
+    commits: i64,
 }
 
 fn locked(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
@@ -99,7 +99,7 @@ async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
         match &candidate {
             // Whatever is recorded from here on is recorded by this one: the epoch keeps the others out.
             Some(known) if known.epoch == seen.epoch => {
-                let Some(holder) = seen.holder.filter(|_| seen.newest > known.newest) else { continue };
+                let Some(holder) = seen.holder.filter(|_| seen.commits > known.commits) else { continue };
                 let reign = Reign { epoch: seen.epoch, holder, first_commit: Instant::now() };
                 let mut all = locked(&all);
                 if all.reigns.last().is_none_or(|last| last.epoch < seen.epoch) {
@@ -116,8 +116,7 @@ async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
 
 /// Asks over the connection that is there, or makes one.
 async fn ask(connection: &mut Option<PgConnection>, database: &PgConnectOptions) -> Option<Look> {
-    const SQL: &str =
-        "SELECT epoch, holder, (SELECT coalesce(max(contact_id), 0) FROM contacts) FROM leases WHERE fleet = $1";
+    const SQL: &str = "SELECT epoch, holder, commits FROM leases WHERE fleet = $1";
     if connection.is_none() {
         *connection = timeout(PATIENCE, PgConnection::connect_with(database)).await.ok()?.ok();
     }
@@ -127,5 +126,5 @@ async fn ask(connection: &mut Option<PgConnection>, database: &PgConnectOptions)
         return None;
     };
     let row = row?;
-    Some(Look { epoch: row.get(0), holder: row.get(1), newest: row.get(2) })
+    Some(Look { epoch: row.get(0), holder: row.get(1), commits: row.get(2) })
 }

@@ -1,28 +1,28 @@
 //! What the database has at the end.
 
-use sqlx::Row;
 use sqlx::postgres::{PgConnection, PgRow};
+use sqlx::{Connection, Row};
 
 use crate::ledger::{Content, Ledger, Recorded};
 use crate::obedience::Decided;
-
-/// Rows that are fetched at once.
-const PAGE: i64 = 20_000;
 
 /// Tells the ledger every contact.
 ///
 /// # Errors
 /// The database does not answer.
 pub async fn contacts(connection: &mut PgConnection, ledger: &mut Ledger) -> sqlx::Result<()> {
-    const SQL: &str = "SELECT robot, b.boot_id, seq, c.position, \"array\", whisker, t_us, ratio, deflection_mm, \
-        strain, c.pressure_mpa, coalesce(temperature_c, 'NaN'), contact_id FROM contacts c JOIN boots b USING (boot) \
+    const ALL: &str = "DECLARE all_contacts CURSOR FOR SELECT robot, b.boot_id, seq, c.position, \"array\", whisker, \
+        t_us, ratio, deflection_mm, strain, c.pressure_mpa, coalesce(temperature_c, 'NaN') \
+        FROM contacts c JOIN boots b USING (boot) \
         JOIN robots r USING (robot_id) JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
-        WHERE contact_id > $1 ORDER BY contact_id LIMIT $2";
-    let mut last = 0_i64;
+        ORDER BY received_us, boot, seq, c.position";
+    let mut tx = connection.begin().await?;
+    sqlx::query(ALL).execute(&mut *tx).await?;
     loop {
-        let rows = sqlx::query(SQL).bind(last).bind(PAGE).fetch_all(&mut *connection).await?;
-        let Some(newest) = rows.last() else { return Ok(()) };
-        last = newest.get("contact_id");
+        let rows = sqlx::query("FETCH 20000 FROM all_contacts").fetch_all(&mut *tx).await?;
+        if rows.is_empty() {
+            return tx.rollback().await;
+        }
         rows.iter().for_each(|row| ledger.recorded(contact(row)));
     }
 }

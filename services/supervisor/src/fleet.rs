@@ -9,7 +9,7 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
-use crate::engine::{Ending, Engine};
+use crate::engine::{Ending, Engine, Keep};
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
@@ -38,6 +38,8 @@ pub(crate) struct Shared {
     pub(crate) mailroom: Mailroom,
     pub(crate) traces: Option<Traces>,
     pub(crate) params: Arc<Params>,
+    /// Which contacts are kept one by one.
+    pub(crate) keep: Keep,
     /// One start of one supervisor.
     pub(crate) supervisor: Arc<str>,
 }
@@ -131,7 +133,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             shared.mailroom.clone(),
         );
         match started.await {
-            Ok(engine) => return Some((engine.traced(shared.traces.as_ref()), boot_id)),
+            Ok(engine) => return Some((engine.keeping(shared.keep).traced(shared.traces.as_ref()), boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "not taken up");
                 return None;

@@ -13,7 +13,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::broker::Broker;
-use crate::engine::wall_clock;
+use crate::engine::{Keep, wall_clock};
 use crate::fleet::Shared;
 use crate::http::App;
 use crate::http::access::{Access, AccessOptions};
@@ -22,14 +22,25 @@ use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
+use crate::store::retention::Retention;
 use crate::store::{DatabaseAddress, Store, Supervisor};
 use crate::trace::{TraceOptions, Traces};
+use crate::upkeep;
 
 /// How long everything that is not a fleet may take to end in good order.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
 /// How long a fleet stays a silent supervisor's, unless it is told otherwise.
 pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
+
+/// What is kept of what whiskers felt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HistoryOptions {
+    /// Which contacts are kept one by one.
+    pub keep: Keep,
+    /// For how long they are kept, and what they add up to.
+    pub retention: Retention,
+}
 
 /// What to run.
 #[derive(Debug, Clone)]
@@ -42,6 +53,8 @@ pub struct ServiceOptions {
     pub database: DatabaseAddress,
     /// How long a fleet stays this supervisor's without a word from it.
     pub lease_time_to_live: Duration,
+    /// What of contacts is kept, and for how long.
+    pub history: HistoryOptions,
     /// An external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
@@ -124,6 +137,7 @@ impl Service {
             mailroom: mailroom.clone(),
             traces: traces.clone(),
             params: params.clone(),
+            keep: options.history.keep,
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -154,6 +168,7 @@ impl Service {
         .traced(traces.clone());
         let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
+        tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self { broker, http, store, metrics, readiness, mailroom, traces, embedded, stop, ownership, http_task })
     }

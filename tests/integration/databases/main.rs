@@ -5,8 +5,10 @@
 mod actions;
 mod backup;
 mod contract;
+mod history;
 mod leases;
 mod restore;
+mod retention;
 mod rows;
 mod schema;
 mod supervisors;

@@ -36,6 +36,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         traces: None,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),

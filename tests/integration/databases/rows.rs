@@ -46,7 +46,8 @@ pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
     let robot = known(1);
     let robot_id = writer.robot_id(lease, "r").await.unwrap();
     let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
-    let whisker_ids = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
+    let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
+    let whisker_ids = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();
     let numbered = Numbered { robot, robot_id, boot, whisker_ids };
     writer.commit(lease, &states(&numbered)).await.unwrap();
     numbered
@@ -70,9 +71,10 @@ pub(crate) fn states(numbered: &Numbered) -> Batch {
         contacts_left: if index == 0 { [Some(1000.0), Some(800.0), None] } else { [None; 3] },
         held: index == 1,
         state: numbered.robot.whisker_to_bytes(index).unwrap(),
+        rollup: vec![7; index],
     };
     Batch {
-        layouts: vec![LayoutRow { robot_id: numbered.robot_id, model: "crawler".to_owned() }],
+        layouts: vec![LayoutRow { robot_id: numbered.robot_id, model: "crawler".to_owned(), gone: Vec::new() }],
         robots: vec![RobotRow {
             robot_id: numbered.robot_id,
             boot_id: Some("b1".to_owned()),

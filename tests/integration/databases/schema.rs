@@ -26,8 +26,9 @@ async fn sqlite_tables(path: &std::path::Path) -> Tables {
 async fn postgres_tables(options: &sqlx::postgres::PgConnectOptions) -> Tables {
     let mut link = options.connect().await.unwrap();
     let rows = sqlx::query(
-        "SELECT table_name::text AS t, column_name::text AS c FROM information_schema.columns \
-         WHERE table_schema = 'public'",
+        "SELECT c.relname::text AS t, a.attname::text AS c FROM pg_class c JOIN pg_attribute a ON a.attrelid = c.oid \
+         WHERE c.relnamespace = 'public'::regnamespace AND c.relkind IN ('r', 'p') AND NOT c.relispartition \
+         AND a.attnum > 0 AND NOT a.attisdropped",
     )
     .fetch_all(&mut link)
     .await
@@ -47,9 +48,11 @@ fn collect(columns: impl Iterator<Item = (String, String)>) -> Tables {
 async fn both_databases_have_the_same_tables_with_the_same_columns() {
     let (lite, postgres) = (Fresh::sqlite().await, Fresh::postgres().await);
     let DatabaseAddress::Sqlite(path) = &lite.address else { panic!("a file") };
-    let tables = sqlite_tables(path).await;
+    let mut tables = sqlite_tables(path).await;
+    // A row of SQLite's has a number in any case; PostgreSQL has nothing that would need one.
+    assert!(tables.get_mut("contacts").unwrap().remove("contact_id"));
     assert!(
-        tables.len() >= 19
+        tables.len() >= 25
             && tables["compensation_refinements"].contains("outcome")
             && tables["contacts"].contains("strain"),
         "{tables:?}"

@@ -30,7 +30,7 @@ struct Stage {
 }
 
 /// One supervisor.
-struct Replica {
+pub(crate) struct Replica {
     process: Process,
     http: u16,
 }
@@ -42,29 +42,8 @@ impl Stage {
 
     /// A supervisor of these fleets.
     fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
-        let http = free_port();
-        let arguments = [
-            "run",
-            "--name",
-            name,
-            "--fleets",
-            fleets,
-            "--database-url",
-            &Postgres::url(self.server.port()),
-            "--mqtt-url",
-            &format!("mqtt://127.0.0.1:{}", self.broker.port()),
-            "--http-listen",
-            &format!("127.0.0.1:{http}"),
-            "--lease-time-to-live-s",
-            &time_to_live_s.to_string(),
-        ];
-        let launch = Launch {
-            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
-            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
-            environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
-            log: self.folder.path().join(name),
-        };
-        Replica { process: Process::start(launch), http }
+        let database = Postgres::url(self.server.port());
+        Replica::start(self.folder.path(), name, fleets, &database, self.broker.port(), time_to_live_s)
     }
 
     async fn link(&self) -> PgConnection {
@@ -113,7 +92,7 @@ impl Stage {
 }
 
 /// Two robots that are touched 200 times a second.
-fn start_fleet(name: &str, broker_port: u16) -> Fleet {
+pub(crate) fn start_fleet(name: &str, broker_port: u16) -> Fleet {
     let scenario = format!(
         r#"
 fleet = "{name}"
@@ -135,20 +114,59 @@ arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ 
 }
 
 impl Replica {
+    /// A supervisor of these fleets, with that database and broker.
+    pub(crate) fn start(
+        folder: &Path,
+        name: &str,
+        fleets: &str,
+        database: &str,
+        broker_port: u16,
+        time_to_live_s: f64,
+    ) -> Self {
+        let http = free_port();
+        let arguments = [
+            "run",
+            "--name",
+            name,
+            "--fleets",
+            fleets,
+            "--database-url",
+            database,
+            "--mqtt-url",
+            &format!("mqtt://127.0.0.1:{broker_port}"),
+            "--http-listen",
+            &format!("127.0.0.1:{http}"),
+            "--lease-time-to-live-s",
+            &time_to_live_s.to_string(),
+        ];
+        let launch = Launch {
+            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
+            log: folder.join(name),
+        };
+        Self { process: Process::start(launch), http }
+    }
+
+    /// Kills it, as a power failure would.
+    pub(crate) fn kill(&mut self) {
+        self.process.kill();
+    }
+
     /// What `/readyz` says; none while nobody answers.
     async fn ready(&self) -> Option<(u16, String)> {
         try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()
     }
 
     /// Waits until it answers with that status, and a text with this in it.
-    async fn says(&self, status: u16, part: &str) -> String {
+    pub(crate) async fn says(&self, status: u16, part: &str) -> String {
         until(&format!("{status} with {part}"), async || {
             self.ready().await.filter(|(code, text)| *code == status && text.contains(part)).map(|(_, text)| text)
         })
         .await
     }
 
-    async fn terminate(&mut self) {
+    pub(crate) async fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
         assert!(self.process.ended(PATIENCE).await.expect("it ends").success());
     }
@@ -320,6 +338,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         fleets: fleets.to_vec(),
         database: address,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

@@ -6,6 +6,7 @@ mod access;
 mod document;
 mod events;
 mod groups;
+mod history;
 mod oidc;
 mod pages;
 mod pictures;

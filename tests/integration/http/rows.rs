@@ -2,9 +2,10 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use vibrissa::engine::Resolution;
 use vibrissa::store::batch::{
     CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, LayoutRow, Record, RefinementRow, RobotRow,
-    SetpointRow, WhiskerRow,
+    RollupRow, SetpointRow, WhiskerRow,
 };
 use vibrissa::store::{Batch, Lease, Store, Supervisor, Writer};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
@@ -19,6 +20,10 @@ pub(crate) const START_US: i64 = 1_795_248_000_000_000;
 pub(crate) const CASES: [&str; 3] = ["SELF_COMPENSATION", "SHORTER_FOR_LONGER", "LONGER_FOR_SHORTER"];
 /// Contacts of whisker 0 of the first robot.
 pub(crate) const CONTACTS: i64 = 3000;
+/// Minutes of each whisker.
+pub(crate) const MINUTES: i64 = 130;
+/// Hours of each whisker.
+pub(crate) const HOURS: i64 = 7;
 /// Decisions of each robot.
 const DECISIONS: u32 = 7;
 
@@ -88,9 +93,10 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
     let robot = known(lease.epoch());
     let robot_id = writer.robot_id(lease, name).await.unwrap();
     let boot = writer.boot(lease, robot_id, "b1", START_US).await.unwrap();
-    let ids = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
+    let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
+    let ids: Vec<i64> = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();
     let mut batch = Batch {
-        layouts: vec![LayoutRow { robot_id, model: "crawler".to_owned() }],
+        layouts: vec![LayoutRow { robot_id, model: "crawler".to_owned(), gone: Vec::new() }],
         robots: vec![RobotRow {
             robot_id,
             boot_id: Some("b1".to_owned()),
@@ -101,6 +107,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
             state: robot.to_bytes().unwrap(),
         }],
         whiskers: (0..3).map(|index| whisker(&robot, &ids, index)).collect(),
+        rollups: rollups(&ids),
         records: happenings(robot_id, &ids),
         ..Batch::default()
     };
@@ -126,6 +133,33 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
     }
 }
 
+/// Minutes and hours of each whisker; some have an error and no contact.
+pub(crate) fn rollups(ids: &[i64]) -> Vec<RollupRow> {
+    let row = |(index, number, resolution): (usize, i64, Resolution)| {
+        let felt = |value: f32| (number % 5 != 4).then_some(value);
+        RollupRow {
+            whisker_id: ids[index],
+            resolution,
+            start_us: START_US + number * resolution.us() as i64,
+            contacts: if number % 5 == 4 { [0; 3] } else { [number as i32 + 1, index as i32, 2] },
+            residual: [felt(0.125), felt(0.5).filter(|_| number > 0), felt(-0.25), felt(0.75)],
+            sensitivity_per_mm: felt(0.004),
+            ratio: felt(0.7),
+            length_mm: felt(70.0 - number as f32 / 8.0),
+            length_sd_mm: felt(0.25),
+            length_mean_mm: felt(69.5),
+            pressure_mpa: felt(0.1),
+            temperature_c: felt(24.5),
+            compensation_error: (number % 5 == 4).then_some(0.203_85),
+        }
+    };
+    let numbers = |index: usize| {
+        let minutes = (0..MINUTES).map(move |number| (index, number, Resolution::Minute));
+        minutes.chain((0..HOURS).map(move |number| (index, number, Resolution::Hour)))
+    };
+    (0..ids.len()).flat_map(numbers).map(row).collect()
+}
+
 fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
     WhiskerRow {
         whisker_id: ids[index],
@@ -143,6 +177,7 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
         contacts_left: [None; 3],
         held: index == 1,
         state: robot.whisker_to_bytes(index).unwrap(),
+        rollup: Vec::new(),
     }
 }
 

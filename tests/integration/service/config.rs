@@ -80,6 +80,8 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::Log => ["error", "warn", "debug"],
         Key::DatabaseUrl => ["postgres://u@h0/d", "postgres://u@h1/d", "postgres://u@h2/d"],
         Key::LeaseTimeToLiveS => ["3.5", "4.5", "5.5"],
+        Key::ContactsKeep => ["decisions", "none", "all"],
+        Key::ContactsDays | Key::RollupsMinutesDays => ["0", "7", "90"],
         Key::MqttUrl => ["mqtts://h0:8883", "mqtts://h1:8884", "mqtts://h2"],
         Key::MqttPort => ["1884", "1885", "1886"],
         Key::MqttUsername | Key::MqttPassword => ["u0", "u1", "u2"],

@@ -4,6 +4,8 @@ use clap::ValueEnum;
 use vibrissa_core::mechanics::{Formulation, Objective};
 use vibrissa_core::policy::{LongerForShorter, Mode};
 
+use crate::engine::Keep;
+
 /// How the paper's factor of eq. 27, 29 and 31 is read.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum FormulationArg {
@@ -36,6 +38,27 @@ impl From<ModeArg> for Mode {
         match arg {
             ModeArg::Automatic => Self::Automatic,
             ModeArg::Advise => Self::Advise,
+        }
+    }
+}
+
+/// Which contacts are kept one by one.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum KeepArg {
+    /// All.
+    All,
+    /// Those before something is found or decided, and those of whiskers that serve.
+    Decisions,
+    /// None.
+    None,
+}
+
+impl From<KeepArg> for Keep {
+    fn from(arg: KeepArg) -> Self {
+        match arg {
+            KeepArg::All => Self::All,
+            KeepArg::Decisions => Self::Decisions,
+            KeepArg::None => Self::None,
         }
     }
 }

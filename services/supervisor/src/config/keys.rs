@@ -92,6 +92,12 @@ keys! {
         "A file with the password for PostgreSQL";
     LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
         "How long a fleet stays this supervisor's without a word from it, seconds";
+    ContactsKeep: "contacts.keep", Kind::Text, Some(r#""all""#),
+        "Which contacts are kept one by one: all, decisions (before something is found or decided, and of whiskers that serve) or none; minutes and hours of each whisker always are";
+    ContactsDays: "contacts.days", Kind::Whole { min: 0, max: 36_500 }, Some("30"),
+        "Days after which contacts are removed; 0 keeps them for ever";
+    RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
+        "Days after which the minutes of whiskers are removed, 0 keeps them for ever; hours are always kept";
     MqttUrl: "mqtt.url", Kind::Text, None,
         "An external broker, mqtt://HOST:1883 or mqtts://HOST:8883, instead of the embedded one";
     MqttPort: "mqtt.port", Kind::Whole { min: 0, max: 65_535 }, Some("1883"),

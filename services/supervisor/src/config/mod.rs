@@ -38,10 +38,11 @@ use self::reader::Reader;
 use crate::calibration_file::{self, CalibrationFileError};
 use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
-use crate::service::ServiceOptions;
+use crate::service::{HistoryOptions, ServiceOptions};
 use crate::store::DatabaseAddress;
+use crate::store::retention::Retention;
 use crate::trace::TraceOptions;
-use choices::{FormulationArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
+use choices::{FormulationArg, KeepArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
 
 /// A configuration that was checked as a whole. `Debug` shows no secret.
 #[derive(Debug, Clone)]
@@ -58,6 +59,8 @@ pub struct Config {
     pub database: DatabaseAddress,
     /// How long a fleet stays this supervisor's without a word from it.
     pub lease_time_to_live: Duration,
+    /// What of contacts is kept, and for how long.
+    pub history: HistoryOptions,
     /// The external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
@@ -125,6 +128,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
     });
     let database = database::database(reader);
     let lease = reader.number(Key::LeaseTimeToLiveS);
+    let keep = reader.word::<KeepArg>(Key::ContactsKeep);
+    let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
     let broker = mqtt::broker(reader);
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
     let http = reader.parsed(Key::HttpListen, |text| {
@@ -148,6 +153,10 @@ fn config(reader: &mut Reader) -> Option<Config> {
         log: log?,
         database: database?,
         lease_time_to_live: Duration::from_secs_f64(lease?),
+        history: HistoryOptions {
+            keep: keep?.into(),
+            retention: Retention { contacts_days: contacts_days?, minutes_days: minutes_days? },
+        },
         broker,
         mqtt_port: mqtt_port?,
         http: http?,
@@ -241,6 +250,7 @@ impl From<Config> for ServiceOptions {
             fleets: config.fleets,
             database: config.database,
             lease_time_to_live: config.lease_time_to_live,
+            history: config.history,
             broker: config.broker,
             mqtt_port: config.mqtt_port,
             http: config.http,

@@ -36,6 +36,7 @@ fn the_defaults_are_a_good_configuration() {
     let core = Params::nguyen_2021(Formulation::default());
     assert!(config.access.token.is_none() && config.access.oidc.is_none());
     assert_eq!(config.traces, None);
+    assert_eq!(config.history, HistoryOptions::default());
     assert_eq!(config.mode, core.policy.mode);
     assert_eq!(config.objective, core.policy.objective);
     assert_eq!(config.longer_for_shorter, core.policy.longer_for_shorter);

@@ -17,7 +17,7 @@ use vibrissa_protocol::Name;
 use vibrissa_simulator::Fleet;
 
 use crate::http::access::AccessOptions;
-use crate::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use crate::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use crate::store::DatabaseAddress;
 use crate::store::Store;
 use scenario::{CONTACTS_PER_SECOND, INCIDENTS, What};
@@ -55,6 +55,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         database: DatabaseAddress::Sqlite(database.clone()),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         metrics_per_whisker: false,
+        history: HistoryOptions::default(),
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http,

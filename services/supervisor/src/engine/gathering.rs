@@ -8,6 +8,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
 use super::journal::Journal;
+use super::keep::Keep;
 use super::publication::Publication;
 use super::shard::{Known, Stored};
 use super::snapshot::Waiting;
@@ -29,6 +30,8 @@ pub(super) struct Gathering {
     pub(super) boot_id: BootId,
     pub(super) params: Arc<Params>,
     pub(super) metrics: FleetMetrics,
+    /// Which contacts are kept one by one.
+    pub(super) keep: Keep,
     /// The number of the transaction in the fleet's journal.
     pub(super) number: i64,
     pub(super) batch: Batch,
@@ -70,6 +73,7 @@ impl Gathering {
             boot_id,
             params,
             metrics,
+            keep: Keep::default(),
             number: 0,
             batch: Batch::default(),
             journal: Journal::default(),
@@ -101,7 +105,8 @@ impl Gathering {
             let (fleet, name, robot_id, robot) = (&self.fleet, &known.name, known.robot_id, &known.robot);
             lives.stepped(&Step { fleet, name, robot_id, robot, now, event, effects: &effects });
         }
-        self.keep(known, now, event, outcome, effects.iter().all(is_ordinary));
+        let is_ordinary = effects.iter().all(is_ordinary);
+        self.outlast(known, now, event, source, outcome, is_ordinary);
         for effect in effects.drain(..) {
             self.record(known, now, effect, source);
         }
@@ -111,7 +116,15 @@ impl Gathering {
 
     /// Has the step outlast us: as an entry of the journal where the same event leads to the same state and to nothing
     /// else, or by writing the state.
-    fn keep(&mut self, known: &mut Known, now: Micros, event: &Event<'_>, outcome: Outcome, is_ordinary: bool) {
+    fn outlast(
+        &mut self,
+        known: &mut Known,
+        now: Micros,
+        event: &Event<'_>,
+        source: Option<Source<'_>>,
+        outcome: Outcome,
+        is_ordinary: bool,
+    ) {
         if known.stored == Stored::Next {
             return;
         }
@@ -121,7 +134,7 @@ impl Gathering {
             && match event {
                 // Also what is not taken can give up a gap.
                 Event::Contacts { boot_id, .. } if is_taken || known.robot.has_gap(boot_id) => {
-                    self.journal.contacts(known, now, event, is_taken);
+                    self.journal.contacts(known, now, event, source.filter(|_| is_taken));
                     true
                 }
                 Event::Status { .. } if is_taken && known.robot.is_settled() => {

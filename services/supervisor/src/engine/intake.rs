@@ -144,7 +144,7 @@ impl Shard {
     async fn make_known(&mut self, name: &Name, committer: &mut Committer) -> Result<(), StoreError> {
         let robot_id = committer.writer.robot_id(&committer.lease, name.as_str()).await?;
         let robot = Robot::new(committer.lease.epoch(), Numbers::default());
-        self.robots.insert(name.clone(), Known::new(name.clone(), robot_id, robot));
+        self.robots.insert(name.clone(), Known::new(name.clone(), robot_id, robot, self.gathering.keep));
         Ok(())
     }
 }
@@ -177,10 +177,12 @@ impl Gathering {
             // The layout is numbered from a copy first, so that a database that is away changes nothing.
             let mut laid_out = known.robot.clone();
             laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
-            let ids = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
+            let whiskers = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
+            let ids: Vec<i64> = whiskers.iter().map(|(whisker_id, _)| *whisker_id).collect();
             if ids != known.whisker_ids {
+                let gone = known.history.laid_out(&known.whisker_ids, &whiskers, now, &mut self.batch);
                 known.whisker_ids = ids;
-                self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone() });
+                self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone(), gone });
             }
         }
         self.step(known, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);

@@ -5,11 +5,15 @@
 //! those are kept here that lead to nothing but contact rows; where anything is decided, the state is written at once.
 
 use borsh::{BorshDeserialize, BorshSerialize};
+use vibrissa_core::robot::effect::ContactRecord;
 use vibrissa_core::robot::event::{Contact, GaugeState, RegulatorState, WhiskerStatus};
 use vibrissa_core::robot::{Event, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
+use vibrissa_edge::words::Word;
 
+use super::gathering::Source;
 use super::shard::Known;
+use crate::store::batch::ContactRow;
 
 /// Stands for an array that is not on the robot.
 const NO_ARRAY: u16 = u16::MAX;
@@ -50,6 +54,8 @@ pub(super) struct KeptContact {
     deflection_mm: f64,
     strain: f64,
     pressure_mpa: f64,
+    /// Nothing is decided by it; minutes have its mean.
+    temperature_c: f64,
 }
 
 /// A line of a status.
@@ -84,16 +90,18 @@ impl Journal {
         self.write(&Entry { robot_id: known.robot_id, now, told: Told::Tick });
     }
 
-    /// A contacts message; the contacts of one that was not taken do not matter.
-    pub(super) fn contacts(&mut self, known: &Known, now: Micros, event: &Event<'_>, is_taken: bool) {
+    /// A contacts message with what it was made from; the contacts of one that was not taken do not matter.
+    pub(super) fn contacts(&mut self, known: &Known, now: Micros, event: &Event<'_>, taken: Option<Source<'_>>) {
         let Event::Contacts { boot_id, seq, contacts } = event else { return };
-        let contacts = if is_taken { contacts } else { &[][..] };
+        let temperatures = taken.map_or(&[][..], |source| &source.told.contacts);
+        let contacts = if taken.is_some() { contacts } else { &[][..] };
         self.contacts += contacts.len();
         // As an entry of its own would be written, without making one.
         let head = (known.robot_id, now, CONTACTS, known.boot(boot_id), *seq, contacts.len() as u32);
         self.write(&head);
-        for one in contacts {
-            self.write(&KeptContact::of(&known.robot, one));
+        for (position, one) in contacts.iter().enumerate() {
+            let temperature_c = temperatures.get(position).map_or(0.0, |told| told.temperature_c);
+            self.write(&KeptContact::of(&known.robot, one, temperature_c));
         }
     }
 
@@ -133,7 +141,7 @@ fn array_name(arrays: &[String], index: u16) -> &str {
 }
 
 impl KeptContact {
-    fn of(robot: &Robot, contact: &Contact<'_>) -> Self {
+    fn of(robot: &Robot, contact: &Contact<'_>, temperature_c: f64) -> Self {
         Self {
             array: array_index(robot, contact.array),
             whisker: contact.whisker,
@@ -142,6 +150,34 @@ impl KeptContact {
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
             pressure_mpa: contact.pressure.mpa(),
+            temperature_c,
+        }
+    }
+
+    /// Its row, as it was written; `boot` and `seq` are the message's.
+    pub(super) fn row(
+        &self,
+        record: &ContactRecord,
+        whisker_id: i64,
+        (boot, seq): (i64, u64),
+        now: Micros,
+    ) -> ContactRow {
+        ContactRow {
+            whisker_id,
+            boot,
+            seq: seq as i64,
+            position: record.position as i64,
+            t_us: self.robot_time.0 as i64,
+            received_us: now.0 as i64,
+            ratio: self.ratio,
+            deflection_mm: self.deflection_mm,
+            strain: self.strain,
+            pressure_mpa: self.pressure_mpa,
+            temperature_c: self.temperature_c,
+            used: record.used.word(),
+            residual: record.residual,
+            length_mm: record.length.length.mm(),
+            length_sd_mm: record.length.sd_mm,
         }
     }
 
@@ -189,13 +225,15 @@ mod tests {
     use std::collections::BTreeMap;
 
     use vibrissa_core::robot::Numbers;
-    use vibrissa_protocol::Name;
+    use vibrissa_protocol::{self as protocol, BootId, Name};
+
+    use crate::engine::keep::Keep;
 
     use super::*;
 
     #[test]
     fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
-        let mut known = Known::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()));
+        let mut known = Known::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()), Keep::All);
         known.boots = BTreeMap::from([("b".to_owned(), 3)]);
         let contact = Contact {
             array: "nowhere",
@@ -209,16 +247,30 @@ mod tests {
         let mut journal = Journal::default();
         let contacts = [contact; 2];
         let event = Event::Contacts { boot_id: "b", seq: 9, contacts: &contacts };
-        journal.contacts(&known, Micros(100), &event, true);
+        let felt = |temperature_c| protocol::Contact {
+            array: Name::new("nowhere").unwrap(),
+            whisker: 5,
+            t_us: 11,
+            ratio: 0.7,
+            deflection_mm: 3.0,
+            strain: 0.001,
+            pressure_mpa: 0.1,
+            temperature_c,
+        };
+        let boot_id = BootId::new("b").unwrap();
+        let told = protocol::Contacts { boot_id, seq: 9, contacts: vec![felt(21.0), felt(22.0)] };
+        journal.contacts(&known, Micros(100), &event, Some(Source { told: &told, boot: 3 }));
         journal.tick(&known, Micros(200));
-        journal.contacts(&known, Micros(300), &event, false);
+        journal.contacts(&known, Micros(300), &event, None);
         let (bytes, count) = journal.take();
         assert_eq!((count, journal.is_empty()), (2, true));
         let entries: Vec<Entry> = read(&bytes).map(Result::unwrap).collect();
-        let kept = |count: usize| (0..count).map(|_| KeptContact::of(&known.robot, &contact)).collect();
-        let told = |count| Told::Contacts { boot: 3, seq: 9, contacts: kept(count) };
+        let kept = |temperatures: &[f64]| {
+            temperatures.iter().map(|&one| KeptContact::of(&known.robot, &contact, one)).collect()
+        };
+        let told = |temperatures| Told::Contacts { boot: 3, seq: 9, contacts: kept(temperatures) };
         let entry = |now, told| Entry { robot_id: 7, now: Micros(now), told };
-        assert_eq!(entries, [entry(100, told(2)), entry(200, Told::Tick), entry(300, told(0))]);
+        assert_eq!(entries, [entry(100, told(&[21.0, 22.0])), entry(200, Told::Tick), entry(300, told(&[]))]);
         let Told::Contacts { contacts, .. } = &entries[0].told else { panic!("contacts") };
         let arrays = ["a".to_owned()];
         assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an array that is not there");

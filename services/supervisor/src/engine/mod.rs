@@ -6,19 +6,24 @@
 
 mod committer;
 mod gathering;
+mod history;
 mod intake;
 mod journal;
+pub mod keep;
 pub mod mail;
 mod parcels;
 mod publication;
 mod record;
+pub mod rollup;
 mod shard;
 mod snapshot;
 mod survey;
 mod take_up;
 
+pub use keep::Keep;
 pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
+pub use rollup::Resolution;
 
 use std::collections::VecDeque;
 use std::future::pending;
@@ -220,6 +225,18 @@ impl Engine {
         self
     }
 
+    /// The same with another policy of which contacts are kept one by one.
+    #[must_use]
+    pub(crate) fn keeping(mut self, keep: Keep) -> Self {
+        for shard in &mut self.shards {
+            shard.gathering.keep = keep;
+            for known in shard.robots.values_mut() {
+                known.history.keep(keep);
+            }
+        }
+        self
+    }
+
     /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
     /// else's, who has the robots send again what was not committed.
     pub async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
@@ -266,6 +283,7 @@ impl Engine {
                 _ = surveys.tick() => {
                     self.survey_queues(&inbox);
                     self.survey_robots();
+                    self.close_history(self.now(&inbox));
                 }
             }
             if self.is_due() {

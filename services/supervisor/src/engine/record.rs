@@ -36,7 +36,7 @@ impl Gathering {
                 else {
                     return;
                 };
-                self.batch.contacts.push(ContactRow {
+                let row = ContactRow {
                     whisker_id: whisker_id(contact.whisker),
                     boot: source.boot,
                     seq: source.told.seq as i64,
@@ -52,7 +52,8 @@ impl Gathering {
                     residual: contact.residual,
                     length_mm: contact.length.length.mm(),
                     length_sd_mm: contact.length.sd_mm,
-                });
+                };
+                known.history.felt(contact.whisker, contact.used, row, &mut self.batch);
             }
             Effect::UnknownWhisker { position } => {
                 self.metrics.refuse(
@@ -61,20 +62,26 @@ impl Gathering {
                     name.as_str(),
                 );
             }
-            Effect::Condition { whisker, from, to } => self.batch.records.push(Record::Health {
-                whisker_id: whisker_id(whisker),
-                recorded_us,
-                kind: "CONDITION",
-                was: Some(from.word()),
-                becomes: Some(to.word()),
-            }),
-            Effect::Fault { whisker, from, to } => self.batch.records.push(Record::Health {
-                whisker_id: whisker_id(whisker),
-                recorded_us,
-                kind: "FAULT",
-                was: from.map(Word::word),
-                becomes: to.map(Word::word),
-            }),
+            Effect::Condition { whisker, from, to } => {
+                self.batch.records.push(Record::Health {
+                    whisker_id: whisker_id(whisker),
+                    recorded_us,
+                    kind: "CONDITION",
+                    was: Some(from.word()),
+                    becomes: Some(to.word()),
+                });
+                known.history.decided(whisker, &mut self.batch);
+            }
+            Effect::Fault { whisker, from, to } => {
+                self.batch.records.push(Record::Health {
+                    whisker_id: whisker_id(whisker),
+                    recorded_us,
+                    kind: "FAULT",
+                    was: from.map(Word::word),
+                    becomes: to.map(Word::word),
+                });
+                known.history.decided(whisker, &mut self.batch);
+            }
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
                 self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
@@ -89,6 +96,7 @@ impl Gathering {
                     length_after_sd_mm: trim.length_after.sd_mm,
                     contacts_to_detect: i64::from(trim.contacts_to_detect),
                 });
+                known.history.decided(trim.whisker, &mut self.batch);
             }
             Effect::Decided(decision) => {
                 let row = decision_row(robot_id, recorded_us, &decision, whisker_id);
@@ -98,6 +106,9 @@ impl Gathering {
                     Some(one) => [one.case, STARTED],
                 });
                 self.batch.records.push(Record::Decision(Box::new(row)));
+                for whisker in decision.candidates.iter().map(|one| one.whisker).chain([decision.target]) {
+                    known.history.decided(whisker, &mut self.batch);
+                }
             }
             Effect::Ended { compensation, case, reason } => {
                 self.metrics.compensations.count([case.word(), reason.word()]);
@@ -144,9 +155,14 @@ impl Gathering {
                     target_strain: response.target,
                     target_origin: response.target_origin.word(),
                 }));
+                known.history.serves(&mut self.batch);
             }
             Effect::Error(error) => {
                 known.stated.state(&error);
+                if let Some(target) = known.target_of(error.compensation) {
+                    let target = (target, known.whisker_id(target));
+                    known.history.stated(target, now, error.mean, &mut self.batch);
+                }
                 if let Some(case) = known.case_of(error.compensation) {
                     self.metrics.compensation_error_ratio.of(case.word()).observe(error.mean);
                 }

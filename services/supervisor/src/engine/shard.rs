@@ -9,6 +9,8 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
 use super::gathering::Gathering;
+use super::history::History;
+use super::keep::Keep;
 use super::{publication, survey, wall_clock};
 use crate::store::StoredRobot;
 use crate::store::batch::Record;
@@ -24,6 +26,8 @@ pub(super) struct Known {
     pub(super) seqs: publication::Seqs,
     /// What was measured last of each compensation.
     pub(super) stated: survey::Stated,
+    /// What its whiskers felt, for the tables.
+    pub(super) history: History,
     /// What of it is stored.
     pub(super) stored: Stored,
     /// Boots whose contacts are to be receipted.
@@ -45,7 +49,7 @@ pub(super) enum Stored {
 
 impl Known {
     /// A robot that was never heard of.
-    pub(super) fn new(name: Name, robot_id: i64, robot: Robot) -> Self {
+    pub(super) fn new(name: Name, robot_id: i64, robot: Robot, keep: Keep) -> Self {
         Self {
             name,
             robot_id,
@@ -54,6 +58,7 @@ impl Known {
             boots: BTreeMap::new(),
             seqs: publication::Seqs::default(),
             stated: survey::Stated::default(),
+            history: History::new(keep),
             stored: Stored::State,
             receipts_due: Vec::new(),
         }
@@ -85,7 +90,10 @@ impl Known {
             }
             None => (Robot::new(epoch, stored.numbers), Vec::new()),
         };
-        Self { whisker_ids, boots: stored.boots, ..Self::new(name, stored.robot_id, robot) }
+        let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
+        let keep = gathering.keep;
+        let history = History::taken_up(keep, rollups, wall_clock());
+        Self { whisker_ids, boots: stored.boots, history, ..Self::new(name, stored.robot_id, robot, keep) }
     }
 
     /// From here on it is supervised under a new epoch.

@@ -112,6 +112,7 @@ fn write(known: &mut Known, number: i64, batch: &mut Batch) -> usize {
     known.stored = Stored::State;
     let mut changed = Vec::new();
     known.robot.take_changed_whiskers(|index| changed.push(index));
+    known.history.take_changed(&mut changed);
     if !known.robot.take_changed() && changed.is_empty() {
         return 0;
     }
@@ -161,6 +162,7 @@ fn whisker_row(known: &Known, index: usize) -> Option<WhiskerRow> {
             [left.mean, left.low, left.high]
         }),
         state,
+        rollup: known.history.stored(index, wall_clock()),
     })
 }
 

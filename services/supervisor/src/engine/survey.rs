@@ -10,13 +10,16 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 
 use super::gathering::Gathering;
-use super::shard::Known;
+use super::shard::{Known, Shard};
 use super::{Engine, wall_clock};
 use crate::metrics::{INBOX, OUTBOX, RobotSample, WhiskerSample, Word as Label};
 use crate::mqtt::Inbox;
 
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;
+
+/// Whiskers whose minutes are closed in one commit at the most.
+const CLOSED_AT_ONCE: usize = 5000;
 
 /// Times of a contacts message.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +65,11 @@ impl Stated {
 }
 
 impl Known {
+    /// The whisker that a compensation is for, while it is in force or proposed.
+    pub(super) fn target_of(&self, compensation: u32) -> Option<usize> {
+        self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.target())
+    }
+
     /// The case of a compensation that is in force or proposed.
     pub(super) fn case_of(&self, compensation: u32) -> Option<Case> {
         self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.case())
@@ -165,6 +173,19 @@ impl Engine {
             let known = self.shards.iter().flat_map(|shard| shard.robots.values());
             whiskers.show(self.fleet.as_str(), known.map(|known| sample(known.name.as_str(), known)).collect());
         }
+    }
+
+    /// Closes minutes and hours that are over, those of silent whiskers too; of a large fleet some at a time.
+    pub(super) fn close_history(&mut self, now: Micros) {
+        let mut left = CLOSED_AT_ONCE;
+        for Shard { robots, gathering } in &mut self.shards {
+            for known in robots.values_mut() {
+                if known.history.close(now, &known.whisker_ids, &mut left, &mut gathering.batch) {
+                    gathering.store_next(known);
+                }
+            }
+        }
+        self.gathered();
     }
 
     /// How full the queues are.

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use tracing::{error, info};
 use vibrissa_core::robot::Event;
+use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_protocol::Name;
 
@@ -12,6 +13,7 @@ use super::gathering::{Gathering, is_ordinary};
 use super::journal::{Entry, Told, read};
 use super::shard::{Known, Shard, shard_of};
 use crate::store::StoredRobot;
+use crate::store::batch::Batch;
 use crate::store::{Lease, StoreError, Writer};
 
 /// Rows of the journal that are read at a time.
@@ -139,13 +141,22 @@ impl Follower {
 }
 
 impl Gathering {
-    /// An event that the robot was given before. Its rows are there; should something else come of it, because the
-    /// parameters are others now, then that is new.
+    /// An event that the robot was given before. Its rows are there, and only the minutes and hours that are not over want
+    /// it; should something else come of it, because the parameters are others now, then that is new.
     fn go_again(&mut self, known: &mut Known, entry: &Entry, event: &Event<'_>) {
         let mut effects = Vec::new();
         known.robot.step(&self.params, entry.now, event, &mut effects);
-        for effect in effects.into_iter().filter(|effect| !is_ordinary(effect)) {
-            self.record(known, entry.now, effect, None);
+        let mut written = Batch::default();
+        for effect in effects {
+            if !is_ordinary(&effect) {
+                self.record(known, entry.now, effect, None);
+            } else if let (Effect::Contact(record), Told::Contacts { boot, seq, contacts }) = (&effect, &entry.told) {
+                let Some(kept) = contacts.get(record.position) else { continue };
+                let row = kept.row(record, known.whisker_id(record.whisker), (*boot, *seq), entry.now);
+                known.history.felt(record.whisker, record.used, row, &mut written);
+            } else if let Effect::Response(_) = effect {
+                known.history.serves(&mut written);
+            }
         }
     }
 }

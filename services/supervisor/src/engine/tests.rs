@@ -1,6 +1,6 @@
 //! The states and the journal together are the robots as they were at the last commit, wherever a crash comes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use vibrissa_core::mechanics::{Formulation, Model};
@@ -12,6 +12,8 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use vibrissa_protocol::{BootId, Name};
 
 use super::gathering::{Gathering, Sealed};
+use super::keep::Keep;
+use super::rollup::Resolution;
 use super::shard::{Known, Shard};
 use super::snapshot::Pace;
 use super::take_up::Journey;
@@ -46,6 +48,9 @@ impl Random {
 struct Tables {
     robots: BTreeMap<i64, (i64, Vec<u8>)>,
     whiskers: BTreeMap<i64, Vec<u8>>,
+    /// Minutes and hours that are not over, and those that are.
+    rollups: BTreeMap<i64, Vec<u8>>,
+    closed: BTreeSet<(i64, Resolution, i64)>,
     journal: BTreeMap<i64, Vec<u8>>,
 }
 
@@ -56,6 +61,10 @@ impl Tables {
         }
         for whisker in sealed.batch.whiskers {
             self.whiskers.insert(whisker.whisker_id, whisker.state);
+            self.rollups.insert(whisker.whisker_id, whisker.rollup);
+        }
+        for row in sealed.batch.rollups {
+            assert!(self.closed.insert((row.whisker_id, row.resolution, row.start_us)), "a minute is over once");
         }
         self.journal.extend(sealed.batch.journal.map(|row| (row.number, row.entries)));
         if let Some(done) = sealed.batch.journal_done {
@@ -72,6 +81,7 @@ impl Tables {
             whisker_ids: whisker_ids(robot_id),
             whisker_states: whisker_ids(robot_id).iter().map(|id| self.whiskers[id].clone()).collect(),
             boots: BTreeMap::from([("b".to_owned(), robot_id)]),
+            rollups: whisker_ids(robot_id).iter().map(|id| self.rollups.get(id).cloned()).collect(),
             journal_number,
             held: false,
             numbers: Numbers::default(),
@@ -108,7 +118,7 @@ fn shard(robots: i64) -> Shard {
     let mut shard = Shard { robots: BTreeMap::new(), gathering: Gathering::new(fleet, boot, params, metrics) };
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
-        let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()));
+        let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
         known.whisker_ids = whisker_ids(robot_id);
         known.boots = BTreeMap::from([("b".to_owned(), robot_id)]);
         let birth = Event::Connection { boot_id: "b", link: Link::Online };
@@ -208,9 +218,11 @@ fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
     sealed
 }
 
-fn bytes(known: &Known) -> (Option<Vec<u8>>, Vec<Option<Vec<u8>>>) {
-    let whiskers = (0..known.robot.whisker_count()).map(|index| known.robot.whisker_to_bytes(index)).collect();
-    (known.robot.to_bytes(), whiskers)
+/// All that is stored of a robot: its head, its whiskers, and their minutes and hours.
+fn bytes(known: &Known) -> Vec<Vec<u8>> {
+    let whisker = |index| [known.robot.whisker_to_bytes(index).unwrap(), known.history.stored(index, Micros(1))];
+    let whiskers = (0..known.robot.whisker_count()).flat_map(whisker);
+    [known.robot.to_bytes().unwrap()].into_iter().chain(whiskers).collect()
 }
 
 fn crash(tables: &Tables, live: &Shard) -> usize {

@@ -35,6 +35,16 @@ words! {
 }
 
 words! {
+    /// Length of the spans of time that contacts are added up over.
+    pub enum ResolutionWord {
+        /// Minutes.
+        Minute = "minute",
+        /// Hours.
+        Hour = "hour",
+    }
+}
+
+words! {
     /// Whether a robot is connected.
     pub enum ConnectionWord {
         /// It is.

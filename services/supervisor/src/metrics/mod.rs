@@ -13,7 +13,7 @@ mod whiskers;
 
 use std::sync::Arc;
 
-use prometheus::{Encoder, IntCounter, IntGauge, IntGaugeVec, Opts, Registry, Result, TextEncoder};
+use prometheus::{Encoder, Gauge, IntCounter, IntGauge, IntGaugeVec, Opts, Registry, Result, TextEncoder};
 use vibrissa_protocol::Name;
 
 pub use document::document;
@@ -35,6 +35,14 @@ pub struct Metrics {
     pub database_up: IntGauge,
     /// Spans of traces that no collector has taken.
     pub trace_spans_dropped: IntCounter,
+    /// When the tables were last found, or put, in order.
+    pub upkeep_timestamp_seconds: Gauge,
+    /// Failed attempts at that.
+    pub upkeep_errors: IntCounter,
+    /// Partitions that were dropped because all of them was too old.
+    pub partitions_dropped: IntCounter,
+    /// Rows that were removed one by one because they were too old.
+    pub old_rows_removed: IntCounter,
     /// Requests over HTTP.
     pub http: HttpMetrics,
     /// Single robots and whiskers, if they are wanted.
@@ -58,6 +66,24 @@ impl Metrics {
         let trace_spans_dropped =
             IntCounter::new("vibrissa_trace_spans_dropped_total", "Spans of traces that no collector has taken.")?;
         let database_up = IntGauge::new("vibrissa_database_up", "1 while the last attempt at the database succeeded.")?;
+        let upkeep_timestamp_seconds = Gauge::new(
+            "vibrissa_upkeep_timestamp_seconds",
+            "When partitions were last all there and nothing too old was left, since 1970 UTC; 0 before.",
+        )?;
+        let upkeep_errors = IntCounter::new(
+            "vibrissa_upkeep_errors_total",
+            "Failed attempts to make partitions or to remove what is too old.",
+        )?;
+        let partitions_dropped = IntCounter::new(
+            "vibrissa_partitions_dropped_total",
+            "Partitions dropped because all of them was too old.",
+        )?;
+        let old_rows_removed =
+            IntCounter::new("vibrissa_old_rows_removed_total", "Rows removed one by one because they were too old.")?;
+        registry.register(Box::new(upkeep_timestamp_seconds.clone()))?;
+        for counter in [&upkeep_errors, &partitions_dropped, &old_rows_removed] {
+            registry.register(Box::new(counter.clone()))?;
+        }
         registry.register(Box::new(build.clone()))?;
         registry.register(Box::new(database_errors.clone()))?;
         registry.register(Box::new(database_up.clone()))?;
@@ -73,6 +99,10 @@ impl Metrics {
             database_errors,
             database_up,
             trace_spans_dropped,
+            upkeep_timestamp_seconds,
+            upkeep_errors,
+            partitions_dropped,
+            old_rows_removed,
             whiskers,
             registry,
         })

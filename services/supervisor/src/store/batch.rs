@@ -1,6 +1,7 @@
 //! What one transaction writes: plain rows, in the order in which they must be written.
 
 use super::calibrations::ActivationRow;
+use crate::engine::Resolution;
 
 /// Everything that a batch of messages has led to.
 #[derive(Debug, Default)]
@@ -11,8 +12,10 @@ pub struct Batch {
     pub robots: Vec<RobotRow>,
     /// Changed whiskers.
     pub whiskers: Vec<WhiskerRow>,
-    /// Contacts.
+    /// Contacts that are kept one by one.
     pub contacts: Vec<ContactRow>,
+    /// Minutes and hours that are over.
+    pub rollups: Vec<RollupRow>,
     /// Everything else, in order.
     pub records: Vec<Record>,
     /// What happened to robots whose states are not among `robots`.
@@ -29,6 +32,7 @@ impl Batch {
             && self.robots.is_empty()
             && self.whiskers.is_empty()
             && self.contacts.is_empty()
+            && self.rollups.is_empty()
             && self.records.is_empty()
             && self.journal.is_none()
             && self.journal_done.is_none()
@@ -40,6 +44,7 @@ impl Batch {
         self.robots.append(&mut other.robots);
         self.whiskers.append(&mut other.whiskers);
         self.contacts.append(&mut other.contacts);
+        self.rollups.append(&mut other.rollups);
         self.records.append(&mut other.records);
     }
 }
@@ -60,6 +65,8 @@ pub struct LayoutRow {
     pub robot_id: i64,
     /// The robot's model.
     pub model: String,
+    /// Whiskers that are not on it any more, each with the bytes of its minute and hour.
+    pub gone: Vec<(i64, Vec<u8>)>,
 }
 
 /// A robot as it is now.
@@ -114,6 +121,39 @@ pub struct WhiskerRow {
     pub contacts_left: [Option<f64>; 3],
     /// The core's bytes.
     pub state: Vec<u8>,
+    /// The bytes of the minute and the hour that are not over yet.
+    pub rollup: Vec<u8>,
+}
+
+/// A minute or an hour of a whisker that is over; see the tables for the columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RollupRow {
+    /// Whose.
+    pub whisker_id: i64,
+    /// Which table.
+    pub resolution: Resolution,
+    /// Its begin, by the supervisor's clock.
+    pub start_us: i64,
+    /// Contacts that were used, learned from, and not used.
+    pub contacts: [i32; 3],
+    /// Mean, standard deviation, least and greatest log sensitivity against the prediction.
+    pub residual: [Option<f32>; 4],
+    /// Mean strain by deflection.
+    pub sensitivity_per_mm: Option<f32>,
+    /// Mean contact ratio.
+    pub ratio: Option<f32>,
+    /// Length after the last contact.
+    pub length_mm: Option<f32>,
+    /// Its standard deviation.
+    pub length_sd_mm: Option<f32>,
+    /// Mean length.
+    pub length_mean_mm: Option<f32>,
+    /// Mean pressure.
+    pub pressure_mpa: Option<f32>,
+    /// Mean temperature.
+    pub temperature_c: Option<f32>,
+    /// Error of a compensation for it that was stated last.
+    pub compensation_error: Option<f32>,
 }
 
 /// A contact; see the table for the columns.

@@ -1,30 +1,46 @@
 //! Writes a batch: one transaction, all or nothing, once.
 
 use tokio::time::Instant;
+use tracing::warn;
 
+use super::batch::RollupRow;
 use super::database::{Either, Link, Tx, on};
 use super::{Batch, Lease, StoreError, changes, failed, postgres, records, sqlite};
+use crate::engine::Resolution;
 
 /// Writes a batch in one transaction, unless it was written before although the answer was lost.
+///
+/// Contacts come before the lease is held: their `COPY` waits for as long as its bytes do, and who freezes in it must not keep
+/// the fleet from others.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
     let asked = Instant::now();
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
-    let is_new = lease.begin(&mut tx).await?;
-    if is_new {
-        for layout in &batch.layouts {
-            records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
+    if !batch.contacts.is_empty() {
+        match &mut tx {
+            Either::Sqlite(tx) => sqlite::append_contacts(tx, &batch.contacts).await,
+            Either::Postgres(tx) => postgres::append_contacts(tx, &batch.contacts).await,
         }
-        write_rows(&mut tx, batch).await?;
-        write_journal(&mut tx, lease.fleet().as_str(), batch).await.map_err(failed("write the journal"))?;
-        for record in &batch.records {
-            records::write_record(&mut tx, record).await?;
-        }
-        changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, crate::engine::wall_clock().0 as i64)
-            .await
-            .map_err(failed("tell of changes"))?;
+        .map_err(failed("append contacts"))?;
     }
+    if !lease.begin(&mut tx).await? {
+        // These contacts, too, were written before.
+        tx.rollback().await.map_err(failed("roll back"))?;
+        lease.committed(None);
+        return Ok(());
+    }
+    for layout in &batch.layouts {
+        records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
+    }
+    write_rows(&mut tx, batch).await?;
+    write_journal(&mut tx, lease.fleet().as_str(), batch).await.map_err(failed("write the journal"))?;
+    for record in &batch.records {
+        records::write_record(&mut tx, record).await?;
+    }
+    changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, crate::engine::wall_clock().0 as i64)
+        .await
+        .map_err(failed("tell of changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
-    lease.committed(is_new.then_some(asked));
+    lease.committed(Some(asked));
     Ok(())
 }
 
@@ -44,12 +60,27 @@ async fn write_rows(tx: &mut Tx<'_>, batch: &Batch) -> Result<(), StoreError> {
         }
         .map_err(failed("write whiskers"))?;
     }
-    if !batch.contacts.is_empty() {
-        match tx {
-            Either::Sqlite(tx) => sqlite::append_contacts(tx, &batch.contacts).await,
-            Either::Postgres(tx) => postgres::append_contacts(tx, &batch.contacts).await,
+    if !batch.rollups.is_empty() {
+        write_rollups(tx, &batch.rollups).await.map_err(failed("append minutes and hours"))?;
+    }
+    Ok(())
+}
+
+/// Minutes and hours that are over. None is ever closed twice; if one is there already nevertheless, say because somebody has
+/// put back a single table, the fleet goes on.
+async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<()> {
+    for resolution in Resolution::ALL {
+        let rows: Vec<&RollupRow> = rollups.iter().filter(|row| row.resolution == resolution).collect();
+        if rows.is_empty() {
+            continue;
         }
-        .map_err(failed("append contacts"))?;
+        let written = match &mut *tx {
+            Either::Sqlite(tx) => sqlite::append_rollups(tx, resolution, &rows).await?,
+            Either::Postgres(tx) => postgres::append_rollups(tx, resolution, &rows).await?,
+        };
+        if written < rows.len() as u64 {
+            warn!(?resolution, rows = rows.len(), written, "rows of minutes or hours were there already");
+        }
     }
     Ok(())
 }

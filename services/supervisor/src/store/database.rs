@@ -9,6 +9,8 @@ use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool};
 use sqlx::{ConnectOptions, SqlSafeStr};
+use tokio::time::{Instant, interval_at};
+use tracing::info;
 
 use super::StoreError;
 use super::lock::FileLock;
@@ -76,6 +78,11 @@ impl Link {
 }
 
 impl Tx<'_> {
+    /// Leaves everything as it was.
+    pub(super) async fn rollback(self) -> sqlx::Result<()> {
+        on!(self, |tx| tx.rollback().await)
+    }
+
     /// Makes it last.
     pub(super) async fn commit(self) -> sqlx::Result<()> {
         on!(self, |tx| tx.commit().await)
@@ -97,22 +104,20 @@ macro_rules! migrations {
 }
 
 impl Pool {
-    /// Brings the tables up to date.
+    /// Brings the tables up to date: a transaction for each change, so that whoever stops it loses that one's work only.
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
-                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations",
-                    10 "0010_inline_states", 11 "0011_journal")
-                .run(pool)
-                .await
+                let migrator = migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
+                    4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
+                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history");
+                self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
             Either::Postgres(pool) => {
-                migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop", 4 "0004_rates",
-                    5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes", 9 "0009_calibrations",
-                    10 "0010_inline_states", 11 "0011_journal")
-                .run(pool)
-                .await
+                let migrator = migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
+                    4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
+                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history");
+                self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
         }
         .map_err(|source| {
@@ -122,6 +127,67 @@ impl Pool {
             }
             StoreError::Migrate { database, source }
         })
+    }
+
+    /// One change after the other. Those of a database with something in it may take their time, and are told of.
+    async fn change<W>(&self, migrator: &Migrator, run_to: impl Fn(i64) -> W) -> Result<(), MigrateError>
+    where
+        W: Future<Output = Result<(), MigrateError>>,
+    {
+        const APPLIED: &str = "SELECT max(version) FROM _sqlx_migrations";
+        // A new database has no such table; one that is away says so again at once.
+        let applied: Option<i64> =
+            on!(self, |pool| sqlx::query_scalar(APPLIED).fetch_one(pool).await).unwrap_or_default();
+        let newest = migrator.iter().map(|migration| migration.version).max().unwrap_or_default();
+        if let Some(applied) = applied.filter(|&applied| applied < newest) {
+            let rows = self.contacts_about().await.unwrap_or_default();
+            for migration in migrator.iter().filter(|migration| migration.version > applied) {
+                watched(&migration.description, rows, run_to(migration.version)).await?;
+            }
+        }
+        run_to(newest).await
+    }
+
+    /// How many contacts there are, about: most of what a change may have to go through.
+    async fn contacts_about(&self) -> sqlx::Result<i64> {
+        match self {
+            Either::Sqlite(pool) => {
+                sqlx::query_scalar("SELECT coalesce(max(contact_id), 0) FROM contacts").fetch_one(pool).await
+            }
+            Either::Postgres(pool) => {
+                sqlx::query_scalar(
+                    "SELECT coalesce(sum(greatest(reltuples, 0)), 0)::bigint FROM pg_class \
+                     WHERE relkind = 'r' AND relname ~ '^contacts(_|$)'",
+                )
+                .fetch_one(pool)
+                .await
+            }
+        }
+    }
+}
+
+/// How often it is told that a change of the tables is still under way.
+const PROGRESS: Duration = Duration::from_secs(5);
+
+/// Tells of a change of the tables while it goes on.
+async fn watched<T>(
+    migration: &str,
+    contacts: i64,
+    work: impl Future<Output = Result<T, MigrateError>>,
+) -> Result<T, MigrateError> {
+    let begun = Instant::now();
+    info!(migration, contacts, "changing the tables; stopped now, they stay as they were");
+    tokio::pin!(work);
+    let mut ticks = interval_at(begun + PROGRESS, PROGRESS);
+    loop {
+        let seconds = begun.elapsed().as_secs_f32();
+        tokio::select! {
+            done = &mut work => {
+                info!(migration, seconds = begun.elapsed().as_secs_f32(), ok = done.is_ok(), "the tables are changed");
+                return done;
+            }
+            _ = ticks.tick() => info!(migration, seconds, "still changing the tables"),
+        }
     }
 }
 

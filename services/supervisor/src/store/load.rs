@@ -26,6 +26,8 @@ pub struct StoredRobot {
     pub whisker_ids: Vec<i64>,
     /// The core's bytes of its whiskers, in the same order.
     pub whisker_states: Vec<Vec<u8>>,
+    /// The bytes of their minutes and hours that are not over, in the same order; none of who felt nothing yet.
+    pub rollups: Vec<Option<Vec<u8>>>,
     /// Numbers of its boots.
     pub boots: BTreeMap<String, i64>,
     /// The journal's rows up to this number are in its state.
@@ -54,6 +56,9 @@ impl RobotState {
         Robot::from_bytes(&self.head, &self.whiskers, 0, Micros::default())
     }
 }
+
+/// A whisker's number, and the bytes of its minute and hour that are not over, if it has felt anything.
+pub type NumberedWhisker = (i64, Option<Vec<u8>>);
 
 /// How long reading a whole fleet may take.
 const LOAD_PATIENCE: Duration = Duration::from_secs(120);
@@ -162,14 +167,20 @@ impl Writer {
         .await
     }
 
-    /// The numbers of a robot's whiskers, new or known, in the order of their index.
+    /// The numbers of a robot's whiskers, new or known, in the order of their index, each with the bytes of its minute and
+    /// hour as they were committed last.
     ///
     /// What is on the robot is brought up to date; the states follow with the batch that takes the new layout
     /// in, so that a crash in between leaves the old layout whole.
     ///
     /// # Errors
     /// The database cannot be written, or the fleet is not ours any more.
-    pub async fn whisker_ids(&mut self, lease: &Lease, robot_id: i64, robot: &Robot) -> Result<Vec<i64>, StoreError> {
+    pub async fn whisker_ids(
+        &mut self,
+        lease: &Lease,
+        robot_id: i64,
+        robot: &Robot,
+    ) -> Result<Vec<NumberedWhisker>, StoreError> {
         const WHAT: &str = "number the whiskers";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
@@ -195,7 +206,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
          FROM robots r WHERE fleet = $1";
-    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state FROM whiskers w \
+    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
          JOIN robots r ON r.robot_id = w.robot_id \
          WHERE fleet = $1 AND position IS NOT NULL AND w.state IS NOT NULL ORDER BY w.robot_id, position";
     const BOOTS: &str =
@@ -210,6 +221,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
             held: row.get::<i32, _>("is_held") != 0,
             whisker_ids: Vec::new(),
             whisker_states: Vec::new(),
+            rollups: Vec::new(),
             boots: BTreeMap::new(),
             numbers: Numbers {
                 next_trim: next_number(row.get("last_trim")),
@@ -222,6 +234,7 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.whisker_ids.push(row.get("whisker_id"));
             robot.whisker_states.push(row.get("state"));
+            robot.rollups.push(row.get("rollup"));
         }
     });
     on!(link, |link| for row in sqlx::query(BOOTS).bind(fleet).fetch_all(link).await? {
@@ -244,7 +257,7 @@ async fn array_id(tx: &mut Tx<'_>, robot_id: i64, array: &str, kind: ArrayKind) 
 }
 
 /// Numbers of a robot's whiskers in the order of their index, by few statements.
-async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx::Result<Vec<i64>> {
+async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx::Result<Vec<NumberedWhisker>> {
     let views: Vec<WhiskerView<'_>> = (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)).collect();
     let mut array_ids = BTreeMap::new();
     for view in &views {
@@ -252,9 +265,9 @@ async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx:
             array_ids.insert(view.array, array_id(tx, robot_id, view.array, view.kind).await?);
         }
     }
-    let mut numbers: BTreeMap<(i64, i64), i64> = BTreeMap::new();
+    let mut numbers: BTreeMap<(i64, i64), NumberedWhisker> = BTreeMap::new();
     for views in views.chunks(WHISKERS_A_STATEMENT) {
-        let rows: Vec<(i64, i64, i64)> = match tx {
+        let rows: Vec<(i64, i64, i64, Option<Vec<u8>>)> = match tx {
             Either::Sqlite(tx) => {
                 upsert::<Sqlite>(robot_id, views, &array_ids)
                     .build_query_as()
@@ -270,11 +283,12 @@ async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx:
                     .await
             }
         }?;
-        numbers.extend(rows.into_iter().map(|(array_id, whisker, whisker_id)| ((array_id, whisker), whisker_id)));
+        let numbered = |(array_id, whisker, whisker_id, rollup)| ((array_id, whisker), (whisker_id, rollup));
+        numbers.extend(rows.into_iter().map(numbered));
     }
-    let number = |view: &WhiskerView<'_>| {
+    let mut number = |view: &WhiskerView<'_>| {
         let key = (array_ids.get(view.array).copied()?, i64::from(view.sheet.number));
-        numbers.get(&key).copied()
+        numbers.remove(&key)
     };
     views.iter().map(|view| number(view).ok_or(sqlx::Error::RowNotFound)).collect()
 }
@@ -315,7 +329,7 @@ where
         " ON CONFLICT (array_id, whisker) DO UPDATE SET x_mm = excluded.x_mm, y_mm = excluded.y_mm, \
          model = excluded.model, whole_length_mm = excluded.whole_length_mm, \
          nominal_pressure_mpa = excluded.nominal_pressure_mpa, pressure_max_mpa = excluded.pressure_max_mpa \
-         RETURNING array_id, whisker, whisker_id",
+         RETURNING array_id, whisker, whisker_id, rollup",
     );
     sql
 }

@@ -20,10 +20,12 @@ pub mod list;
 pub mod lists;
 mod load;
 mod lock;
+mod partitions;
 mod postgres;
 pub mod read;
 pub mod readings;
 mod records;
+pub mod retention;
 mod roll;
 pub mod series;
 mod sqlite;
@@ -33,11 +35,13 @@ mod writer;
 
 use std::sync::Arc;
 
+use tracing::warn;
+
 pub use address::DatabaseAddress;
 pub use batch::Batch;
 pub use error::StoreError;
 pub use lease::Lease;
-pub use load::{RobotState, StoredRobot};
+pub use load::{NumberedWhisker, RobotState, StoredRobot};
 pub use roll::{FleetLease, Roll, Supervisor};
 pub use writer::Writer;
 
@@ -95,7 +99,13 @@ impl Store {
         if let Either::Postgres(pool) = &self.pool {
             postgres::check_version(pool, &self.name).await?;
         }
-        self.pool.migrate(&self.name).await
+        self.pool.migrate(&self.name).await?;
+        let made = self.make_partitions(crate::engine::wall_clock().0 as i64, &mut |_| {}).await;
+        if let Err(problem) = made {
+            // The default partitions take what comes, and it is tried again.
+            warn!(%problem, "partitions are missing");
+        }
+        Ok(())
     }
 
     /// A writer, with a connection of its own.

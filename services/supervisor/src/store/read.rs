@@ -37,10 +37,12 @@ impl Store {
         every: i64,
     ) -> Result<Vec<LengthPoint>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT t_us, c.length_mm, c.length_sd_mm, c.pressure_mpa FROM contacts c \
+            "SELECT t_us, length_mm, length_sd_mm, pressure_mpa FROM (\
+             SELECT t_us, c.length_mm, c.length_sd_mm, c.pressure_mpa, \
+             row_number() OVER (ORDER BY t_us, boot, seq, c.position) AS number FROM contacts c \
              JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE robot = $1 AND \"array\" = $2 AND whisker = $3 AND contact_id % $4 = 0 ORDER BY t_us LIMIT $5",
+             WHERE robot = $1 AND \"array\" = $2 AND whisker = $3) n WHERE number % $4 = 0 ORDER BY number LIMIT $5",
         )
         .bind(robot)
         .bind(array)

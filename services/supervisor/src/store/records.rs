@@ -20,7 +20,16 @@ pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::R
     .bind(layout.robot_id)
     .execute(&mut **tx)
     .await
-    .map(drop))
+    .map(drop))?;
+    for (whisker_id, rollup) in &layout.gone {
+        on!(&mut *tx, |tx| sqlx::query("UPDATE whiskers SET rollup = $1 WHERE whisker_id = $2")
+            .bind(rollup.as_slice())
+            .bind(whisker_id)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+    }
+    Ok(())
 }
 
 /// One of the rarer rows.

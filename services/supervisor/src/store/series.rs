@@ -71,6 +71,10 @@ const DAY_US: i64 = 86_400_000_000;
 pub const SPAN_US: i64 = DAY_US;
 /// Time that is looked at at the most: the newest of a longer one.
 pub const SPAN_MAX_US: i64 = 31 * DAY_US;
+/// Time before a whisker was heard of last that is looked at first for its newest contacts.
+const FIRST_REACH_US: i64 = 10_000_000;
+/// How much more of it is looked at each time.
+const REACH_FACTOR: i64 = 8;
 
 impl Store {
     /// The number of a whisker, on a robot now or once; none if it was never heard of.
@@ -98,29 +102,46 @@ impl Store {
     /// The database cannot be read.
     pub async fn contacts(&self, whisker_id: i64, span: Span) -> Result<Series, StoreError> {
         const WHAT: &str = "read a whisker's contacts";
-        let newest_us: Option<i64> =
-            on!(&self.pool, |pool| sqlx::query_scalar("SELECT max(t_us) FROM contacts WHERE whisker_id = $1")
-                .bind(whisker_id)
-                .fetch_one(pool)
-                .await)
-            .map_err(failed(WHAT))?;
-        let Some(newest_us) = newest_us else {
-            return Ok(Series { from: None, to: None, total: 0, bucket_us: None, items: Vec::new() });
+        let is_newest = span.from.is_none() && span.to.is_none();
+        let newest = self.newest_contacts(whisker_id, if is_newest { span.points } else { 1 }).await;
+        let newest = newest.map_err(failed(WHAT))?;
+        let Some(newest_us) = newest.items.last().map(|last| last.at_us).filter(|_| !is_newest) else {
+            return Ok(newest);
         };
-        if span.from.is_none() && span.to.is_none() {
-            return self.newest_contacts(whisker_id, span.points).await.map_err(failed(WHAT));
-        }
         let to_us = span.to.map_or(newest_us + 1, |to| to.0.min(newest_us + 1));
         let from_us = span.from.map_or(to_us - SPAN_US, |from| from.0).clamp(to_us - SPAN_MAX_US, to_us);
         self.contacts_of((whisker_id, from_us, to_us), span.points).await.map_err(failed(WHAT))
     }
 
+    /// The newest ones. What is of today has no index by whisker in PostgreSQL: so the time before the whisker was heard of
+    /// last is looked at first, and then ever more of it.
     async fn newest_contacts(&self, whisker_id: i64, points: u32) -> sqlx::Result<Series> {
+        const HEARD: &str = "SELECT heard_us FROM whiskers WHERE whisker_id = $1";
+        let heard_us: Option<Option<i64>> =
+            on!(&self.pool, |pool| sqlx::query_scalar(HEARD).bind(whisker_id).fetch_optional(pool).await)?;
+        if let Some(heard_us) = heard_us.flatten() {
+            let mut reach_us = FIRST_REACH_US;
+            while reach_us < SPAN_MAX_US {
+                let newest = self.newest_since(whisker_id, heard_us - reach_us, points).await?;
+                if newest.total == i64::from(points) {
+                    return Ok(newest);
+                }
+                reach_us *= REACH_FACTOR;
+            }
+        }
+        self.newest_since(whisker_id, i64::MIN, points).await
+    }
+
+    async fn newest_since(&self, whisker_id: i64, from_us: i64, points: u32) -> sqlx::Result<Series> {
         const SQL: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, deflection_mm, strain, pressure_mpa, \
              strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm FROM contacts \
-             WHERE whisker_id = $1 ORDER BY t_us DESC, contact_id DESC LIMIT $2";
-        let mut items: Vec<ContactMean> =
-            on!(&self.pool, |pool| sqlx::query_as(SQL).bind(whisker_id).bind(i64::from(points)).fetch_all(pool).await)?;
+             WHERE whisker_id = $1 AND t_us >= $2 ORDER BY t_us DESC, boot DESC, seq DESC, position DESC LIMIT $3";
+        let mut items: Vec<ContactMean> = on!(&self.pool, |pool| sqlx::query_as(SQL)
+            .bind(whisker_id)
+            .bind(from_us)
+            .bind(i64::from(points))
+            .fetch_all(pool)
+            .await)?;
         items.reverse();
         let from = items.first().map(|first| Time(first.at_us));
         let to = items.last().map(|last| Time(last.at_us + 1));
@@ -132,7 +153,7 @@ impl Store {
              WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3";
         const EACH: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, deflection_mm, strain, \
              pressure_mpa, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm \
-             FROM contacts WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3 ORDER BY t_us, contact_id LIMIT $4";
+             FROM contacts WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3 ORDER BY t_us, boot, seq, position LIMIT $4";
         const MEANS: &str = "SELECT bucket AS at_us, count(*) AS contacts, avg(ratio) AS ratio, \
              avg(deflection_mm) AS deflection_mm, avg(strain) AS strain, avg(pressure_mpa) AS pressure_mpa, \
              avg(strain / NULLIF(deflection_mm, 0)) AS sensitivity_per_mm, avg(residual) AS residual, \

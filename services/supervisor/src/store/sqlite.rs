@@ -6,13 +6,14 @@ use std::time::Duration;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
 
-use super::batch::{ContactRow, RobotRow, WhiskerRow};
+use super::batch::{ContactRow, RobotRow, RollupRow, WhiskerRow};
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::lock::FileLock;
 use super::{StoreError, database};
+use crate::engine::Resolution;
 
-/// Rows of one statement: 15 values each, SQLite takes 32,766.
-const CONTACTS_A_STATEMENT: usize = 1000;
+/// Rows of one statement: 15 or 17 values each, SQLite takes 32,766.
+const ROWS_A_STATEMENT: usize = 1000;
 
 /// Opens or makes the file, for a supervisor of that name alone.
 pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
@@ -74,7 +75,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
              pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, held = ?, leak_per_s = ?, leak_low_per_s = ?, \
              leak_high_per_s = ?, erosion_mm_per_contact = ?, erosion_low_mm_per_contact = ?, \
              erosion_high_mm_per_contact = ?, contacts_left = ?, contacts_left_low = ?, contacts_left_high = ?, \
-             state = ? WHERE whisker_id = ?",
+             state = ?, rollup = ? WHERE whisker_id = ?",
         )
         .bind(whisker.position)
         .bind(whisker.length_mm)
@@ -96,6 +97,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
         .bind(whisker.contacts_left[1])
         .bind(whisker.contacts_left[2])
         .bind(&whisker.state)
+        .bind(&whisker.rollup)
         .bind(whisker.whisker_id)
         .execute(&mut *tx)
         .await?;
@@ -105,7 +107,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
 
 /// Appends contacts.
 pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
-    for contacts in contacts.chunks(CONTACTS_A_STATEMENT) {
+    for contacts in contacts.chunks(ROWS_A_STATEMENT) {
         let mut insert = QueryBuilder::<Sqlite>::new(
             "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
              pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) ",
@@ -130,4 +132,46 @@ pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[Conta
         insert.build().persistent(false).execute(&mut *tx).await?;
     }
     Ok(())
+}
+
+/// Appends minutes or hours. One that is there already is left as it is; tells how many were not.
+pub(super) async fn append_rollups(
+    tx: &mut SqliteConnection,
+    resolution: Resolution,
+    rows: &[&RollupRow],
+) -> sqlx::Result<u64> {
+    let table = match resolution {
+        Resolution::Minute => "contact_minutes",
+        Resolution::Hour => "contact_hours",
+    };
+    let mut written = 0;
+    for rows in rows.chunks(ROWS_A_STATEMENT) {
+        let mut insert = QueryBuilder::<Sqlite>::new("INSERT INTO ");
+        insert.push(table).push(
+            " (whisker_id, start_us, contacts_used, contacts_learning, contacts_unused, residual_mean, residual_sd, \
+             residual_min, residual_max, sensitivity_per_mm, ratio, length_mm, length_sd_mm, length_mean_mm, \
+             pressure_mpa, temperature_c, compensation_error) ",
+        );
+        insert.push_values(rows, |mut values, row| {
+            values.push_bind(row.whisker_id).push_bind(row.start_us);
+            for count in row.contacts {
+                values.push_bind(count);
+            }
+            for number in row.residual {
+                values.push_bind(number);
+            }
+            values
+                .push_bind(row.sensitivity_per_mm)
+                .push_bind(row.ratio)
+                .push_bind(row.length_mm)
+                .push_bind(row.length_sd_mm)
+                .push_bind(row.length_mean_mm)
+                .push_bind(row.pressure_mpa)
+                .push_bind(row.temperature_c)
+                .push_bind(row.compensation_error);
+        });
+        insert.push(" ON CONFLICT DO NOTHING");
+        written += insert.build().persistent(false).execute(&mut *tx).await?.rows_affected();
+    }
+    Ok(written)
 }

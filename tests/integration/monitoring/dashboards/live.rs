@@ -193,7 +193,8 @@ async fn plan_uses_indexes(link: &mut PgConnection, query: &Query, chosen: &Chos
     let explain = format!("EXPLAIN {}", chosen.sql(&query.sql));
     let plan = sqlx::query(AssertSqlSafe(explain)).fetch_all(link).await.unwrap();
     let plan: Vec<String> = plan.iter().map(|row| row.get(0)).collect();
-    let scans = plan.iter().any(|line| line.contains("Seq Scan on contacts"));
+    // What is not of these two days is in the default partition here.
+    let scans = plan.iter().any(|line| line.contains("Seq Scan on contacts_default"));
     assert!(!scans, "{} reads every contact:\n{}", query.place, plan.join("\n"));
 }
 

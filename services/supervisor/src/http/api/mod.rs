@@ -10,6 +10,7 @@ pub mod errors;
 pub mod events;
 pub mod fleets;
 pub mod happenings;
+pub mod history;
 pub mod model;
 pub mod paths;
 pub mod plots;
@@ -36,6 +37,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(fleets::routes())
         .merge(robots::routes())
         .merge(contacts::routes())
+        .merge(history::routes())
         .merge(model::routes())
         .merge(what_if::routes())
         .merge(happenings::routes())

@@ -7,6 +7,7 @@ mod counts;
 pub mod errors;
 pub mod fleets;
 pub mod happenings;
+pub mod history;
 pub mod robots;
 pub mod setpoints;
 pub mod whiskers;

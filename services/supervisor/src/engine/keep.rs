@@ -1,0 +1,199 @@
+//! Which contacts are kept one by one, and which only in the minutes and hours that they are added up in.
+//!
+//! What is received once and for all is told by the robot's state, not by the table of contacts: receipts are the same
+//! under every policy.
+
+use std::collections::VecDeque;
+
+use crate::store::batch::ContactRow;
+
+/// Which contacts are kept one by one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// All.
+    #[default]
+    All,
+    /// Those before something was found or decided, and those of whiskers that serve.
+    Decisions,
+    /// None.
+    None,
+}
+
+/// Contacts of a whisker that are remembered for the case that something is decided: a suspicion is called after some five
+/// contacts, and confirmed or dismissed within some ten more.
+pub const REMEMBERED: usize = 32;
+
+/// Decides for the whiskers of one robot. What is remembered is not stored: after a restart it begins anew.
+#[derive(Debug)]
+pub struct Keeper {
+    keep: Keep,
+    /// By index of the whisker, the newest last; nothing is in here that was handed out. Empty unless it is needed.
+    rings: Vec<VecDeque<ContactRow>>,
+    /// Whose contact was taken in last.
+    last: Option<usize>,
+}
+
+impl Keeper {
+    /// For a robot whose contacts are kept so.
+    #[must_use]
+    pub fn new(keep: Keep) -> Self {
+        Self { keep, rings: Vec::new(), last: None }
+    }
+
+    /// Takes a contact in; what is kept goes to `rows`.
+    pub fn felt(&mut self, whisker: usize, row: ContactRow, rows: &mut Vec<ContactRow>) {
+        match self.keep {
+            Keep::All => rows.push(row),
+            Keep::None => {}
+            Keep::Decisions => {
+                if self.rings.len() <= whisker {
+                    self.rings.resize_with(whisker + 1, VecDeque::new);
+                }
+                let ring = &mut self.rings[whisker];
+                if ring.len() == REMEMBERED {
+                    ring.pop_front();
+                }
+                ring.push_back(row);
+                self.last = Some(whisker);
+            }
+        }
+    }
+
+    /// The contact that was taken in last is one of a whisker that serves.
+    pub fn serves(&mut self, rows: &mut Vec<ContactRow>) {
+        let ring = self.last.take().and_then(|whisker| self.rings.get_mut(whisker));
+        rows.extend(ring.and_then(VecDeque::pop_back));
+    }
+
+    /// Something was found or decided about a whisker: what it felt last is kept.
+    pub fn decided(&mut self, whisker: usize, rows: &mut Vec<ContactRow>) {
+        if let Some(ring) = self.rings.get_mut(whisker) {
+            rows.extend(ring.drain(..));
+        }
+    }
+
+    /// Other whiskers are on the robot now: `from` has the former index of each, if it was there before.
+    pub fn laid_out(&mut self, from: &[Option<usize>]) {
+        let mut before = std::mem::take(&mut self.rings);
+        if !before.is_empty() {
+            let mut ring = |was: &Option<usize>| was.and_then(|was| before.get_mut(was)).map(std::mem::take);
+            self.rings = from.iter().map(|was| ring(was).unwrap_or_default()).collect();
+        }
+        self.last = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(whisker: usize, seq: i64) -> ContactRow {
+        ContactRow {
+            whisker_id: whisker as i64,
+            boot: 1,
+            seq,
+            position: 0,
+            t_us: seq,
+            received_us: seq,
+            ratio: 0.85,
+            deflection_mm: 2.0,
+            strain: 0.01,
+            pressure_mpa: 0.1,
+            temperature_c: 24.0,
+            used: "USED",
+            residual: None,
+            length_mm: 70.0,
+            length_sd_mm: 0.2,
+        }
+    }
+
+    fn seqs(rows: &[ContactRow]) -> Vec<i64> {
+        rows.iter().map(|row| row.seq).collect()
+    }
+
+    #[test]
+    fn all_and_none_are_what_they_say() {
+        for (keep, kept) in [(Keep::All, vec![0, 1, 2]), (Keep::None, vec![])] {
+            let (mut keeper, mut rows) = (Keeper::new(keep), Vec::new());
+            for seq in 0..3 {
+                keeper.felt(0, row(0, seq), &mut rows);
+                keeper.serves(&mut rows);
+            }
+            keeper.decided(0, &mut rows);
+            assert_eq!(seqs(&rows), kept);
+            assert!(keeper.rings.is_empty(), "nothing is remembered");
+        }
+    }
+
+    #[test]
+    fn the_last_contacts_before_a_decision_are_kept() {
+        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        for seq in 0..100 {
+            keeper.felt(usize::from(seq % 2 == 1), row(0, seq), &mut rows);
+        }
+        assert!(rows.is_empty());
+        keeper.decided(1, &mut rows);
+        let odd: Vec<i64> = (0..100).filter(|seq| seq % 2 == 1).collect();
+        assert_eq!(seqs(&rows), odd[odd.len() - REMEMBERED..]);
+        rows.clear();
+        keeper.decided(1, &mut rows);
+        keeper.decided(9, &mut rows);
+        assert!(rows.is_empty(), "none twice, and none of who felt nothing");
+    }
+
+    #[test]
+    fn what_is_remembered_takes_what_the_sizing_says() {
+        assert_eq!(size_of::<ContactRow>(), 136);
+    }
+
+    #[test]
+    fn what_serves_is_kept_once() {
+        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        keeper.felt(0, row(0, 0), &mut rows);
+        keeper.felt(0, row(0, 1), &mut rows);
+        keeper.serves(&mut rows);
+        keeper.serves(&mut rows);
+        assert_eq!(seqs(&rows), [1]);
+        keeper.decided(0, &mut rows);
+        assert_eq!(seqs(&rows), [1, 0]);
+        // What a decision has taken is not taken again as the last one.
+        keeper.felt(0, row(0, 2), &mut rows);
+        keeper.decided(0, &mut rows);
+        keeper.serves(&mut rows);
+        assert_eq!(seqs(&rows), [1, 0, 2]);
+    }
+
+    #[test]
+    fn property_no_contact_is_kept_twice() {
+        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        let mut noise: u64 = 1;
+        for seq in 0..20_000 {
+            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let whisker = (noise >> 33) as usize % 5;
+            match (noise >> 40) % 8 {
+                0 => keeper.decided(whisker, &mut rows),
+                1 => keeper.serves(&mut rows),
+                2 if seq % 50 == 0 => keeper.laid_out(&[Some(1), None, Some(0), Some(4), Some(2)]),
+                _ => keeper.felt(whisker, row(whisker, seq), &mut rows),
+            }
+        }
+        let mut kept = seqs(&rows);
+        assert!(kept.len() > 5000);
+        kept.sort_unstable();
+        kept.dedup();
+        assert_eq!(kept.len(), rows.len());
+    }
+
+    #[test]
+    fn another_layout_takes_what_is_remembered_along() {
+        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        for whisker in 0..3 {
+            keeper.felt(whisker, row(whisker, whisker as i64), &mut rows);
+        }
+        keeper.laid_out(&[Some(2), None, Some(0)]);
+        for whisker in 0..3 {
+            keeper.decided(whisker, &mut rows);
+        }
+        assert_eq!(seqs(&rows), [2, 0]);
+    }
+}

@@ -1,0 +1,56 @@
+//! What a whisker felt in each minute and hour, also of long ago.
+
+use axum::extract::State;
+use axum::response::Json;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::paths::WhiskerPath;
+use crate::http::App;
+use crate::http::extract::{Path, Query};
+use crate::http::moment::{Moment, between};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::ResolutionWord;
+use crate::store::list::{Filter, Value};
+use crate::store::lists::history::{HOURS, MINUTES, Rollup, RollupSort};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_history))
+}
+
+list_query! {
+    /// Which minutes or hours.
+    pub struct HistoryQuery by RollupSort {
+        /// Minutes, which are kept for a time, or hours, which are kept for ever; hours unless it is asked for otherwise.
+        #[param(inline)]
+        pub resolution: Option<ResolutionWord>,
+        /// Begun from then on, by the supervisor's clock.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Begun before then.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// What a whisker felt in each minute or hour that is over, the newest first. Those without contacts are left out.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/history", tag = "whiskers",
+    params(WhiskerPath, HistoryQuery),
+    responses((status = 200, description = "A page of minutes or hours", body = Page<Rollup>))
+)]
+async fn list_history(
+    State(app): State<App>,
+    Path(at): Path<WhiskerPath>,
+    Query(query): Query<HistoryQuery>,
+) -> Result<Json<Page<Rollup>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters = between("start_at", query.from, query.to).collect();
+    selection.filters.push(Filter::Is("whisker_id", Value::Whole(at.whisker_id(&app.store).await?)));
+    let list = match query.resolution.unwrap_or(ResolutionWord::Hour) {
+        ResolutionWord::Minute => &MINUTES,
+        ResolutionWord::Hour => &HOURS,
+    };
+    Ok(Json(Page::of(app.store.list(list, &selection).await?, &selection)))
+}

@@ -1,0 +1,270 @@
+//! PostgreSQL's tables that are cut by time: each span is a partition, made before it begins, indexed for people when it is
+//! over, and dropped as a whole when it is too old.
+//!
+//! Every supervisor does it, under one lock of the database; what another has done already is left as it is. A row whose
+//! span nobody has made is caught by the table's default partition, so that no commit rests on any of this.
+
+use sqlx::{AssertSqlSafe, Connection, PgConnection, Row};
+use vibrissa_protocol::Timestamp;
+
+use super::retention::Done;
+
+pub(super) const DAY_US: i64 = 86_400_000_000;
+
+/// A table that is cut.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Cut {
+    pub(super) table: &'static str,
+    /// The column that it is cut by.
+    pub(super) key: &'static str,
+    days: i64,
+    /// The columns that people look things up by, for spans that are over; while it is written, a partition has an index
+    /// of the second one alone that says which pages a time is in.
+    lookup: Option<(&'static str, &'static str)>,
+}
+
+pub(super) static CONTACTS: Cut =
+    Cut { table: "contacts", key: "received_us", days: 1, lookup: Some(("whisker_id", "t_us")) };
+/// Its primary key is looked up by.
+pub(super) static MINUTES: Cut = Cut { table: "contact_minutes", key: "start_us", days: 30, lookup: None };
+
+/// A span of time, its end excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Span {
+    from_us: i64,
+    to_us: i64,
+}
+
+/// A partition; the default one is none.
+#[derive(Debug, PartialEq, Eq)]
+struct Partition {
+    name: String,
+    span: Span,
+    bytes: i64,
+}
+
+/// Who makes partitions. Both are held for moments.
+const MAKING: i64 = 0x7669_6272_0000_0001;
+/// Who looks after those that are over, which may take minutes.
+const UPKEEP: i64 = 0x7669_6272_0000_0002;
+/// How long after its end a span gets its index: until then late rows may come.
+const INDEXED_AFTER_US: i64 = 3_600_000_000;
+/// Rows that one statement removes.
+const ROWS: i64 = 5000;
+
+impl Cut {
+    fn span_at(&self, at_us: i64) -> Span {
+        let length_us = self.days * DAY_US;
+        let from_us = at_us.div_euclid(length_us) * length_us;
+        Span { from_us, to_us: from_us + length_us }
+    }
+
+    /// `contacts_20261121`.
+    fn name_of(&self, span: Span) -> String {
+        let day: String = Timestamp(span.from_us.unsigned_abs()).to_string().chars().take(10).collect();
+        format!("{}_{}", self.table, day.replace('-', ""))
+    }
+}
+
+/// What PostgreSQL says of a partition: `FOR VALUES FROM (MINVALUE) TO ('1795305600000000')`.
+fn bounds(told: &str) -> Option<Span> {
+    let (from, to) = told.strip_prefix("FOR VALUES FROM (")?.strip_suffix(')')?.split_once(") TO (")?;
+    let bound = |text: &str, open: &str, value| match text {
+        text if text == open => Some(value),
+        text => text.trim_matches('\'').parse().ok(),
+    };
+    Some(Span { from_us: bound(from, "MINVALUE", i64::MIN)?, to_us: bound(to, "MAXVALUE", i64::MAX)? })
+}
+
+async fn partitions(link: &mut PgConnection, cut: &Cut) -> sqlx::Result<Vec<Partition>> {
+    let rows = sqlx::query(
+        "SELECT c.relname::text AS name, pg_get_expr(c.relpartbound, c.oid) AS told, \
+         pg_total_relation_size(c.oid) AS bytes FROM pg_inherits i JOIN pg_class c ON c.oid = i.inhrelid \
+         WHERE i.inhparent = $1::regclass ORDER BY c.relname",
+    )
+    .bind(cut.table)
+    .fetch_all(link)
+    .await?;
+    let partition = |row: &sqlx::postgres::PgRow| {
+        Some(Partition { span: bounds(row.get("told"))?, name: row.get("name"), bytes: row.get("bytes") })
+    };
+    Ok(rows.iter().filter_map(partition).collect())
+}
+
+async fn run(link: &mut PgConnection, sql: String) -> sqlx::Result<u64> {
+    sqlx::raw_sql(AssertSqlSafe(sql)).execute(link).await.map(|done| done.rows_affected())
+}
+
+/// Makes the partitions of this span and of the next one, of every table.
+pub(super) async fn make(link: &mut PgConnection, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<()> {
+    for cut in [&CONTACTS, &MINUTES] {
+        let this = cut.span_at(now_us);
+        for span in [this, cut.span_at(this.to_us)] {
+            if is_missing(&partitions(link, cut).await?, span) && make_one(link, cut, span).await? {
+                told(Done::Made { partition: cut.name_of(span) });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn is_missing(partitions: &[Partition], span: Span) -> bool {
+    partitions.iter().all(|other| other.span.to_us <= span.from_us || other.span.from_us >= span.to_us)
+}
+
+/// Makes one partition, with the rows that the default one has caught meanwhile. Commits go on beside it: the table is
+/// locked against changes of its form only. False if another supervisor was faster.
+async fn make_one(link: &mut PgConnection, cut: &Cut, span: Span) -> sqlx::Result<bool> {
+    let (Cut { table, key, lookup, .. }, Span { from_us, to_us }, name) = (cut, span, cut.name_of(span));
+    let mut tx = link.begin().await?;
+    // Whoever reads all of the table is waited for, and those who come to read meanwhile wait, too: not for long.
+    run(&mut tx, "SET LOCAL lock_timeout = '2s'".to_owned()).await?;
+    sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(MAKING).execute(&mut *tx).await?;
+    if !is_missing(&partitions(&mut tx, cut).await?, span) {
+        return Ok(false);
+    }
+    run(&mut tx, format!("CREATE TABLE {name} (LIKE {table} INCLUDING INDEXES)")).await?;
+    if let Some((_, time)) = lookup {
+        let index = format!("CREATE INDEX {name}_pages ON {name} USING brin ({time}) WITH (autosummarize = on)");
+        run(&mut tx, index).await?;
+    }
+    run(&mut tx, format!("LOCK TABLE {table}_default IN ACCESS EXCLUSIVE MODE")).await?;
+    let caught = format!(
+        "WITH caught AS (DELETE FROM {table}_default WHERE {key} >= {from_us} AND {key} < {to_us} RETURNING *) \
+         INSERT INTO {name} SELECT * FROM caught"
+    );
+    run(&mut tx, caught).await?;
+    let attach = format!("ALTER TABLE {table} ATTACH PARTITION {name} FOR VALUES FROM ({from_us}) TO ({to_us})");
+    run(&mut tx, attach).await?;
+    tx.commit().await?;
+    Ok(true)
+}
+
+/// Looks after what is over: drops what ended before the given moments, and indexes the rest. Nothing if another
+/// supervisor is at it.
+pub(super) async fn look_after(
+    link: &mut PgConnection,
+    now_us: i64,
+    forget_before: [(&Cut, Option<i64>); 2],
+    told: &mut impl FnMut(Done),
+) -> sqlx::Result<()> {
+    let is_ours: bool =
+        sqlx::query_scalar("SELECT pg_try_advisory_lock($1)").bind(UPKEEP).fetch_one(&mut *link).await?;
+    if !is_ours {
+        return Ok(());
+    }
+    // An index of a whole day takes its time.
+    run(link, "SET statement_timeout = 0".to_owned()).await?;
+    for (cut, before_us) in forget_before {
+        if let Some(before_us) = before_us {
+            drop_before(link, cut, before_us, told).await?;
+        }
+        if let Some(lookup) = cut.lookup {
+            index_before(link, cut, lookup, now_us - INDEXED_AFTER_US, told).await?;
+        }
+    }
+    sqlx::query("SELECT pg_advisory_unlock($1)").bind(UPKEEP).execute(link).await.map(drop)
+}
+
+/// Drops partitions all of whose rows are from before a moment, and removes such rows from the default one.
+async fn drop_before(
+    link: &mut PgConnection,
+    cut: &Cut,
+    before_us: i64,
+    told: &mut impl FnMut(Done),
+) -> sqlx::Result<()> {
+    for one in partitions(link, cut).await?.into_iter().filter(|one| one.span.to_us <= before_us) {
+        let mut tx = link.begin().await?;
+        // The whole table is locked for this moment. Commits wait behind whoever reads it for so long at the most.
+        run(&mut tx, "SET LOCAL lock_timeout = '200ms'".to_owned()).await?;
+        run(&mut tx, format!("DROP TABLE {}", quoted(&one.name))).await?;
+        tx.commit().await?;
+        told(Done::Dropped { partition: one.name, bytes: one.bytes });
+    }
+    let (table, key) = (cut.table, cut.key);
+    loop {
+        let caught = format!(
+            "DELETE FROM {table}_default WHERE ctid IN \
+             (SELECT ctid FROM {table}_default WHERE {key} < {before_us} LIMIT {ROWS})"
+        );
+        let rows = run(link, caught).await?;
+        if rows == 0 {
+            return Ok(());
+        }
+        told(Done::Removed { table, rows });
+    }
+}
+
+/// Gives partitions that ended before a moment the index that people's questions need. Nobody waits for it.
+async fn index_before(
+    link: &mut PgConnection,
+    cut: &Cut,
+    (who, time): (&'static str, &'static str),
+    before_us: i64,
+    told: &mut impl FnMut(Done),
+) -> sqlx::Result<()> {
+    for one in partitions(link, cut).await?.into_iter().filter(|one| one.span.to_us <= before_us) {
+        let indices = sqlx::query(
+            "SELECT x.relname::text AS name, indisvalid AS valid FROM pg_index i JOIN pg_class x ON x.oid = indexrelid \
+             WHERE indrelid = $1::regclass AND indnkeyatts = 2",
+        )
+        .bind(quoted(&one.name))
+        .fetch_all(&mut *link)
+        .await?;
+        if indices.iter().any(|index| index.get("valid")) {
+            continue;
+        }
+        // What is left of an attempt that was broken off.
+        for index in indices {
+            run(link, format!("DROP INDEX CONCURRENTLY {}", quoted(index.get("name")))).await?;
+        }
+        let index = quoted(&format!("{}_of_whisker", one.name));
+        run(link, format!("CREATE INDEX CONCURRENTLY {index} ON {} ({who}, {time})", quoted(&one.name))).await?;
+        told(Done::Indexed { partition: one.name });
+    }
+    Ok(())
+}
+
+fn quoted(name: &str) -> String {
+    format!("\"{}\"", name.replace('"', "\"\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOON_US: i64 = 1_795_262_400_000_000;
+
+    #[test]
+    fn golden_spans_and_names() {
+        // `date -u -d @1795262400`: 2026-11-21 12:00:00
+        let day = CONTACTS.span_at(NOON_US);
+        assert_eq!((day.from_us, day.to_us), (NOON_US - DAY_US / 2, NOON_US + DAY_US / 2));
+        assert_eq!(CONTACTS.name_of(day), "contacts_20261121");
+        assert_eq!(CONTACTS.span_at(day.to_us - 1), day);
+        let next = CONTACTS.span_at(day.to_us);
+        assert_eq!((next.from_us, CONTACTS.name_of(next).as_str()), (day.to_us, "contacts_20261122"));
+        let month = MINUTES.span_at(NOON_US);
+        assert_eq!(month.to_us - month.from_us, 30 * DAY_US);
+        assert_eq!(MINUTES.name_of(month), "contact_minutes_20261103");
+    }
+
+    #[test]
+    fn what_postgres_says_of_partitions_is_understood() {
+        let span = |from_us, to_us| Some(Span { from_us, to_us });
+        assert_eq!(bounds("FOR VALUES FROM ('5') TO ('-7')"), span(5, -7));
+        assert_eq!(bounds("FOR VALUES FROM (MINVALUE) TO ('1795305600000000')"), span(i64::MIN, 1_795_305_600_000_000));
+        assert_eq!(bounds("FOR VALUES FROM ('1') TO (MAXVALUE)"), span(1, i64::MAX));
+        assert_eq!((bounds("DEFAULT"), bounds("FOR VALUES IN ('1')")), (None, None));
+    }
+
+    #[test]
+    fn what_lies_in_another_partition_already_is_not_missing() {
+        let span = |from_us, to_us| Span { from_us, to_us };
+        let of = |span| Partition { name: String::new(), span, bytes: 0 };
+        let before = [of(span(i64::MIN, 20)), of(span(30, 40))];
+        for (from, to, missing) in [(10, 20, false), (20, 30, true), (30, 40, false), (40, 50, true), (15, 25, false)] {
+            assert_eq!(is_missing(&before, span(from, to)), missing, "{from} to {to}");
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Keeps the tables in order while a service runs: partitions are made ahead, what is too old is removed.
+
+use tokio::sync::watch;
+use tokio::time::{Duration, timeout};
+use tracing::{debug, info, warn};
+
+use crate::engine::wall_clock;
+use crate::metrics::Metrics;
+use crate::store::retention::{Done, Retention};
+use crate::store::{Store, StoreError};
+
+/// How often it is looked whether anything is to be done.
+const EVERY: Duration = Duration::from_secs(3600);
+/// How soon after a failure.
+const AGAIN: Duration = Duration::from_secs(300);
+/// Between pieces of what is removed.
+const PAUSE: Duration = Duration::from_millis(400);
+
+/// Goes on until the service stops.
+pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mut stop: watch::Receiver<bool>) {
+    loop {
+        let pause = match look_after(&store, retention, &metrics).await {
+            Ok(true) => PAUSE,
+            Ok(false) => {
+                metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());
+                EVERY
+            }
+            Err(problem) => {
+                metrics.upkeep_errors.inc();
+                warn!(%problem, "old contacts stay, or partitions are missing, for now");
+                AGAIN
+            }
+        };
+        if timeout(pause, stop.wait_for(|&stop| stop)).await.is_ok() {
+            return;
+        }
+    }
+}
+
+async fn look_after(store: &Store, retention: Retention, metrics: &Metrics) -> Result<bool, StoreError> {
+    let now_us = wall_clock().0 as i64;
+    let mut told = |done| tell(&done, metrics);
+    store.make_partitions(now_us, &mut told).await?;
+    store.look_after(retention, now_us, &mut told).await
+}
+
+fn tell(done: &Done, metrics: &Metrics) {
+    match done {
+        Done::Made { partition } => info!(partition, "partition made"),
+        Done::Indexed { partition } => info!(partition, "partition indexed"),
+        Done::Dropped { partition, bytes } => {
+            metrics.partitions_dropped.inc();
+            info!(partition, bytes, "partition dropped: all of it was too old");
+        }
+        Done::Removed { table, rows } => {
+            metrics.old_rows_removed.inc_by(*rows);
+            debug!(table, rows, "rows removed: they were too old");
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Partitions are made, hold what they should, and go when they are old; so do rows where there are no partitions.
+
+use std::time::{Duration, Instant};
+
+use sqlx::postgres::PgConnection;
+use sqlx::{ConnectOptions, Connection, Executor, Row};
+use vibrissa::store::retention::{Done, Retention};
+use vibrissa::store::series::Span;
+use vibrissa::store::time::Time;
+use vibrissa::store::{Lease, Store, Writer};
+
+use crate::rows::{self, Numbered};
+use crate::{Fresh, fleet, supervisor};
+
+const DAY_US: i64 = 86_400_000_000;
+/// 2027-03-01T12:00:00Z, long after whatever the clock says in this test.
+const NOON_US: i64 = 1_803_902_400_000_000;
+
+/// A database with one robot, and who writes for it.
+async fn taken(database: &Fresh) -> (Writer, Lease, Numbered) {
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let numbered = rows::robot(&mut writer, &lease).await;
+    (writer, lease, numbered)
+}
+
+/// Contacts that were received then, a second apart; felt at the same time.
+async fn record(writer: &mut Writer, lease: &Lease, numbered: &Numbered, at_us: i64, count: i64) {
+    let mut batch = rows::contacts(numbered, 0..count);
+    for (contact, number) in batch.contacts.iter_mut().zip(0..) {
+        contact.received_us = at_us + number * 1_000_000;
+        contact.t_us = contact.received_us;
+    }
+    writer.commit(lease, &batch).await.unwrap();
+}
+
+async fn link(database: &Fresh) -> PgConnection {
+    database.server.as_ref().unwrap().connect().connect().await.unwrap()
+}
+
+/// How many contacts each partition has.
+async fn partitions(link: &mut PgConnection) -> Vec<(String, i64)> {
+    let names = "SELECT relname::text AS name FROM pg_inherits JOIN pg_class ON oid = inhrelid \
+                 WHERE inhparent = 'contacts'::regclass ORDER BY relname";
+    let mut counted = Vec::new();
+    for row in link.fetch_all(names).await.unwrap() {
+        let name: String = row.get("name");
+        let count = sqlx::AssertSqlSafe(format!("SELECT count(*) FROM {name}"));
+        counted.push((name, sqlx::query_scalar(count).fetch_one(&mut *link).await.unwrap()));
+    }
+    counted
+}
+
+async fn make(store: &Store, now_us: i64) -> Vec<String> {
+    let mut made = Vec::new();
+    store
+        .make_partitions(now_us, &mut |done| match done {
+            Done::Made { partition } => made.push(partition),
+            Done::Indexed { .. } | Done::Dropped { .. } | Done::Removed { .. } => panic!("{done:?}"),
+        })
+        .await
+        .unwrap();
+    made
+}
+
+async fn look_after(store: &Store, days: u32, now_us: i64) -> (Vec<Done>, bool) {
+    let mut told = Vec::new();
+    let retention = Retention { contacts_days: days, minutes_days: 0 };
+    let is_more = store.look_after(retention, now_us, &mut |done| told.push(done)).await.unwrap();
+    (told, is_more)
+}
+
+#[tokio::test]
+async fn partitions_are_made_once_whoever_does_it_and_rows_are_in_the_right_one() {
+    let database = Fresh::postgres().await;
+    let mut link = link(&database).await;
+    // Those of today and tomorrow are there from the start.
+    let today: Vec<(String, i64)> = partitions(&mut link).await;
+    assert_eq!(today.len(), 3, "{today:?}");
+    let others: Vec<Store> = futures_util::future::join_all(
+        (0..6).map(async |number| Store::open(&database.address, &format!("s{number}")).await.unwrap()),
+    )
+    .await;
+    let made = futures_util::future::join_all(others.iter().map(|store| make(store, NOON_US))).await.concat();
+    let expected = ["contact_minutes_20270201", "contact_minutes_20270303", "contacts_20270301", "contacts_20270302"];
+    let mut sorted = made.clone();
+    sorted.sort();
+    assert_eq!(sorted, expected, "each by one of them");
+    assert!(make(&database.store, NOON_US).await.is_empty());
+
+    let (mut writer, lease, numbered) = taken(&database).await;
+    for (at_us, count) in [(NOON_US, 5), (NOON_US + DAY_US, 7), (NOON_US + 2 * DAY_US, 11), (NOON_US - DAY_US / 2, 2)] {
+        record(&mut writer, &lease, &numbered, at_us, count).await;
+    }
+    let count = |all: &[(String, i64)], name: &str| all.iter().find(|(one, _)| one == name).map(|one| one.1);
+    let all = partitions(&mut link).await;
+    assert_eq!((count(&all, "contacts_20270301"), count(&all, "contacts_20270302")), (Some(7), Some(7)));
+    assert_eq!(count(&all, "contacts_default"), Some(11), "nobody has made their day");
+    // When it is made, what came before goes there.
+    assert_eq!(make(&database.store, NOON_US + DAY_US).await, ["contacts_20270303"]);
+    let all = partitions(&mut link).await;
+    assert_eq!((count(&all, "contacts_20270303"), count(&all, "contacts_default")), (Some(11), Some(0)));
+    assert_eq!(database.store.contact_count().await.unwrap(), 25);
+}
+
+#[tokio::test]
+async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
+    let database = Fresh::postgres().await;
+    let (mut writer, lease, numbered) = taken(&database).await;
+    for day in 0..5 {
+        make(&database.store, NOON_US + day * DAY_US).await;
+        record(&mut writer, &lease, &numbered, NOON_US + day * DAY_US, 10).await;
+    }
+    // A clock was wrong.
+    record(&mut writer, &lease, &numbered, NOON_US - 300 * DAY_US, 12).await;
+    let now_us = NOON_US + 4 * DAY_US;
+    let (told, _) = look_after(&database.store, 2, now_us).await;
+    // Noon less two days is in the third: that one has rows that are young enough.
+    let dropped: Vec<&str> = told
+        .iter()
+        .filter_map(|done| match done {
+            Done::Dropped { partition, bytes } if *bytes > 0 => Some(partition.as_str()),
+            Done::Made { .. } | Done::Indexed { .. } | Done::Dropped { .. } | Done::Removed { .. } => None,
+        })
+        .filter(|name| name.starts_with("contacts_2027"))
+        .collect();
+    assert_eq!(dropped, ["contacts_20270301", "contacts_20270302"]);
+    assert!(told.contains(&Done::Removed { table: "contacts", rows: 12 }), "{told:?}");
+    for name in ["contacts_20270303", "contacts_20270304"] {
+        assert!(told.contains(&Done::Indexed { partition: name.to_owned() }), "{name} {told:?}");
+    }
+    assert!(!told.contains(&Done::Indexed { partition: "contacts_20270305".to_owned() }), "it is written still");
+    let mut link = link(&database).await;
+    let left: Vec<(String, i64)> = partitions(&mut link).await;
+    let expected = [("contacts_20270303", 10), ("contacts_20270304", 10), ("contacts_20270305", 10)];
+    let expected = expected.into_iter().chain([("contacts_20270306", 0), ("contacts_default", 0)]);
+    assert_eq!(left, expected.map(|(name, count)| (name.to_owned(), count)).collect::<Vec<_>>());
+    assert!(look_after(&database.store, 2, now_us).await.0.is_empty(), "nothing is done twice");
+    assert!(
+        look_after(&database.store, 0, now_us + 1000 * DAY_US)
+            .await
+            .0
+            .iter()
+            .all(|done| matches!(done, Done::Indexed { .. }))
+    );
+    assert_eq!(database.store.contact_count().await.unwrap(), 30);
+}
+
+/// Whoever reads for long puts dropping off, and no commit waits for it.
+#[tokio::test]
+async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
+    let database = Fresh::postgres().await;
+    let (mut writer, lease, numbered) = taken(&database).await;
+    make(&database.store, NOON_US).await;
+    record(&mut writer, &lease, &numbered, NOON_US, 10).await;
+    let mut link = link(&database).await;
+    let mut reader = link.begin().await.unwrap();
+    reader.execute("SELECT count(*) FROM contacts").await.unwrap();
+    let retention = Retention { contacts_days: 1, minutes_days: 0 };
+    let later_us = NOON_US + 10 * DAY_US;
+    let mut told = Vec::new();
+    let mut tell = |done| told.push(done);
+    let dropping = database.store.look_after(retention, later_us, &mut tell);
+    let committing = async {
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_millis(600) {
+            let one = Instant::now();
+            record(&mut writer, &lease, &numbered, NOON_US, 1).await;
+            assert!(one.elapsed() < Duration::from_secs(3), "{:?}", one.elapsed());
+        }
+    };
+    let (dropped, ()) = tokio::join!(dropping, committing);
+    let problem = dropped.unwrap_err();
+    assert!(problem.is_passing() && problem.to_string().contains("lock timeout"), "{problem}");
+    assert!(told.is_empty(), "{told:?}");
+    reader.rollback().await.unwrap();
+    let (told, _) = look_after(&database.store, 1, later_us).await;
+    assert!(
+        told.iter().any(|done| matches!(done, Done::Dropped { partition, .. } if partition == "contacts_20270301"))
+    );
+}
+
+#[tokio::test]
+async fn old_rows_of_sqlite_go_in_pieces() {
+    let database = Fresh::sqlite().await;
+    let (mut writer, lease, numbered) = taken(&database).await;
+    record(&mut writer, &lease, &numbered, NOON_US, 12_000).await;
+    record(&mut writer, &lease, &numbered, NOON_US + 10 * DAY_US, 300).await;
+    let mut pieces = Vec::new();
+    loop {
+        let (told, is_more) = look_after(&database.store, 7, NOON_US + 10 * DAY_US).await;
+        pieces.extend(told);
+        if !is_more {
+            break;
+        }
+    }
+    let piece = |rows| Done::Removed { table: "contacts", rows };
+    assert_eq!(pieces, [piece(2000), piece(2000), piece(2000), piece(2000), piece(2000), piece(2000)]);
+    assert_eq!(database.store.contact_count().await.unwrap(), 300);
+    assert!(make(&database.store, NOON_US).await.is_empty());
+}
+
+/// The newest contacts are found wherever they lie, with an index or without.
+async fn newest(database: &Fresh) {
+    let (mut writer, lease, numbered) = taken(database).await;
+    for day in 0..4 {
+        make(&database.store, NOON_US + day * DAY_US).await;
+        record(&mut writer, &lease, &numbered, NOON_US + day * DAY_US, 300).await;
+    }
+    look_after(&database.store, 0, NOON_US + 3 * DAY_US).await;
+    let times: Vec<i64> =
+        (0..4).flat_map(|day| (0..300).map(move |n| NOON_US + day * DAY_US + n * 1_000_000)).collect();
+    let whisker_id = numbered.whisker_ids[0];
+    for points in [1, 200, 301, 900, 2000] {
+        let span = Span { from: None, to: None, points };
+        let series = database.store.contacts(whisker_id, span).await.unwrap();
+        let newest = &times[times.len().saturating_sub(points as usize)..];
+        assert_eq!(series.items.iter().map(|one| one.at_us).collect::<Vec<_>>(), newest, "{points}");
+    }
+    let span = Span { from: Some(Time(NOON_US)), to: Some(Time(NOON_US + DAY_US + 10_000_000)), points: 2000 };
+    let series = database.store.contacts(whisker_id, span).await.unwrap();
+    assert_eq!(series.items.iter().map(|one| one.at_us).collect::<Vec<_>>(), times[..310]);
+}
+
+#[tokio::test]
+async fn brute_force_the_newest_contacts_of_sqlite() {
+    newest(&Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn brute_force_the_newest_contacts_of_postgres() {
+    newest(&Fresh::postgres().await).await;
+}
