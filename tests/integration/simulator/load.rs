@@ -1,6 +1,7 @@
 //! The generator of load: what it says keeps the contract, ordinary whiskers stay ordinary, and all of it arrives.
 
 use std::collections::BTreeSet;
+use std::pin::pin;
 
 use clap::Parser;
 use proptest::prelude::*;
@@ -19,7 +20,8 @@ use vibrissa_simulator::load::kept::Outbox;
 use vibrissa_simulator::load::texts::Texts;
 use vibrissa_simulator::load::{self, LoadPlan, robots};
 use vibrissa_tests::mosquitto::Mosquitto;
-use vibrissa_tests::observer::{Heard, Observer};
+use vibrissa_tests::observer::Observer;
+use vibrissa_tests::wait::PATIENCE;
 
 const NOW_US: u64 = 1_795_248_000_123_456;
 const BOOT: &str = "load-test";
@@ -137,23 +139,22 @@ async fn a_load_ends_when_all_of_it_is_receipted_although_messages_are_overlooke
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
     let shape = ["--robots", "1", "--connections", "1", "--messages", "300", "--unreceipted", "100", "--qos", "0"];
     let plan = plan(&[&["--mqtt-url", url.as_str()], shape.as_slice()].concat());
-    let load = tokio::spawn(load::run(plan, || ()));
+    let mut load = pin!(load::run(plan, || ()));
     let mut receiver = Receiver::default();
     let mut overlooked = BTreeSet::new();
-    while !load.is_finished() {
-        let Some(Heard { message: Message::Contacts(contacts), .. }) =
-            observer.next(std::time::Duration::from_millis(50)).await
-        else {
-            continue;
+    let report = loop {
+        let heard = tokio::select! {
+            report = &mut load => break report.unwrap(),
+            heard = observer.next(PATIENCE) => heard.expect("a robot sends until all is receipted"),
         };
+        let Message::Contacts(contacts) = heard.message else { continue };
         if contacts.seq % 7 == 3 && overlooked.insert(contacts.seq) {
             continue;
         }
         receiver.arrived.insert(contacts.seq);
         let receipt = encode(&receiver.receipt(&contacts.boot_id));
         observer.publish("whisker/v1/f/r000000/receipt", receipt, false).await;
-    }
-    let report = load.await.unwrap().unwrap();
+    };
     // One more is of the preparation.
     assert_eq!((report.sent, report.receipted, report.contacts_in_all), (300, 300, 301));
     assert_eq!(receiver.arrived, (0..301).collect());
