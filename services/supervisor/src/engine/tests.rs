@@ -9,9 +9,9 @@ use vibrissa_core::robot::event::{
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
-use vibrissa_protocol::{BootId, Name};
+use vibrissa_protocol::{self as protocol, BootId, Name};
 
-use super::gathering::{Gathering, Sealed};
+use super::gathering::{Gathering, Sealed, Source};
 use super::keep::Keep;
 use super::rollup::Resolution;
 use super::shard::{Known, Shard};
@@ -169,7 +169,12 @@ impl World {
         };
         *seq = (*seq).max(told + 1);
         let event = Event::Contacts { boot_id: "b", seq: told, contacts: &contacts };
-        shard.gathering.step(known, self.now, &event, None);
+        let message = protocol::Contacts {
+            boot_id: BootId::new("b").unwrap(),
+            seq: told,
+            contacts: contacts.iter().map(|one| as_told(one, 20.0 + self.random.unit())).collect(),
+        };
+        shard.gathering.step(known, self.now, &event, Some(Source { told: &message, boot: robot_id }));
     }
 
     fn contact(&mut self, robot_id: i64, pressure_mpa: f64) -> Contact<'static> {
@@ -201,6 +206,20 @@ impl World {
         let whiskers: Vec<WhiskerStatus<'_>> = (0..usize::from(WHISKERS)).filter_map(line).collect();
         let event = Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers };
         shard.gathering.step(known, self.now, &event, None);
+    }
+}
+
+/// A contact as its robot tells it.
+fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
+    protocol::Contact {
+        array: Name::new(contact.array).unwrap(),
+        whisker: contact.whisker,
+        t_us: contact.robot_time.0,
+        ratio: contact.ratio.a(),
+        deflection_mm: contact.deflection.mm(),
+        strain: contact.strain.ratio(),
+        pressure_mpa: contact.pressure.mpa(),
+        temperature_c,
     }
 }
 
@@ -267,5 +286,6 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
         }
         assert!(gone_through > 300, "the journal was used: {gone_through}");
         assert!(decided > 10, "and things were decided: {decided}");
+        assert!(tables.closed.len() > 20, "and minutes were over");
     }
 }
