@@ -57,6 +57,8 @@ impl Fleet {
     /// the lease is kept meanwhile.
     pub(crate) fn start(lease: Lease, shared: &Shared) -> Self {
         let (stop, stopping) = watch::channel(false);
+        // Ready means: robots are heard.
+        shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("its robots are being taken up".to_owned()));
         shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
         let task = tokio::spawn(supervise(lease.clone(), shared.clone(), stopping));
         Self { lease, stop, task }
@@ -90,7 +92,6 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
         engine = take_up(&lease, &shared) => engine,
         () = stopped(&mut stop) => None,
     };
-    shared.readiness.set_of(&fleet, TAKING_UP, None);
     if let Some((engine, boot_id)) = engine {
         let connection = Connection {
             broker: shared.broker.clone(),
@@ -101,6 +102,7 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
             link: LinkState::default(),
         };
         shared.readiness.listens(&fleet, connection.link.clone());
+        shared.readiness.set_of(&fleet, TAKING_UP, None);
         run(engine, &connection, &metrics, stop).await;
     }
     shared.readiness.forget(&fleet);

@@ -80,17 +80,6 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         reason: "SELF_COMPENSATION",
         gain: Some("[[0.45,0.861]]".to_owned()),
     };
-    let response = ResponseRow {
-        compensation_id,
-        t_us: 11,
-        ratio: 0.85,
-        deflection_mm: 2.0,
-        after_strain: 0.009,
-        before_strain: 0.008,
-        before_origin: "MEASURED",
-        target_strain: 0.0085,
-        target_origin: "MODEL",
-    };
     let error = |recorded_us, mean, ratios: &[f64]| {
         Record::Error(Box::new(ErrorRow {
             compensation_id,
@@ -134,7 +123,6 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         Record::Setpoint(Box::new(setpoint)),
         setpoint_state("RECEIVED", None, None),
         setpoint_state("APPLIED", None, Some(0.0481)),
-        Record::Response(response),
         error(12, 0.25, &[0.5]),
         error(13, 0.2, &[0.5, 0.9]),
         look(200, "REFINED", Some(0.041)),
@@ -145,6 +133,21 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         Record::Approved { compensation_id },
         Record::Ended { compensation_id, ended_us: 15, end_reason: "REASSIGNED" },
     ]
+}
+
+/// What was felt at a contact of the one that serves.
+fn response(numbered: &Numbered) -> ResponseRow {
+    ResponseRow {
+        compensation_id: numbered.robot_id << 32,
+        t_us: 11,
+        ratio: 0.85,
+        deflection_mm: 2.0,
+        after_strain: 0.009,
+        before_strain: 0.008,
+        before_origin: "MEASURED",
+        target_strain: 0.0085,
+        target_origin: "MODEL",
+    }
 }
 
 /// Actions that are asked, answered and read back, and a policy that is replaced by the next one.
@@ -201,6 +204,7 @@ async fn written_and_read(database: &Fresh) -> Value {
     let numbered = rows::robot(&mut writer, &lease).await;
     let mut batch = contacts(&numbered, 0..2500);
     batch.records = records(&numbered);
+    batch.responses = vec![response(&numbered)];
     writer.commit(&lease, &batch).await.unwrap();
     // The same again under new names changes nothing.
     assert_eq!(writer.robot_id(&lease, "r").await.unwrap(), numbered.robot_id);
@@ -354,7 +358,8 @@ async fn regress_states_that_are_written_again_and_again_take_no_more_room() {
         .unwrap();
     for _ in 0..200 {
         let mut states = rows::states(&robot);
-        assert!(states.whiskers[0].state.len() > 2048, "as large as those that matter");
+        // PostgreSQL moves values out of rows of more than 2 KB; whiskers that have served for long come near that.
+        states.whiskers.iter_mut().for_each(|whisker| whisker.state.resize(3000, 7));
         states.layouts.clear();
         writer.commit(&lease, &states).await.unwrap();
     }

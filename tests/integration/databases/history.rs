@@ -213,6 +213,11 @@ async fn killed_and_restarted(database: &str, broker: &Mosquitto) {
             }
         }
     }
+    // Whoever comes next goes through the journal, and leaves nothing in it.
+    let mut supervisor = Replica::start(folder.path(), "s", "f", database, broker.port(), 0.8);
+    supervisor.says(200, "OWNED").await;
+    supervisor.terminate().await;
+    assert_eq!(count(&address, "SELECT count(*) FROM journal").await, 0);
     assert_eq!(assert_exact(&address).await, fleet.contacts_made() as usize);
     fleet.stop().await;
 }

@@ -56,7 +56,7 @@ use shard::Shard;
 use snapshot::Pace;
 
 /// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
-const GATHER: Duration = Duration::from_millis(10);
+const GATHER: Duration = Duration::from_millis(20);
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Contacts of one commit at the most: then no more messages are taken in before it is done.
@@ -67,7 +67,7 @@ const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 const TICK: Duration = Duration::from_millis(250);
 /// How often all robots are counted for the metrics.
 const SURVEY: Duration = Duration::from_secs(1);
-/// How often receipts are sent.
+/// How often receipts are sent, and states written that have waited.
 const RECEIPTS: Duration = Duration::from_millis(100);
 /// Shards of one fleet at the most.
 const SHARDS_MAX: usize = 16;
@@ -293,10 +293,15 @@ impl Engine {
         self.finish().await
     }
 
-    /// Commits what is left, and receipts it.
+    /// Commits what is left, and receipts it. States are written, too, so that whoever takes the fleet up has nothing to go
+    /// through; of very many only some, for there is little time.
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.receipts_due = true;
+        self.pace = Pace::at_the_end(wall_clock());
+        for shard in &mut self.shards {
+            shard.no_longer_wait();
+        }
         self.begin_commit();
         self.settle().await
     }
@@ -329,7 +334,7 @@ impl Engine {
         let now = wall_clock();
         let is_state_due = self.shards.iter_mut().any(|shard| shard.is_state_due(now));
         let is_receipt_due = self.shards.iter().any(|shard| !shard.gathering.receipts_due.is_empty());
-        self.receipts_due |= is_receipt_due;
+        self.receipts_due |= is_receipt_due || is_state_due;
         if fault::is(Fault::ReceiptBeforeCommit) {
             self.receipt_at_once();
         }
@@ -388,8 +393,9 @@ impl Engine {
         let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
         let (mut entries, mut contacts) = (Vec::new(), 0);
         for shard in &mut self.shards {
-            shard.snapshot(now, &mut self.pace);
+            shard.snapshot_decided(&mut self.pace);
             if receipts {
+                shard.snapshot_waiting(now, &mut self.pace);
                 shard.receipts();
             }
             contacts += shard.gathering.seal_into(&mut sealed, &mut entries);
@@ -400,23 +406,25 @@ impl Engine {
             self.journal_contacts += contacts;
             sealed.batch.journal = Some(JournalRow { number: self.number, entries });
         }
-        self.forget_journal(&mut sealed);
+        self.forget_journal(receipts, &mut sealed);
         self.number_gatherings();
         sealed
     }
 
-    /// Entries that are in all states are not needed any more.
-    fn forget_journal(&mut self, sealed: &mut Sealed) {
+    /// Entries that are in all states are not needed any more; `is_round` says whether to tell the database so.
+    fn forget_journal(&mut self, is_round: bool, sealed: &mut Sealed) {
         let oldest = self.shards.iter_mut().filter_map(|shard| shard.oldest_waiting()).map(|(number, _)| number).min();
         let needed_from = oldest.unwrap_or(self.number + 1);
-        while let Some((number, contacts)) = self.journal.front().copied().filter(|(number, _)| *number < needed_from) {
+        // What is written with the states of all whom it is about need not be written.
+        if needed_from > self.number && sealed.batch.journal.take().is_some() {
+            self.journal_contacts -= self.journal.pop_back().map_or(0, |(_, contacts)| contacts);
+        }
+        while let Some((number, contacts)) =
+            self.journal.front().copied().filter(|(number, _)| is_round && *number < needed_from)
+        {
             self.journal.pop_front();
             self.journal_contacts -= contacts;
             sealed.batch.journal_done = Some(number);
-        }
-        // What is written with the states of all whom it is about need not be written.
-        if sealed.batch.journal_done == Some(self.number) {
-            sealed.batch.journal = None;
         }
     }
 

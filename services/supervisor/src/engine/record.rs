@@ -144,7 +144,7 @@ impl Gathering {
             Effect::Response(response) => {
                 let t_us =
                     source.and_then(|source| source.told.contacts.get(response.position)).map_or(0, |felt| felt.t_us);
-                self.batch.records.push(Record::Response(ResponseRow {
+                self.batch.responses.push(ResponseRow {
                     compensation_id: wide_id(robot_id, response.compensation),
                     t_us: t_us as i64,
                     ratio: response.ratio.a(),
@@ -154,7 +154,7 @@ impl Gathering {
                     before_origin: response.before_origin.word(),
                     target_strain: response.target,
                     target_origin: response.target_origin.word(),
-                }));
+                });
                 known.history.serves(&mut self.batch);
             }
             Effect::Error(error) => {

@@ -20,7 +20,9 @@ const WHISKERS_PER_S: f64 = 2_000.0;
 /// some seconds.
 const WHISKERS_PER_S_A_CONTACT: f64 = 2e-3;
 /// The most at once.
-const BURST: f64 = 512.0;
+const BURST: f64 = 1024.0;
+/// Whiskers whose states are written when a fleet is given up: in less than a second.
+const WHISKERS_AT_THE_END: f64 = 10_000.0;
 
 /// Robots whose states are to be written.
 #[derive(Debug, Default)]
@@ -57,10 +59,15 @@ impl Pace {
         Self { tokens: BURST, at: now }
     }
 
+    /// For the last transaction.
+    pub(super) fn at_the_end(now: Micros) -> Self {
+        Self { tokens: WHISKERS_AT_THE_END, at: now }
+    }
+
     /// Time has passed, and so many contacts wait in the journal.
     pub(super) fn go_on(&mut self, now: Micros, contacts_in_journal: usize) {
         let rate = WHISKERS_PER_S + WHISKERS_PER_S_A_CONTACT * contacts_in_journal as f64;
-        self.tokens = (self.tokens + rate * now.since(self.at).as_s()).min(BURST);
+        self.tokens = (self.tokens + rate * now.since(self.at).as_s()).min(self.tokens.max(BURST));
         self.at = now;
     }
 
@@ -79,6 +86,13 @@ impl Shard {
         self.oldest_waiting().is_some_and(|(_, since)| now.since(since) >= AFTER)
     }
 
+    /// States that wait are due.
+    pub(super) fn no_longer_wait(&mut self) {
+        for (_, since, _) in &mut self.gathering.waiting.queue {
+            *since = Micros::default();
+        }
+    }
+
     /// The first entry of the journal that is needed to take this shard's robots up, and since when; none if none is.
     pub(super) fn oldest_waiting(&mut self) -> Option<(i64, Micros)> {
         let queue = &mut self.gathering.waiting.queue;
@@ -91,13 +105,17 @@ impl Shard {
         None
     }
 
-    /// The states that the transaction writes.
-    pub(super) fn snapshot(&mut self, now: Micros, pace: &mut Pace) {
+    /// The states that the transaction must write, because something was decided.
+    pub(super) fn snapshot_decided(&mut self, pace: &mut Pace) {
         for name in std::mem::take(&mut self.gathering.waiting.next) {
             if let Some(known) = self.robots.get_mut(&name) {
                 pace.take(write(known, self.gathering.number, &mut self.gathering.batch));
             }
         }
+    }
+
+    /// Those that it may write, because they have waited.
+    pub(super) fn snapshot_waiting(&mut self, now: Micros, pace: &mut Pace) {
         while pace.has_any() && self.is_state_due(now) {
             let Some((_, _, name)) = self.gathering.waiting.queue.pop_front() else { break };
             if let Some(known) = self.robots.get_mut(&name) {

@@ -227,7 +227,8 @@ fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
 fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
     let number = shard.gathering.number;
     pace.go_on(now, 0);
-    shard.snapshot(now, pace);
+    shard.snapshot_decided(pace);
+    shard.snapshot_waiting(now, pace);
     let (mut sealed, mut entries) = (Sealed::default(), Vec::new());
     shard.gathering.seal_into(&mut sealed, &mut entries);
     sealed.batch.journal = Some(crate::store::batch::JournalRow { number, entries });

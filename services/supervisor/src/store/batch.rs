@@ -16,6 +16,8 @@ pub struct Batch {
     pub contacts: Vec<ContactRow>,
     /// Minutes and hours that are over.
     pub rollups: Vec<RollupRow>,
+    /// The responses at contacts of whiskers that serve; they come after what they belong to.
+    pub responses: Vec<ResponseRow>,
     /// Everything else, in order.
     pub records: Vec<Record>,
     /// What happened to robots whose states are not among `robots`.
@@ -33,6 +35,7 @@ impl Batch {
             && self.whiskers.is_empty()
             && self.contacts.is_empty()
             && self.rollups.is_empty()
+            && self.responses.is_empty()
             && self.records.is_empty()
             && self.journal.is_none()
             && self.journal_done.is_none()
@@ -45,6 +48,7 @@ impl Batch {
         self.whiskers.append(&mut other.whiskers);
         self.contacts.append(&mut other.contacts);
         self.rollups.append(&mut other.rollups);
+        self.responses.append(&mut other.responses);
         self.records.append(&mut other.records);
     }
 }
@@ -252,8 +256,6 @@ pub enum Record {
         /// Where the pressure is.
         pressure_mpa: Option<f64>,
     },
-    /// The three responses at one contact.
-    Response(ResponseRow),
     /// The compensation error.
     Error(Box<ErrorRow>),
     /// A look at a setpoint.

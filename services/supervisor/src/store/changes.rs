@@ -89,12 +89,12 @@ pub(super) struct NewChange<'a> {
 }
 
 impl<'a> NewChange<'a> {
-    /// What a record changes; nothing for one that comes with every contact.
-    fn of(record: &'a Record) -> Option<Self> {
+    /// What a record changes.
+    fn of(record: &'a Record) -> Self {
         let whisker =
             |kind, whisker_id, recorded_us| Self { kind, recorded_us, whisker_id: Some(whisker_id), ..Self::default() };
         let number = |kind, number, recorded_us| Self { kind, recorded_us, number: Some(number), ..Self::default() };
-        Some(match record {
+        match record {
             Record::Health { whisker_id, recorded_us, .. } => whisker("HEALTH", *whisker_id, *recorded_us),
             Record::Trim { trim_id, whisker_id, detected_us, .. } => {
                 Self { number: Some(*trim_id), ..whisker("TRIM", *whisker_id, *detected_us) }
@@ -111,7 +111,6 @@ impl<'a> NewChange<'a> {
             Record::SetpointState { command_id, recorded_us, .. } => {
                 Self { kind: "SETPOINT", recorded_us: *recorded_us, command_id: Some(command_id), ..Self::default() }
             }
-            Record::Response(_) => return None,
             Record::Error(row) => number("ERROR", row.compensation_id, row.recorded_us),
             Record::Refinement(row) => number("ERROR", row.compensation_id, row.recorded_us),
             Record::Alarm { whisker_id, raised_us, .. } => whisker("ALARM", *whisker_id, *raised_us),
@@ -123,13 +122,13 @@ impl<'a> NewChange<'a> {
             Record::Answer { action_id, done_us, .. } => number("ACTION", *action_id, *done_us),
             Record::Activation(row) => Self { kind: "POLICY", recorded_us: row.activated_us, ..Self::default() },
             Record::Policy(row) => Self { kind: "POLICY", recorded_us: row.changed_us, ..Self::default() },
-        })
+        }
     }
 }
 
 /// Tells of the records of a fleet's batch.
 pub(super) async fn write_of(tx: &mut Tx<'_>, fleet: &str, records: &[Record], now_us: i64) -> sqlx::Result<()> {
-    let changes: Vec<NewChange<'_>> = records.iter().filter_map(NewChange::of).collect();
+    let changes: Vec<NewChange<'_>> = records.iter().map(NewChange::of).collect();
     write(tx, fleet, &changes, now_us).await
 }
 

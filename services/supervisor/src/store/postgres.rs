@@ -3,7 +3,7 @@
 use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool, PgPoolOptions};
 
 use super::StoreError;
-use super::batch::{ContactRow, RobotRow, RollupRow, WhiskerRow};
+use super::batch::{ContactRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::error::failed;
 use crate::engine::Resolution;
@@ -142,6 +142,27 @@ pub(super) async fn append_contacts(tx: &mut PgConnection, contacts: &[ContactRo
         .await?;
     copy.send(copy_of(contacts)).await?;
     copy.finish().await.map(drop)
+}
+
+/// Appends the responses of whiskers that serve.
+pub(super) async fn append_responses(tx: &mut PgConnection, responses: &[ResponseRow]) -> sqlx::Result<()> {
+    sqlx::query(
+        "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, before_strain, \
+         before_origin, target_strain, target_origin) SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::float8[], \
+         $4::float8[], $5::float8[], $6::float8[], $7::text[], $8::float8[], $9::text[])",
+    )
+    .bind(column(responses, |row| row.compensation_id))
+    .bind(column(responses, |row| row.t_us))
+    .bind(column(responses, |row| row.ratio))
+    .bind(column(responses, |row| row.deflection_mm))
+    .bind(column(responses, |row| row.after_strain))
+    .bind(column(responses, |row| row.before_strain))
+    .bind(column(responses, |row| row.before_origin))
+    .bind(column(responses, |row| row.target_strain))
+    .bind(column(responses, |row| row.target_origin))
+    .execute(tx)
+    .await
+    .map(drop)
 }
 
 /// Columns of a contact.

@@ -57,7 +57,6 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
         | Record::Trim { .. }
         | Record::Ended { .. }
         | Record::Approved { .. }
-        | Record::Response(_)
         | Record::Alarm { .. }
         | Record::AlarmCleared { .. }
         | Record::Gone { .. }
@@ -152,25 +151,6 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
             .execute(&mut **tx)
             .await
             .map(drop))?;
-        }
-        Record::Response(response) => {
-            on!(&mut *tx, |tx| {
-                sqlx::query(
-                "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, \
-                 before_strain, before_origin, target_strain, target_origin) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)",
-            )
-            .bind(response.compensation_id)
-            .bind(response.t_us)
-            .bind(response.ratio)
-            .bind(response.deflection_mm)
-            .bind(response.after_strain)
-            .bind(response.before_strain)
-            .bind(response.before_origin)
-            .bind(response.target_strain)
-            .bind(response.target_origin)
-            .execute(&mut **tx)
-            .await.map(drop)
-            })?;
         }
         Record::Alarm { whisker_id, raised_us, kind } => {
             on!(&mut *tx, |tx| sqlx::query("INSERT INTO alarms (whisker_id, raised_us, kind) VALUES ($1, $2, $3)")

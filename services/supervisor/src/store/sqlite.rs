@@ -6,14 +6,24 @@ use std::time::Duration;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
 
-use super::batch::{ContactRow, RobotRow, RollupRow, WhiskerRow};
+use super::batch::{ContactRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::lock::FileLock;
 use super::{StoreError, database};
 use crate::engine::Resolution;
 
-/// Rows of one statement: 15 or 17 values each, SQLite takes 32,766.
-const ROWS_A_STATEMENT: usize = 1000;
+/// Rows of one statement: 15 or 17 values each, SQLite takes 32,766. Few sizes, so that each statement is read once.
+const ROWS_A_STATEMENT: [usize; 4] = [512, 64, 8, 1];
+
+/// Rows in pieces of few sizes.
+fn pieces<T>(mut rows: &[T]) -> impl Iterator<Item = &[T]> {
+    std::iter::from_fn(move || {
+        let size = ROWS_A_STATEMENT.into_iter().find(|&size| size <= rows.len())?;
+        let (piece, rest) = rows.split_at(size);
+        rows = rest;
+        Some(piece)
+    })
+}
 
 /// Opens or makes the file, for a supervisor of that name alone.
 pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
@@ -107,7 +117,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
 
 /// Appends contacts.
 pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
-    for contacts in contacts.chunks(ROWS_A_STATEMENT) {
+    for contacts in pieces(contacts) {
         let mut insert = QueryBuilder::<Sqlite>::new(
             "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
              pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) ",
@@ -129,7 +139,30 @@ pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[Conta
                 .push_bind(contact.length_mm)
                 .push_bind(contact.length_sd_mm);
         });
-        insert.build().persistent(false).execute(&mut *tx).await?;
+        insert.build().execute(&mut *tx).await?;
+    }
+    Ok(())
+}
+
+/// Appends the responses of whiskers that serve.
+pub(super) async fn append_responses(tx: &mut SqliteConnection, responses: &[ResponseRow]) -> sqlx::Result<()> {
+    for responses in pieces(responses) {
+        let mut insert = QueryBuilder::<Sqlite>::new(
+            "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, \
+             before_strain, before_origin, target_strain, target_origin) ",
+        );
+        insert.push_values(responses, |mut row, response| {
+            row.push_bind(response.compensation_id)
+                .push_bind(response.t_us)
+                .push_bind(response.ratio)
+                .push_bind(response.deflection_mm)
+                .push_bind(response.after_strain)
+                .push_bind(response.before_strain)
+                .push_bind(response.before_origin)
+                .push_bind(response.target_strain)
+                .push_bind(response.target_origin);
+        });
+        insert.build().execute(&mut *tx).await?;
     }
     Ok(())
 }
@@ -145,7 +178,7 @@ pub(super) async fn append_rollups(
         Resolution::Hour => "contact_hours",
     };
     let mut written = 0;
-    for rows in rows.chunks(ROWS_A_STATEMENT) {
+    for rows in pieces(rows) {
         let mut insert = QueryBuilder::<Sqlite>::new("INSERT INTO ");
         insert.push(table).push(
             " (whisker_id, start_us, contacts_used, contacts_learning, contacts_unused, residual_mean, residual_sd, \
@@ -171,7 +204,22 @@ pub(super) async fn append_rollups(
                 .push_bind(row.compensation_error);
         });
         insert.push(" ON CONFLICT DO NOTHING");
-        written += insert.build().persistent(false).execute(&mut *tx).await?.rows_affected();
+        written += insert.build().execute(&mut *tx).await?.rows_affected();
     }
     Ok(written)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_all_rows_in_order_and_of_few_sizes() {
+        for count in [0, 1, 7, 8, 9, 63, 64, 511, 512, 1100] {
+            let rows: Vec<usize> = (0..count).collect();
+            let pieces: Vec<&[usize]> = pieces(&rows).collect();
+            assert!(pieces.iter().all(|piece| ROWS_A_STATEMENT.contains(&piece.len())));
+            assert_eq!(pieces.concat(), rows);
+        }
+    }
 }
