@@ -31,8 +31,10 @@ pub(crate) struct Lives {
     traces: Traces,
     fleet: Name,
     open: BTreeMap<Uuid, Life>,
-    /// What raised the suspicions that are being looked into.
-    suspicions: BTreeMap<Whisker, Draft>,
+    /// Steps of which there was something to tell.
+    steps: u64,
+    /// What raised the suspicions that are being looked into, each with the number of its step.
+    suspicions: BTreeMap<Whisker, (u64, Draft)>,
     /// What is being carried out.
     asked: Option<Asked>,
     untold: Untold,
@@ -67,6 +69,7 @@ impl Lives {
             traces,
             fleet,
             open: BTreeMap::new(),
+            steps: 0,
             suspicions: BTreeMap::new(),
             asked: None,
             untold: Untold::default(),
@@ -91,6 +94,7 @@ impl Lives {
 
     /// The core has taken a step of which there is something to tell.
     pub(crate) fn stepped(&mut self, step: &Step<'_>) {
+        self.steps += 1;
         let draft = story::processing(step, self.asked.as_ref());
         let mut decided = BTreeMap::new();
         for effect in step.effects {
@@ -126,7 +130,7 @@ impl Lives {
         let Some(whisker) = whisker(step, index) else { return };
         match to {
             Condition::Suspected if self.suspicions.len() < OPEN_MAX => {
-                self.suspicions.insert(whisker, draft.clone());
+                self.suspicions.insert(whisker, (self.steps, draft.clone()));
             }
             Condition::Suspected => {}
             Condition::Learning | Condition::Healthy => {
@@ -177,7 +181,7 @@ impl Lives {
     ) {
         let suspicion = target.and_then(|target| self.suspicions.get(&whisker(step, target)?)).cloned();
         // The same message may have raised the suspicion and confirmed it.
-        let suspicion = suspicion.filter(|before| before.start < draft.start);
+        let suspicion = suspicion.filter(|(number, _)| *number < self.steps).map(|(_, before)| before);
         if let Some(before) = &suspicion {
             life.began = life.began.min(before.start);
         }
