@@ -3,12 +3,13 @@
 //! Absolute figures depend on the machine and its mood, so each is held against a floor or a ceiling that was measured in the same
 //! round: a subscriber that does nothing, a table without an index, an echo. `docs/performance.md` says what each figure means.
 //!
-//! Read in this order: [`stage`] (what is measured), [`child`] (the load and other processes), `burst`, `batch`, `flat`, `latency`
-//! and `idle` (the parts), [`report`].
+//! Read in this order: [`stage`] (what is measured), [`child`] (the load and other processes), `burst`, `batch`, `flat`,
+//! `latency`, `idle` and [`crowd`] (the parts), [`report`].
 
 mod batch;
 mod burst;
 mod child;
+mod crowd;
 mod flat;
 mod idle;
 mod latency;
@@ -63,6 +64,12 @@ enum Child {
     /// Subscribes as a supervisor does, and does nothing
     #[command(hide = true)]
     NullSubscriber(NullArguments),
+    /// Says what so many robots in the core take
+    #[command(hide = true)]
+    Crowd {
+        /// How many
+        robots: usize,
+    },
     /// Sends everything back
     #[command(hide = true)]
     Echo {
@@ -87,6 +94,8 @@ enum Part {
     Latency,
     /// A fleet that does little
     Idle,
+    /// A million whiskers without a service around them
+    Core,
 }
 
 /// How long is measured.
@@ -99,6 +108,8 @@ struct Pace {
     latency_s: f64,
     /// Most whiskers.
     whiskers_max: usize,
+    /// Robots of 24 whiskers in the core.
+    crowd_robots: usize,
     /// Of what its budget gives to a part, the share.
     budget: f64,
 }
@@ -110,7 +121,7 @@ impl Part {
             Self::Burst | Self::BurstQos0 | Self::Batch => 90.0,
             Self::Flat => 150.0,
             Self::Latency => 90.0,
-            Self::Idle => 30.0,
+            Self::Idle | Self::Core => 30.0,
         }
     }
 }
@@ -142,9 +153,9 @@ impl Bench {
             None => tempfile::Builder::new().prefix("vibrissa-bench-").suffix(".jsonl").tempfile()?.keep()?.1,
         };
         let pace = if arguments.quick {
-            Pace { rounds: 1, burst_s: 2.0, latency_s: 4.0, whiskers_max: 10_000, budget: 0.2 }
+            Pace { rounds: 1, burst_s: 2.0, latency_s: 4.0, whiskers_max: 10_000, crowd_robots: 4_167, budget: 0.2 }
         } else {
-            Pace { rounds: 3, burst_s: 3.5, latency_s: 8.0, whiskers_max: 100_000, budget: 1.0 }
+            Pace { rounds: 3, burst_s: 3.5, latency_s: 8.0, whiskers_max: 100_000, crowd_robots: 41_667, budget: 1.0 }
         };
         let part = (Instant::now(), Duration::ZERO);
         Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)?, part })
@@ -192,6 +203,10 @@ fn main() -> anyhow::Result<()> {
             println!("{}", serde_json::to_string(&received)?);
             Ok(())
         }
+        Some(Child::Crowd { robots }) => {
+            crowd::print(robots);
+            Ok(())
+        }
         Some(Child::Echo { port }) => small.enable_all().build()?.block_on(null::echo(port)),
         None => {
             let mut bench = Bench::new(&arguments)?;
@@ -227,6 +242,7 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Flat => flat::run(bench).await,
             Part::Latency => latency::run(bench).await,
             Part::Idle => idle::run(bench).await,
+            Part::Core => crowd::run(bench).await,
         }
         .with_context(|| format!("{part:?}"))?;
         bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));

@@ -1,0 +1,43 @@
+//! Whiskers in the core alone: how much memory a million of them takes, and how many bytes the state of one is.
+
+use serde_json::{Value, json};
+use vibrissa_evaluation::crowd;
+
+use crate::Bench;
+use crate::child::Helper;
+use crate::report::{Figure, Target};
+
+const PART: &str = "core";
+const WHISKERS: u16 = 24;
+/// Contacts of each whisker: they have learned, and are all that they will ever be.
+const CONTACTS: u32 = 40;
+const KIB: f64 = 1024.0;
+
+/// In a process of its own, whose memory is the crowd's: prints what it takes.
+pub fn print(robots: usize) {
+    let size = crowd::size(robots, WHISKERS, CONTACTS, &|| ());
+    let line = json!({
+        "whiskers": size.whiskers,
+        "resident_bytes": size.resident_bytes,
+        "resident_max_bytes": size.resident_max_bytes,
+        "stored_bytes_a_whisker": size.stored_bytes_a_whisker,
+    });
+    println!("{line}");
+}
+
+/// Measures.
+pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
+    let robots = bench.pace.crowd_robots;
+    bench.say(&format!("{PART}: {} whiskers feel {CONTACTS} contacts each", robots * usize::from(WHISKERS)));
+    let told = Helper::start(&["crowd".to_owned(), robots.to_string()])?.ended().await?;
+    let mut line: Value = serde_json::from_str(&told)?;
+    let of = |name: &str| line[name].as_f64().unwrap_or(f64::NAN);
+    let whiskers = of("whiskers");
+    let million_gib = of("resident_max_bytes") / whiskers * 1e6 / KIB.powi(3);
+    let beside = format!("{:.0} whiskers, {:.0} bytes each in memory", whiskers, of("resident_max_bytes") / whiskers);
+    let stored = Figure(of("stored_bytes_a_whisker"), "B");
+    bench.row(PART, "memory of a million whiskers", Target::AtMost(1.5), Figure(million_gib, "GiB"), beside)?;
+    bench.row(PART, "stored state of a whisker", Target::AtMost(KIB), stored, String::new())?;
+    line["subject"] = "crowd".into();
+    bench.line(PART, 0, line)
+}
