@@ -70,7 +70,7 @@ impl Engine {
             self.answered.push(action_id);
             self.due = Some(Instant::now());
         }
-        self.gathered();
+        self.gathered(0);
         Ok(())
     }
 

@@ -57,6 +57,10 @@ use snapshot::Pace;
 
 /// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
 const GATHER: Duration = Duration::from_millis(20);
+/// As long as there are no more than so many, it waits for the receipts, which are not sent sooner either ...
+const FEW: usize = 8;
+/// ... and no longer than that.
+const GATHER_FEW: Duration = Duration::from_millis(100);
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Contacts of one commit at the most: then no more messages are taken in before it is done.
@@ -114,6 +118,8 @@ pub struct Engine {
     shed: u64,
     /// When what is gathered must be committed.
     due: Option<Instant>,
+    /// Since when it is gathered, and how many messages it is.
+    gathered: (Option<Instant>, usize),
     receipts_due: bool,
     /// The number of the transaction that is gathered for.
     number: i64,
@@ -197,6 +203,7 @@ impl Engine {
             metrics,
             handled: Micros::default(),
             due: Some(Instant::now()),
+            gathered: (None, 0),
             receipts_due: false,
             number: last,
             // What is there was gone through: it is forgotten with the states that are written first.
@@ -313,15 +320,20 @@ impl Engine {
             && gatherings().map(|one| one.journal.bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
     }
 
-    /// Something has been gathered: it is committed soon.
-    fn gathered(&mut self) {
-        let is_urgent = self.shards.iter().any(|shard| shard.gathering.is_urgent);
+    /// Something has been gathered, from so many messages: it is committed soon.
+    fn gathered(&mut self, messages: usize) {
         let now = Instant::now();
-        if is_urgent {
-            self.due = Some(now);
-        } else if self.due.is_none() && self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
-            self.due = Some(now + GATHER);
-        }
+        let (since, count) = &mut self.gathered;
+        *count += messages;
+        let window = if *count > FEW { GATHER } else { GATHER_FEW };
+        let due = if self.shards.iter().any(|shard| shard.gathering.is_urgent) {
+            now
+        } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
+            *since.get_or_insert(now) + window
+        } else {
+            return;
+        };
+        self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
     }
 
     fn is_due(&self) -> bool {
@@ -338,7 +350,7 @@ impl Engine {
         if fault::is(Fault::ReceiptBeforeCommit) {
             self.receipt_at_once();
         }
-        if (is_state_due || is_receipt_due) && self.due.is_none() {
+        if self.receipts_due {
             self.due = Some(Instant::now());
         }
     }
@@ -359,7 +371,7 @@ impl Engine {
         for shard in &mut self.shards {
             shard.tick(now);
         }
-        self.gathered();
+        self.gathered(0);
     }
 
     /// No robot was silent while we were deaf.
@@ -372,7 +384,7 @@ impl Engine {
 
     /// Closes what was gathered, and has it committed while more is gathered.
     fn begin_commit(&mut self) {
-        self.due = None;
+        (self.due, self.gathered) = (None, (None, 0));
         let Some(mut committer) = self.committer.take() else { return };
         let sealed = self.seal();
         if sealed.batch.is_empty() && sealed.publications.is_empty() {

@@ -14,6 +14,7 @@ const WORTH_TASKS: usize = 128;
 impl Engine {
     /// Steps messages, in the order of each robot's.
     pub(super) async fn take_in(&mut self, messages: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
+        let count = messages.len();
         let mut parcels: Vec<Vec<Parcel>> = self.shards.iter().map(|_| Vec::new()).collect();
         for incoming in messages.drain(..) {
             self.handled = incoming.received;
@@ -26,7 +27,7 @@ impl Engine {
             }
         }
         self.handle_parcels(&mut parcels).await;
-        self.gathered();
+        self.gathered(count);
         Ok(())
     }
 

@@ -185,7 +185,7 @@ impl Engine {
                 }
             }
         }
-        self.gathered();
+        self.gathered(0);
     }
 
     /// How full the queues are.

@@ -287,6 +287,6 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
         }
         assert!(gone_through > 300, "the journal was used: {gone_through}");
         assert!(decided > 10, "and things were decided: {decided}");
-        assert!(tables.closed.len() > 20, "and minutes were over");
+        assert!(tables.closed.len() >= 15, "and minutes were over");
     }
 }

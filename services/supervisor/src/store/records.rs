@@ -265,7 +265,7 @@ async fn write_setpoint(tx: &mut Tx<'_>, setpoint: &SetpointRow) -> sqlx::Result
     .execute(&mut **tx)
     .await
     .map(drop))?;
-    write_setpoint_state(tx, &setpoint.command_id, setpoint.issued_us, "PENDING", None, None).await
+    append_setpoint_state(tx, &setpoint.command_id, setpoint.issued_us, "PENDING", None, None).await
 }
 
 async fn write_setpoint_state(
@@ -286,6 +286,17 @@ async fn write_setpoint_state(
     .execute(&mut **tx)
     .await
     .map(drop))?;
+    append_setpoint_state(tx, command_id, recorded_us, state, error, pressure_mpa).await
+}
+
+async fn append_setpoint_state(
+    tx: &mut Tx<'_>,
+    command_id: &str,
+    recorded_us: i64,
+    state: &'static str,
+    error: Option<&'static str>,
+    pressure_mpa: Option<f64>,
+) -> sqlx::Result<()> {
     on!(&mut *tx, |tx| sqlx::query(
         "INSERT INTO setpoint_states (command_id, recorded_us, state, error, pressure_mpa) VALUES ($1, $2, $3, $4, $5)",
     )
