@@ -116,7 +116,10 @@ async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
 
 /// Asks over the connection that is there, or makes one.
 async fn ask(connection: &mut Option<PgConnection>, database: &PgConnectOptions) -> Option<Look> {
-    const SQL: &str = "SELECT epoch, holder, commits FROM leases WHERE fleet = $1";
+    // Without a fence commits are not counted, but states are written all the same.
+    const SQL: &str = "SELECT epoch, holder, \
+        commits + coalesce((SELECT max(journal_number) FROM robots r WHERE r.fleet = l.fleet), 0) \
+        FROM leases l WHERE fleet = $1";
     if connection.is_none() {
         *connection = timeout(PATIENCE, PgConnection::connect_with(database)).await.ok()?.ok();
     }
