@@ -163,7 +163,8 @@ pub(super) struct Intake {
     together: Vec<(Bytes, Bytes)>,
     /// How much may come beside that: what the inbox had room for when the first of them came.
     room: Filling,
-    /// When that was.
+    /// When that was; each message of a look counts as received a microsecond after the one before, so that their times
+    /// tell their order.
     received: Micros,
     /// Something has been left out since there was room last; said once.
     shedding: bool,
@@ -201,7 +202,7 @@ impl Intake {
     /// It is in the inbox with the next [`Self::hand_over`], which must follow before anything is waited for.
     pub(super) fn take(&mut self, topic: Bytes, payload: Bytes) {
         if self.together.is_empty() {
-            self.received = wall_clock();
+            self.received = after(self.received, wall_clock());
             let filling = self.shared.filling();
             self.room = Filling {
                 messages: self.bounds.messages.saturating_sub(filling.messages),
@@ -239,6 +240,7 @@ impl Intake {
             let (first, others) = rest.split_at(count);
             waiting.bytes += bytes + count * MESSAGE_BYTES;
             waiting.messages.extend(copied(first, bytes, self.received));
+            self.received.0 += count as u64;
             rest = others;
         }
         drop(waiting);
@@ -301,6 +303,12 @@ fn sharing(messages: &[(Bytes, Bytes)]) -> (usize, usize) {
     (count, bytes)
 }
 
+/// The time of a look: not before the times that the look before has given, unless the clock was set back.
+fn after(given: Micros, now: Micros) -> Micros {
+    let is_close = given > now && given.0 - now.0 <= BOUNDS.messages as u64;
+    if is_close { given } else { now }
+}
+
 /// Copies of messages, `bytes` long together, in one allocation: as received they are pieces of a larger buffer, which
 /// one small message would keep alive.
 fn copied(messages: &[(Bytes, Bytes)], bytes: usize, received: Micros) -> impl Iterator<Item = Incoming> {
@@ -310,9 +318,9 @@ fn copied(messages: &[(Bytes, Bytes)], bytes: usize, received: Micros) -> impl I
         all.extend_from_slice(payload);
     }
     let mut all = Bytes::from(all);
-    messages.iter().map(move |(topic, payload)| {
+    messages.iter().zip(received.0..).map(move |((topic, payload), received)| {
         let topic = all.split_to(topic.len());
-        Incoming { topic, payload: all.split_to(payload.len()), received }
+        Incoming { topic, payload: all.split_to(payload.len()), received: Micros(received) }
     })
 }
 
