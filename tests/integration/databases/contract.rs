@@ -3,9 +3,10 @@
 use serde_json::{Value, json};
 use vibrissa::store::actions::{Asked, NewAction};
 use vibrissa::store::batch::{
-    CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, PolicyRow, Record, RefinementRow, ResponseRow,
-    SetpointRow,
+    AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Interval,
+    PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
+use vibrissa::store::changes::Mark;
 use vibrissa::store::list::{Filter, Value as FilterValue};
 use vibrissa::store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
@@ -47,13 +48,15 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         target_origin: "MODEL",
         error: interval(0.2),
     };
-    let health = |kind, was, becomes| Record::Health { whisker_id, recorded_us: 5, kind, was, becomes };
-    let setpoint_state = |state, error, pressure_mpa| Record::SetpointState {
-        command_id: "c1".to_owned(),
-        recorded_us: 9,
-        state,
-        error,
-        pressure_mpa,
+    let health = |kind, was, becomes| Record::Health(HealthRow { whisker_id, recorded_us: 5, kind, was, becomes });
+    let setpoint_state = |state, error, pressure_mpa| {
+        Record::SetpointState(SetpointStateRow {
+            command_id: "c1".to_owned(),
+            recorded_us: 9,
+            state,
+            error,
+            pressure_mpa,
+        })
     };
     let decision = DecisionRow {
         compensation_id,
@@ -109,7 +112,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
     vec![
         health("CONDITION", Some("HEALTHY"), Some("SUSPECTED")),
         health("FAULT", None, Some("LEAK")),
-        Record::Trim {
+        Record::Trim(TrimRow {
             trim_id: robot_id << 32 | 4,
             robot_id,
             whisker_id,
@@ -118,7 +121,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
             length_after_mm: 65.1,
             length_after_sd_mm: 0.2,
             contacts_to_detect: 12,
-        },
+        }),
         Record::Decision(Box::new(decision)),
         Record::Setpoint(Box::new(setpoint)),
         setpoint_state("RECEIVED", None, None),
@@ -127,11 +130,11 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         error(13, 0.2, &[0.5, 0.9]),
         look(200, "REFINED", Some(0.041)),
         look(400, "HELD_UNPREDICTABLE", None),
-        Record::Alarm { whisker_id, raised_us: 14, kind: "UNCOMPENSATED" },
-        Record::Alarm { whisker_id, raised_us: 14, kind: "PROPOSED" },
-        Record::AlarmCleared { whisker_id, cleared_us: 15, kind: "PROPOSED" },
+        Record::Alarm(AlarmRow { whisker_id, raised_us: 14, kind: "UNCOMPENSATED" }),
+        Record::Alarm(AlarmRow { whisker_id, raised_us: 14, kind: "PROPOSED" }),
+        Record::AlarmCleared(AlarmClearedRow { whisker_id, cleared_us: 15, kind: "PROPOSED" }),
         Record::Approved { compensation_id },
-        Record::Ended { compensation_id, ended_us: 15, end_reason: "REASSIGNED" },
+        Record::Ended(EndedRow { compensation_id, ended_us: 15, end_reason: "REASSIGNED" }),
     ]
 }
 
@@ -196,14 +199,22 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     (json!(asked), json!(policy))
 }
 
-/// Everything that can be read, as JSON.
-async fn written_and_read(database: &Fresh) -> Value {
+/// Everything that can be read, as JSON; so many records were written at a time.
+async fn written_and_read(database: &Fresh, together: usize) -> Value {
     let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
     let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     let numbered = rows::robot(&mut writer, &lease).await;
+    let mut records = records(&numbered).into_iter();
     let mut batch = contacts(&numbered, 0..2500);
-    batch.records = records(&numbered);
+    loop {
+        batch.records = records.by_ref().take(together).collect();
+        if records.len() == 0 {
+            break;
+        }
+        writer.commit(&lease, &batch).await.unwrap();
+        batch = Batch::default();
+    }
     batch.responses = vec![response(&numbered)];
     writer.commit(&lease, &batch).await.unwrap();
     // The same again under new names changes nothing.
@@ -217,6 +228,7 @@ async fn written_and_read(database: &Fresh) -> Value {
     let (asked, policy) = mail(store, &mut writer, &lease).await;
     let of_it = || Filter::Is("compensation_id", FilterValue::Whole(numbered.robot_id << 32));
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
+    let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
     let stored = writer.robots(&lease).await.unwrap();
     let stored = stored.iter().map(|robot| {
         json!([
@@ -244,6 +256,7 @@ async fn written_and_read(database: &Fresh) -> Value {
         "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
         "setpoint_states": store.setpoint_states().await.unwrap(),
         "measured": store.measured_contacts().await.unwrap(),
+        "changes": changes.iter().map(|one| json!([one.kind, one.number, one.command_id])).collect::<Vec<_>>(),
         "health": store.health_changes().await.unwrap(),
         "setpoints": store.setpoint_history().await.unwrap(),
         "robots": stored.collect::<Vec<_>>(),
@@ -254,7 +267,7 @@ async fn written_and_read(database: &Fresh) -> Value {
 
 #[tokio::test]
 async fn both_databases_give_back_the_same() {
-    let lite = written_and_read(&Fresh::sqlite().await).await;
+    let lite = written_and_read(&Fresh::sqlite().await, usize::MAX).await;
     assert_eq!(lite["contacts"], 2500);
     assert_eq!(lite["between"], 10);
     assert_eq!(lite["whiskers"][1]["fault"], "LEAK");
@@ -283,10 +296,13 @@ async fn both_databases_give_back_the_same() {
         (&json!("REFUSED"), &json!("HELD: released first"))
     );
     assert_eq!((&lite["policy"]["version"], &lite["policy"]["change_margin"]), (&json!(2), &json!(0.125)));
-    for list in ["trims", "lengths", "health"] {
+    for list in ["trims", "lengths", "health", "changes"] {
         assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
     }
-    assert_eq!(lite, written_and_read(&Fresh::postgres().await).await);
+    // One by one PostgreSQL writes with one statement for all kinds; all together some touch what others have made.
+    for together in [usize::MAX, 1, 5] {
+        assert_eq!(lite, written_and_read(&Fresh::postgres().await, together).await, "{together} records at a time");
+    }
 }
 
 /// Numbers are stored to the last bit.
@@ -320,7 +336,7 @@ async fn all_or_nothing(database: &Fresh) {
     let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     let numbered = rows::robot(&mut writer, &lease).await;
     let mut batch = contacts(&numbered, 0..10);
-    batch.records = vec![Record::Alarm { whisker_id: 999_999, raised_us: 1, kind: "LEAK" }];
+    batch.records = vec![Record::Alarm(AlarmRow { whisker_id: 999_999, raised_us: 1, kind: "LEAK" })];
     let refused = writer.commit(&lease, &batch).await.unwrap_err();
     assert!(refused.to_string().contains("foreign key") || refused.to_string().contains("FOREIGN KEY"), "{refused}");
     assert_eq!(database.store.contact_count().await.unwrap(), 0);

@@ -7,6 +7,7 @@ mod backup;
 mod contract;
 mod history;
 mod leases;
+mod redo;
 mod restore;
 mod retention;
 mod rows;

@@ -4,8 +4,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa::engine::Resolution;
 use vibrissa::store::batch::{
-    CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, LayoutRow, Record, RefinementRow, RobotRow,
-    RollupRow, SetpointRow, WhiskerRow,
+    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
+    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow, TrimRow,
+    WhiskerRow,
 };
 use vibrissa::store::{Batch, Lease, Store, Supervisor, Writer};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
@@ -187,7 +188,7 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
     for number in 0..9_u32 {
         let whisker_id = ids[number as usize % 3];
         let at_us = START_US + i64::from(number / 2) * 1_000_000;
-        records.push(Record::Trim {
+        records.push(Record::Trim(TrimRow {
             trim_id: robot_id << 32 | i64::from(number),
             robot_id,
             whisker_id,
@@ -196,20 +197,24 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
             length_after_mm: 65.0 - f64::from(number % 4),
             length_after_sd_mm: 0.2,
             contacts_to_detect: 12 + i64::from(number % 3),
-        });
+        }));
         let (kind, was, becomes) = if number % 2 == 0 {
             ("CONDITION", Some("HEALTHY"), Some("SUSPECTED"))
         } else {
             ("FAULT", None, Some("LEAK"))
         };
-        records.push(Record::Health { whisker_id, recorded_us: at_us, kind, was, becomes });
-        records.push(Record::Alarm {
+        records.push(Record::Health(HealthRow { whisker_id, recorded_us: at_us, kind, was, becomes }));
+        records.push(Record::Alarm(AlarmRow {
             whisker_id,
             raised_us: at_us,
             kind: ["UNCOMPENSATED", "LEAK"][number as usize % 2],
-        });
+        }));
     }
-    records.push(Record::AlarmCleared { whisker_id: ids[0], cleared_us: START_US + 60_000_000, kind: "UNCOMPENSATED" });
+    records.push(Record::AlarmCleared(AlarmClearedRow {
+        whisker_id: ids[0],
+        cleared_us: START_US + 60_000_000,
+        kind: "UNCOMPENSATED",
+    }));
     records
 }
 
@@ -287,17 +292,21 @@ impl<'a> Decided<'a> {
                 reason: case,
                 gain: None,
             })),
-            Record::SetpointState {
+            Record::SetpointState(SetpointStateRow {
                 command_id,
                 recorded_us: decided_us + 1,
                 state: "APPLIED",
                 error: None,
                 pressure_mpa: Some(0.0481),
-            },
+            }),
             Record::Refinement(Box::new(look)),
         ];
         if number > 0 {
-            records.push(Record::Ended { compensation_id, ended_us: decided_us + 2, end_reason: "REASSIGNED" });
+            records.push(Record::Ended(EndedRow {
+                compensation_id,
+                ended_us: decided_us + 2,
+                end_reason: "REASSIGNED",
+            }));
         }
         records
     }

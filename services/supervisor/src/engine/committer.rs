@@ -23,6 +23,24 @@ pub(super) struct Committer {
     pub(super) readiness: Readiness,
 }
 
+/// What is to be written in a transaction.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Work<'a> {
+    /// A batch.
+    Rows(&'a Batch),
+    /// The bytes of one, with its number: it is committed then, and only its rows are still to be written.
+    Bytes(i64, &'a [u8]),
+}
+
+impl Work<'_> {
+    fn is_empty(self) -> bool {
+        match self {
+            Self::Rows(batch) => batch.is_empty(),
+            Self::Bytes(..) => false,
+        }
+    }
+}
+
 /// What is known of a commit.
 pub(super) struct Committed {
     /// How long it took, with all attempts.
@@ -43,13 +61,17 @@ pub(super) struct Outage {
 pub(super) struct LeaseLost;
 
 impl Committer {
-    /// Writes a batch; a database that is away is waited for, while the inbox fills and then sheds.
-    pub(super) async fn commit(&mut self, batch: &Batch) -> Result<Committed, LeaseLost> {
+    /// Writes something; a database that is away is waited for, while the inbox fills and then sheds.
+    pub(super) async fn commit(&mut self, work: Work<'_>) -> Result<Committed, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
-        while !batch.is_empty() {
+        while !work.is_empty() {
             let begun = Instant::now();
-            match self.writer.commit(&self.lease, batch).await {
+            let written = match work {
+                Work::Rows(batch) => self.writer.commit(&self.lease, batch).await,
+                Work::Bytes(number, bytes) => self.writer.keep(&self.lease, number, bytes).await,
+            };
+            match written {
                 Ok(()) => {
                     self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
                     break;

@@ -64,6 +64,12 @@ pub(super) struct Sealed {
     pub(super) untold: Vec<Untold>,
     /// Actions whose answers are in the batch.
     pub(super) answered: Vec<i64>,
+    /// The number of the transaction in the fleet's journal.
+    pub(super) number: i64,
+    /// The batch as bytes, while these are to be kept.
+    pub(super) bytes: Option<Vec<u8>>,
+    /// What waited for it has gone out.
+    pub(super) is_out: bool,
 }
 
 impl Gathering {

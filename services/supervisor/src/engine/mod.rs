@@ -15,6 +15,7 @@ mod parcels;
 mod publication;
 mod record;
 pub mod rollup;
+mod sealing;
 mod shard;
 mod snapshot;
 mod survey;
@@ -26,7 +27,6 @@ pub(crate) use record::wide_id;
 pub use rollup::Resolution;
 
 use std::collections::VecDeque;
-use std::future::pending;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -44,14 +44,14 @@ use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::Inbox;
 use crate::readiness::Readiness;
-use crate::store::batch::JournalRow;
 use crate::store::{Lease, StoreError, Writer};
 use crate::trace::{Lives, Traces};
 
 pub use publication::{Publication, Stopwatch};
 
-use committer::{Committed, Committer, LeaseLost};
+use committer::{Committer, LeaseLost};
 use gathering::{Gathering, Sealed};
+use sealing::{Done, done};
 use shard::Shard;
 use snapshot::Pace;
 
@@ -96,9 +96,6 @@ pub enum Ending {
     LeaseLost,
 }
 
-/// What the commit under way gives back.
-type Done = (Committer, Sealed, Result<Committed, LeaseLost>);
-
 /// A fleet's supervision: shards that own its robots, and one transaction after the other.
 pub struct Engine {
     fleet: Name,
@@ -108,6 +105,8 @@ pub struct Engine {
     /// Here while nothing is being written.
     committer: Option<Committer>,
     committing: Option<JoinHandle<Done>>,
+    /// Transactions that are kept, and whose rows are to be written, in order.
+    kept: VecDeque<Sealed>,
     outbox: Option<mpsc::Sender<Publication>>,
     /// What all fleets count together.
     program: Metrics,
@@ -121,6 +120,8 @@ pub struct Engine {
     /// Since when it is gathered, and how many messages it is.
     gathered: (Option<Instant>, usize),
     receipts_due: bool,
+    /// How often they came with the next transaction instead.
+    receipts_passed_over: u32,
     /// The number of the transaction that is gathered for.
     number: i64,
     /// Transactions whose entries are still in the journal, with their contacts.
@@ -197,6 +198,7 @@ impl Engine {
             shards,
             committer: Some(committer),
             committing: None,
+            kept: VecDeque::new(),
             outbox: None,
             shed: metrics.messages_shed.get(),
             program,
@@ -205,6 +207,7 @@ impl Engine {
             due: Some(Instant::now()),
             gathered: (None, 0),
             receipts_due: false,
+            receipts_passed_over: 0,
             number: last,
             // What is there was gone through: it is forgotten with the states that are written first.
             journal: (last > 0).then_some((last, 0)).into_iter().collect(),
@@ -322,11 +325,11 @@ impl Engine {
 
     /// Something has been gathered, from so many messages: it is committed soon.
     fn gathered(&mut self, messages: usize) {
-        let now = Instant::now();
+        let (now, is_urgent) = (Instant::now(), self.is_urgent());
         let (since, count) = &mut self.gathered;
         *count += messages;
         let window = if *count > FEW { GATHER } else { GATHER_FEW };
-        let due = if self.shards.iter().any(|shard| shard.gathering.is_urgent) {
+        let due = if is_urgent {
             now
         } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
             *since.get_or_insert(now) + window
@@ -338,7 +341,7 @@ impl Engine {
 
     fn is_due(&self) -> bool {
         let is_now = |due: Instant| due <= Instant::now();
-        self.committing.is_none() && (self.due.is_some_and(is_now) || !self.has_room())
+        self.committing.is_none() && (self.due.is_some_and(is_now) || !self.has_room() || !self.kept.is_empty())
     }
 
     /// Receipts are sent with the next transaction, or alone if there is none; states that have waited are written.
@@ -381,127 +384,6 @@ impl Engine {
             shard.listen_from(now);
         }
     }
-
-    /// Closes what was gathered, and has it committed while more is gathered.
-    fn begin_commit(&mut self) {
-        (self.due, self.gathered) = (None, (None, 0));
-        let Some(mut committer) = self.committer.take() else { return };
-        let sealed = self.seal();
-        if sealed.batch.is_empty() && sealed.publications.is_empty() {
-            self.committer = Some(committer);
-            return;
-        }
-        self.committing = Some(tokio::spawn(async move {
-            let committed = committer.commit(&sealed.batch).await;
-            (committer, sealed, committed)
-        }));
-    }
-
-    /// Takes what was gathered out of the shards, with the states that are to be written.
-    fn seal(&mut self) -> Sealed {
-        let now = wall_clock();
-        let receipts = std::mem::take(&mut self.receipts_due);
-        self.pace.go_on(now, self.journal_contacts);
-        let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
-        let (mut entries, mut contacts) = (Vec::new(), 0);
-        for shard in &mut self.shards {
-            shard.snapshot_decided(&mut self.pace);
-            if receipts {
-                shard.snapshot_waiting(now, &mut self.pace);
-                shard.receipts();
-            }
-            contacts += shard.gathering.seal_into(&mut sealed, &mut entries);
-        }
-        self.number += 1;
-        if !entries.is_empty() {
-            self.journal.push_back((self.number, contacts));
-            self.journal_contacts += contacts;
-            sealed.batch.journal = Some(JournalRow { number: self.number, entries });
-        }
-        self.forget_journal(receipts, &mut sealed);
-        self.number_gatherings();
-        sealed
-    }
-
-    /// Entries that are in all states are not needed any more; `is_round` says whether to tell the database so.
-    fn forget_journal(&mut self, is_round: bool, sealed: &mut Sealed) {
-        let oldest = self.shards.iter_mut().filter_map(|shard| shard.oldest_waiting()).map(|(number, _)| number).min();
-        let needed_from = oldest.unwrap_or(self.number + 1);
-        // What is written with the states of all whom it is about need not be written.
-        if needed_from > self.number && sealed.batch.journal.take().is_some() {
-            self.journal_contacts -= self.journal.pop_back().map_or(0, |(_, contacts)| contacts);
-        }
-        while let Some((number, contacts)) =
-            self.journal.front().copied().filter(|(number, _)| is_round && *number < needed_from)
-        {
-            self.journal.pop_front();
-            self.journal_contacts -= contacts;
-            sealed.batch.journal_done = Some(number);
-        }
-    }
-
-    /// Tells the shards which transaction they gather for from now on.
-    fn number_gatherings(&mut self) {
-        for shard in &mut self.shards {
-            shard.gathering.number = self.number + 1;
-        }
-    }
-
-    /// Waits for the commit under way, if there is one.
-    async fn settle(&mut self) -> Result<(), LeaseLost> {
-        if self.committing.is_none() {
-            return Ok(());
-        }
-        let done = done(&mut self.committing).await;
-        self.committed(done)
-    }
-
-    /// A commit has ended: now what waited for it goes out.
-    fn committed(&mut self, (committer, mut sealed, committed): Done) -> Result<(), LeaseLost> {
-        let Committed { took, was_away } = committed?;
-        self.committer = Some(committer);
-        if was_away {
-            self.listen_anew();
-        }
-        self.time_taken(&sealed.taken);
-        for (shard, untold) in self.shards.iter_mut().zip(&mut sealed.untold) {
-            if let Some(lives) = &mut shard.gathering.lives {
-                lives.committed(untold, took);
-            }
-        }
-        self.mailroom.answered(sealed.answered.drain(..));
-        if !sealed.batch.records.is_empty() {
-            self.mailroom.changed();
-        }
-        let all = self.publish(std::mem::take(&mut sealed.publications));
-        for (shard, untold) in self.shards.iter_mut().zip(sealed.untold) {
-            if let Some(lives) = &mut shard.gathering.lives {
-                lives.published(untold, all);
-            }
-        }
-        Ok(())
-    }
-
-    /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
-    /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
-    fn publish(&self, publications: Vec<Publication>) -> bool {
-        let Some(outbox) = &self.outbox else { return true };
-        let mut dropped = publications.len();
-        if self.lease.is_fresh() {
-            dropped = publications.into_iter().filter_map(|one| outbox.try_send(one).err()).count();
-        }
-        self.metrics.publications_dropped.inc_by(dropped as u64);
-        dropped == 0
-    }
-}
-
-/// What the commit under way gives back, when it has ended; never if there is none.
-async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
-    let Some(task) = committing else { return pending().await };
-    let done = task.await;
-    *committing = None;
-    // It is never aborted: if it has no result, it has panicked.
-    done.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()))
 }
 
 /// A pressure as a bare number, if there is one.

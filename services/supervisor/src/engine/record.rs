@@ -11,8 +11,8 @@ use super::publication::{Sent, command_id};
 use super::shard::Known;
 use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use crate::store::batch::{
-    CandidateRow, ContactRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, Record, RefinementRow, ResponseRow,
-    SetpointRow,
+    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
+    Interval, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
 use vibrissa_edge::words::{Word, Z95};
 
@@ -63,30 +63,30 @@ impl Gathering {
                 );
             }
             Effect::Condition { whisker, from, to } => {
-                self.batch.records.push(Record::Health {
+                self.batch.records.push(Record::Health(HealthRow {
                     whisker_id: whisker_id(whisker),
                     recorded_us,
                     kind: "CONDITION",
                     was: Some(from.word()),
                     becomes: Some(to.word()),
-                });
+                }));
                 known.history.decided(whisker, &mut self.batch);
             }
             Effect::Fault { whisker, from, to } => {
-                self.batch.records.push(Record::Health {
+                self.batch.records.push(Record::Health(HealthRow {
                     whisker_id: whisker_id(whisker),
                     recorded_us,
                     kind: "FAULT",
                     was: from.map(Word::word),
                     becomes: to.map(Word::word),
-                });
+                }));
                 known.history.decided(whisker, &mut self.batch);
             }
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
                 self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
                 info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trimmed");
-                self.batch.records.push(Record::Trim {
+                self.batch.records.push(Record::Trim(TrimRow {
                     trim_id: wide_id(robot_id, trim.id),
                     robot_id,
                     whisker_id: whisker_id(trim.whisker),
@@ -95,7 +95,7 @@ impl Gathering {
                     length_after_mm: trim.length_after.length.mm(),
                     length_after_sd_mm: trim.length_after.sd_mm,
                     contacts_to_detect: i64::from(trim.contacts_to_detect),
-                });
+                }));
                 known.history.decided(trim.whisker, &mut self.batch);
             }
             Effect::Decided(decision) => {
@@ -112,11 +112,11 @@ impl Gathering {
             }
             Effect::Ended { compensation, case, reason } => {
                 self.metrics.compensations.count([case.word(), reason.word()]);
-                self.batch.records.push(Record::Ended {
+                self.batch.records.push(Record::Ended(EndedRow {
                     compensation_id: wide_id(robot_id, compensation),
                     ended_us: recorded_us,
                     end_reason: reason.word(),
-                });
+                }));
             }
             Effect::Command(command) => {
                 self.metrics.setpoints.count([CommandState::Pending.word()]);
@@ -133,13 +133,13 @@ impl Gathering {
                 if state == CommandState::Applied {
                     self.time_applied(command);
                 }
-                self.batch.records.push(Record::SetpointState {
+                self.batch.records.push(Record::SetpointState(SetpointStateRow {
                     command_id: command_id(&self.fleet, &name, command),
                     recorded_us,
                     state: state.word(),
                     error: rejection.map(Word::word),
                     pressure_mpa: mpa(pressure),
-                });
+                }));
             }
             Effect::Response(response) => {
                 let t_us =
@@ -177,11 +177,11 @@ impl Gathering {
             Effect::Alarm { whisker, kind } => {
                 self.metrics.alarms_raised.count([kind.word()]);
                 warn!(robot = %name, whisker, alarm = kind.word(), "alarm");
-                self.batch.records.push(Record::Alarm {
+                self.batch.records.push(Record::Alarm(AlarmRow {
                     whisker_id: whisker_id(whisker),
                     raised_us: recorded_us,
                     kind: kind.word(),
-                });
+                }));
             }
             Effect::Approved { compensation } => {
                 if let Some(case) = known.case_of(compensation) {
@@ -191,11 +191,11 @@ impl Gathering {
             }
             Effect::AlarmCleared { whisker, kind } => {
                 info!(robot = %name, whisker, alarm = kind.word(), "alarm cleared");
-                self.batch.records.push(Record::AlarmCleared {
+                self.batch.records.push(Record::AlarmCleared(AlarmClearedRow {
                     whisker_id: whisker_id(whisker),
                     cleared_us: recorded_us,
                     kind: kind.word(),
-                });
+                }));
             }
             Effect::Gone { array, number, .. } => {
                 let whisker = i64::from(number);

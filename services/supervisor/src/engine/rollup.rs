@@ -7,7 +7,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::units::Micros;
 
 /// How long the spans of time are that contacts are added up over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
 pub enum Resolution {
     /// Of the supervisor's clock.
     Minute,

@@ -30,8 +30,23 @@ struct Follower {
     has_gone_on: bool,
 }
 
+/// Writes the rows of what was kept and no more. What cannot be read is said, and given up.
+async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
+    while let Some((number, bytes)) = writer.kept(lease).await? {
+        let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
+            let (fleet, bytes) = (lease.fleet(), bytes.len());
+            error!(%fleet, number, bytes, %problem, "a transaction that was kept cannot be read: what it says is lost");
+            Batch::default()
+        });
+        writer.commit(lease, &Batch { redo_done: Some(number), ..batch }).await?;
+        info!(fleet = %lease.fleet(), number, "wrote the rows of a transaction that was kept");
+    }
+    Ok(())
+}
+
 /// The robots of a fleet, each in its shard, and the number of the last entry of its journal.
 pub(super) async fn take_up(writer: &mut Writer, lease: &Lease, shards: &mut [Shard]) -> Result<i64, StoreError> {
+    write_kept(writer, lease).await?;
     let (mut journey, mut last) = (Journey::default(), 0);
     for stored in writer.robots(lease).await? {
         last = last.max(stored.journal_number);

@@ -4,6 +4,7 @@ use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
 use super::readings::readings;
 use super::{Lease, Store, StoreError, Writer, failed};
+use borsh::{BorshDeserialize, BorshSerialize};
 use tokio::time::Duration;
 
 /// How long reading them may take.
@@ -34,7 +35,7 @@ readings! {
 }
 
 /// A calibration that is in force in a fleet from now on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct ActivationRow {
     /// Fleet.
     pub fleet: String,

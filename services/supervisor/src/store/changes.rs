@@ -90,31 +90,32 @@ pub(super) struct NewChange<'a> {
 
 impl<'a> NewChange<'a> {
     /// What a record changes.
-    fn of(record: &'a Record) -> Self {
+    pub(super) fn of(record: &'a Record) -> Self {
         let whisker =
             |kind, whisker_id, recorded_us| Self { kind, recorded_us, whisker_id: Some(whisker_id), ..Self::default() };
         let number = |kind, number, recorded_us| Self { kind, recorded_us, number: Some(number), ..Self::default() };
         match record {
-            Record::Health { whisker_id, recorded_us, .. } => whisker("HEALTH", *whisker_id, *recorded_us),
-            Record::Trim { trim_id, whisker_id, detected_us, .. } => {
-                Self { number: Some(*trim_id), ..whisker("TRIM", *whisker_id, *detected_us) }
-            }
+            Record::Health(row) => whisker("HEALTH", row.whisker_id, row.recorded_us),
+            Record::Trim(row) => Self { number: Some(row.trim_id), ..whisker("TRIM", row.whisker_id, row.detected_us) },
             Record::Decision(row) => Self {
                 number: Some(row.compensation_id),
                 ..whisker("COMPENSATION", row.target_whisker_id, row.decided_us)
             },
-            Record::Ended { compensation_id, ended_us, .. } => number("COMPENSATION", *compensation_id, *ended_us),
+            Record::Ended(row) => number("COMPENSATION", row.compensation_id, row.ended_us),
             Record::Approved { compensation_id } => number("COMPENSATION", *compensation_id, 0),
             Record::Setpoint(row) => {
                 Self { command_id: Some(&row.command_id), ..whisker("SETPOINT", row.whisker_id, row.issued_us) }
             }
-            Record::SetpointState { command_id, recorded_us, .. } => {
-                Self { kind: "SETPOINT", recorded_us: *recorded_us, command_id: Some(command_id), ..Self::default() }
-            }
+            Record::SetpointState(row) => Self {
+                kind: "SETPOINT",
+                recorded_us: row.recorded_us,
+                command_id: Some(&row.command_id),
+                ..Self::default()
+            },
             Record::Error(row) => number("ERROR", row.compensation_id, row.recorded_us),
             Record::Refinement(row) => number("ERROR", row.compensation_id, row.recorded_us),
-            Record::Alarm { whisker_id, raised_us, .. } => whisker("ALARM", *whisker_id, *raised_us),
-            Record::AlarmCleared { whisker_id, cleared_us, .. } => whisker("ALARM", *whisker_id, *cleared_us),
+            Record::Alarm(row) => whisker("ALARM", row.whisker_id, row.raised_us),
+            Record::AlarmCleared(row) => whisker("ALARM", row.whisker_id, row.cleared_us),
             Record::AlarmsForgotten { robot_id, cleared_us } => {
                 Self { kind: "ALARM", recorded_us: *cleared_us, robot_id: Some(*robot_id), ..Self::default() }
             }

@@ -5,16 +5,33 @@ use tracing::warn;
 
 use super::batch::RollupRow;
 use super::database::{Either, Link, Tx, on};
-use super::{Batch, Lease, StoreError, changes, failed, postgres, records, sqlite};
+use super::postgres::whole::Whole;
+use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo, sqlite};
 use crate::engine::Resolution;
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction, unless it was written before although the answer was lost.
+pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
+    let asked = Instant::now();
+    let now_us = crate::engine::wall_clock().0 as i64;
+    if let Either::Postgres(link) = link
+        && !fault::is(Fault::NoFence)
+        && let Some(whole) = Whole::of(batch)
+        && whole.write(link, lease, now_us).await?
+    {
+        lease.committed(Some(asked));
+        return Ok(());
+    }
+    let is_new = write_in_steps(link, lease, batch, now_us).await?;
+    lease.committed(is_new.then_some(asked));
+    Ok(())
+}
+
+/// Writes it with a statement for each kind of row, or for each row; false if it was written before.
 ///
 /// Contacts come before the lease is held: their `COPY` waits for as long as its bytes do, and who freezes in it must not keep
 /// the fleet from others.
-pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
-    let asked = Instant::now();
+async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i64) -> Result<bool, StoreError> {
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
     if !batch.contacts.is_empty() {
         match &mut tx {
@@ -26,8 +43,7 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
     if !lease.begin(&mut tx).await? {
         // These contacts, too, were written before.
         tx.rollback().await.map_err(failed("roll back"))?;
-        lease.committed(None);
-        return Ok(());
+        return Ok(false);
     }
     for layout in &batch.layouts {
         records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
@@ -44,12 +60,14 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
         }
         .map_err(failed("append responses"))?;
     }
-    changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, crate::engine::wall_clock().0 as i64)
+    if let Some(number) = batch.redo_done {
+        redo::forget(&mut tx, lease.fleet().as_str(), number).await.map_err(failed("write what was kept"))?;
+    }
+    changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, now_us)
         .await
         .map_err(failed("tell of changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
-    lease.committed(Some(asked));
-    Ok(())
+    Ok(true)
 }
 
 /// The many rows of few kinds.
@@ -74,23 +92,29 @@ async fn write_rows(tx: &mut Tx<'_>, batch: &Batch) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Minutes and hours that are over. None is ever closed twice; if one is there already nevertheless, say because somebody has
-/// put back a single table, the fleet goes on.
 async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<()> {
-    for resolution in Resolution::ALL {
-        let rows: Vec<&RollupRow> = rollups.iter().filter(|row| row.resolution == resolution).collect();
-        if rows.is_empty() {
-            continue;
-        }
+    for (resolution, rows) in by_resolution(rollups) {
         let written = match &mut *tx {
             Either::Sqlite(tx) => sqlite::append_rollups(tx, resolution, &rows).await?,
             Either::Postgres(tx) => postgres::append_rollups(tx, resolution, &rows).await?,
         };
-        if written < rows.len() as u64 {
-            warn!(?resolution, rows = rows.len(), written, "rows of minutes or hours were there already");
-        }
+        tell_of_rollups(resolution, rows.len(), written);
     }
     Ok(())
+}
+
+/// Minutes, and hours, if there are any.
+pub(super) fn by_resolution(rollups: &[RollupRow]) -> impl Iterator<Item = (Resolution, Vec<&RollupRow>)> {
+    let of = |resolution| rollups.iter().filter(|row| row.resolution == resolution).collect::<Vec<_>>();
+    Resolution::ALL.into_iter().map(move |resolution| (resolution, of(resolution))).filter(|(_, rows)| !rows.is_empty())
+}
+
+/// None is ever closed twice; if one is there already nevertheless, say because somebody has put back a single table, the fleet
+/// goes on.
+pub(super) fn tell_of_rollups(resolution: Resolution, rows: usize, written: u64) {
+    if written < rows as u64 {
+        warn!(?resolution, rows, written, "rows of minutes or hours were there already");
+    }
 }
 
 /// What happened since robots' states were written, and what is in them now.

@@ -9,7 +9,7 @@ use tokio::time::Instant;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
-use super::{StoreError, Supervisor, failed};
+use super::{StoreError, Supervisor, failed, postgres};
 use crate::fault::{self, Fault};
 
 /// The right to write for a fleet, until somebody else has it. Clones are the same right.
@@ -102,12 +102,17 @@ impl Lease {
         let before = self.commits.load(Ordering::Relaxed);
         let counted = match tx {
             Either::Sqlite(tx) => count_sqlite(&mut *tx, self, before).await,
-            Either::Postgres(tx) => count_postgres(&mut *tx, self, before).await,
+            Either::Postgres(tx) => count_postgres(&mut *tx, self).await,
         }
         .map_err(failed("check the lease"))?;
         if counted {
             return Ok(true);
         }
+        self.look_why(tx, before).await
+    }
+
+    /// What does not count itself was committed before, or belongs to somebody else.
+    async fn look_why(&self, tx: &mut Tx<'_>, before: i64) -> Result<bool, StoreError> {
         const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let commits: Option<i64> = on!(tx, |tx| sqlx::query_scalar(SQL)
             .bind(self.fleet.as_str())
@@ -117,6 +122,16 @@ impl Lease {
             .await)
         .map_err(failed("check the lease"))?;
         if commits == Some(before + 1) { Ok(false) } else { Err(self.lost()) }
+    }
+
+    /// Gives a statement that counts the next transaction what it asks for first: fleet, epoch, owner, count before and time to live.
+    pub(super) fn bind(&self, statement: postgres::Statement) -> postgres::Statement {
+        statement
+            .bind(self.fleet.as_str())
+            .bind(self.epoch as i64)
+            .bind(&*self.owner)
+            .bind(self.commits.load(Ordering::Relaxed))
+            .bind(micros(self.time_to_live))
     }
 
     /// The next transaction is committed: by the attempt that asked the database at that moment, which keeps the
@@ -140,19 +155,8 @@ async fn count_sqlite(tx: &mut SqliteConnection, lease: &Lease, before: i64) -> 
         .map(|done| done.rows_affected() == 1)
 }
 
-async fn count_postgres(tx: &mut PgConnection, lease: &Lease, before: i64) -> sqlx::Result<bool> {
-    sqlx::query(
-        "UPDATE leases SET commits = $4 + 1, expires_us = clock_us() + $5 \
-         WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4",
-    )
-    .bind(lease.fleet.as_str())
-    .bind(lease.epoch as i64)
-    .bind(&*lease.owner)
-    .bind(before)
-    .bind(micros(lease.time_to_live))
-    .execute(tx)
-    .await
-    .map(|done| done.rows_affected() == 1)
+async fn count_postgres(tx: &mut PgConnection, lease: &Lease) -> sqlx::Result<bool> {
+    lease.bind(sqlx::query(postgres::COUNTED)).execute(tx).await.map(|done| done.rows_affected() == 1)
 }
 
 pub(super) fn micros(time: Duration) -> i64 {

@@ -25,6 +25,7 @@ mod postgres;
 pub mod read;
 pub mod readings;
 mod records;
+mod redo;
 pub mod retention;
 mod roll;
 pub mod series;

@@ -2,7 +2,7 @@
 
 use sqlx::QueryBuilder;
 
-use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow};
+use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow, SetpointStateRow};
 use super::database::{Tx, on};
 use super::{StoreError, actions, calibrations, failed};
 
@@ -39,10 +39,8 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
         Record::Setpoint(setpoint) => write_setpoint(tx, setpoint).await.map_err(failed("write a setpoint")),
         Record::Error(error) => write_error(tx, error).await.map_err(failed("write a compensation error")),
         Record::Refinement(look) => write_refinement(tx, look).await.map_err(failed("write a look at a setpoint")),
-        Record::SetpointState { command_id, recorded_us, state, error, pressure_mpa } => {
-            write_setpoint_state(tx, command_id, *recorded_us, state, *error, *pressure_mpa)
-                .await
-                .map_err(failed("write what became of a setpoint"))
+        Record::SetpointState(row) => {
+            write_setpoint_state(tx, row).await.map_err(failed("write what became of a setpoint"))
         }
         Record::Answer { action_id, state, problem, done_us } => {
             actions::write_answer(tx, (*action_id, state, problem.as_deref()), *done_us)
@@ -53,12 +51,12 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
             calibrations::write_activation(tx, row).await.map_err(failed("write which calibration is in force"))
         }
         Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
-        Record::Health { .. }
-        | Record::Trim { .. }
-        | Record::Ended { .. }
+        Record::Health(_)
+        | Record::Trim(_)
+        | Record::Ended(_)
         | Record::Approved { .. }
-        | Record::Alarm { .. }
-        | Record::AlarmCleared { .. }
+        | Record::Alarm(_)
+        | Record::AlarmCleared(_)
         | Record::Gone { .. }
         | Record::AlarmsForgotten { .. } => write_simple(tx, record).await.map_err(failed("write a record")),
     }
@@ -67,41 +65,32 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
 /// Records of one statement each.
 async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
     match record {
-        Record::Health { whisker_id, recorded_us, kind, was, becomes } => {
+        Record::Health(row) => {
             on!(&mut *tx, |tx| sqlx::query(
                 "INSERT INTO health_changes (whisker_id, recorded_us, kind, was, becomes) VALUES ($1, $2, $3, $4, $5)",
             )
-            .bind(whisker_id)
-            .bind(recorded_us)
-            .bind(*kind)
-            .bind(*was)
-            .bind(*becomes)
+            .bind(row.whisker_id)
+            .bind(row.recorded_us)
+            .bind(row.kind)
+            .bind(row.was)
+            .bind(row.becomes)
             .execute(&mut **tx)
             .await
             .map(drop))?;
         }
-        Record::Trim {
-            trim_id,
-            robot_id,
-            whisker_id,
-            detected_us,
-            length_before_mm,
-            length_after_mm,
-            length_after_sd_mm,
-            contacts_to_detect,
-        } => {
+        Record::Trim(row) => {
             on!(&mut *tx, |tx| sqlx::query(
                 "INSERT INTO trims (trim_id, robot_id, whisker_id, detected_us, length_before_mm, \
                  length_after_mm, length_after_sd_mm, contacts_to_detect) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
             )
-            .bind(trim_id)
-            .bind(robot_id)
-            .bind(whisker_id)
-            .bind(detected_us)
-            .bind(length_before_mm)
-            .bind(length_after_mm)
-            .bind(length_after_sd_mm)
-            .bind(contacts_to_detect)
+            .bind(row.trim_id)
+            .bind(row.robot_id)
+            .bind(row.whisker_id)
+            .bind(row.detected_us)
+            .bind(row.length_before_mm)
+            .bind(row.length_after_mm)
+            .bind(row.length_after_sd_mm)
+            .bind(row.contacts_to_detect)
             .execute(&mut **tx)
             .await
             .map(drop))?;
@@ -115,13 +104,13 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
             .await
             .map(drop))?;
         }
-        Record::AlarmCleared { whisker_id, cleared_us, kind } => {
+        Record::AlarmCleared(row) => {
             on!(&mut *tx, |tx| sqlx::query(
                 "UPDATE alarms SET cleared_us = $1 WHERE whisker_id = $2 AND kind = $3 AND cleared_us IS NULL"
             )
-            .bind(cleared_us)
-            .bind(whisker_id)
-            .bind(*kind)
+            .bind(row.cleared_us)
+            .bind(row.whisker_id)
+            .bind(row.kind)
             .execute(&mut **tx)
             .await
             .map(drop))?;
@@ -140,30 +129,30 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
             .await
             .map(drop))?;
         }
-        Record::Ended { compensation_id, ended_us, end_reason } => {
+        Record::Ended(row) => {
             on!(&mut *tx, |tx| sqlx::query(
                 "UPDATE compensations SET ended_us = $1, end_reason = $2, \
                  approval = CASE WHEN $2 = 'REFUSED' THEN 'REFUSED' ELSE approval END WHERE compensation_id = $3"
             )
-            .bind(ended_us)
-            .bind(*end_reason)
-            .bind(compensation_id)
+            .bind(row.ended_us)
+            .bind(row.end_reason)
+            .bind(row.compensation_id)
             .execute(&mut **tx)
             .await
             .map(drop))?;
         }
-        Record::Alarm { whisker_id, raised_us, kind } => {
+        Record::Alarm(row) => {
             on!(&mut *tx, |tx| sqlx::query("INSERT INTO alarms (whisker_id, raised_us, kind) VALUES ($1, $2, $3)")
-                .bind(whisker_id)
-                .bind(raised_us)
-                .bind(*kind)
+                .bind(row.whisker_id)
+                .bind(row.raised_us)
+                .bind(row.kind)
                 .execute(&mut **tx)
                 .await
                 .map(drop))?;
         }
         Record::Decision(_)
         | Record::Setpoint(_)
-        | Record::SetpointState { .. }
+        | Record::SetpointState(_)
         | Record::Error(_)
         | Record::Refinement(_)
         | Record::Answer { .. }
@@ -268,25 +257,18 @@ async fn write_setpoint(tx: &mut Tx<'_>, setpoint: &SetpointRow) -> sqlx::Result
     append_setpoint_state(tx, &setpoint.command_id, setpoint.issued_us, "PENDING", None, None).await
 }
 
-async fn write_setpoint_state(
-    tx: &mut Tx<'_>,
-    command_id: &str,
-    recorded_us: i64,
-    state: &'static str,
-    error: Option<&'static str>,
-    pressure_mpa: Option<f64>,
-) -> sqlx::Result<()> {
+async fn write_setpoint_state(tx: &mut Tx<'_>, row: &SetpointStateRow) -> sqlx::Result<()> {
     on!(&mut *tx, |tx| sqlx::query(
         "UPDATE setpoints SET state = $1, error = $2, reached_mpa = COALESCE($3, reached_mpa) WHERE command_id = $4",
     )
-    .bind(state)
-    .bind(error)
-    .bind(pressure_mpa)
-    .bind(command_id)
+    .bind(row.state)
+    .bind(row.error)
+    .bind(row.pressure_mpa)
+    .bind(&row.command_id)
     .execute(&mut **tx)
     .await
     .map(drop))?;
-    append_setpoint_state(tx, command_id, recorded_us, state, error, pressure_mpa).await
+    append_setpoint_state(tx, &row.command_id, row.recorded_us, row.state, row.error, row.pressure_mpa).await
 }
 
 async fn append_setpoint_state(

@@ -1,0 +1,70 @@
+//! A batch as bytes, for the time until its rows are written.
+
+use borsh::io::{Error, ErrorKind, Result};
+
+use super::Batch;
+
+/// What stands in front: the bytes of another version may mean something else.
+const VERSION: u8 = 1;
+
+impl Batch {
+    /// Its bytes; none if there is something in it that cannot be one.
+    #[must_use]
+    pub fn to_bytes(&self) -> Option<Vec<u8>> {
+        borsh::to_vec(&(VERSION, self)).ok()
+    }
+
+    /// Reads it again.
+    ///
+    /// # Errors
+    /// These bytes are no batch of this version.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        match bytes.split_first() {
+            Some((&VERSION, rest)) => borsh::from_slice(rest),
+            Some((other, _)) => {
+                let problem = format!("it is of version {other}, and this program reads version {VERSION}");
+                Err(Error::new(ErrorKind::InvalidData, problem))
+            }
+            None => Err(Error::new(ErrorKind::InvalidData, "it is empty")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{AlarmRow, ContactRow, HealthRow, Record};
+    use super::*;
+
+    #[test]
+    fn a_batch_is_read_as_it_was_written_and_nothing_else_is() {
+        let contact = ContactRow {
+            whisker_id: 1,
+            boot: 2,
+            seq: 3,
+            position: 0,
+            t_us: 4,
+            received_us: 5,
+            ratio: 0.1 + 0.2,
+            deflection_mm: 2.0,
+            strain: 0.01,
+            pressure_mpa: 0.1,
+            temperature_c: 23.5,
+            used: "USED",
+            residual: None,
+            length_mm: 70.0,
+            length_sd_mm: 0.1,
+        };
+        let (kind, was, becomes) = ("CONDITION", Some("HEALTHY"), None);
+        let records = vec![
+            Record::Health(HealthRow { whisker_id: 1, recorded_us: 5, kind, was, becomes }),
+            Record::Alarm(AlarmRow { whisker_id: 1, raised_us: 5, kind: "LEAK" }),
+        ];
+        let batch = Batch { contacts: vec![contact], records, journal_done: Some(7), ..Batch::default() };
+        let bytes = batch.to_bytes().unwrap();
+        assert_eq!(format!("{:?}", Batch::from_bytes(&bytes).unwrap()), format!("{batch:?}"));
+        for end in 0..bytes.len() {
+            assert!(Batch::from_bytes(&bytes[..end]).is_err(), "{end}");
+        }
+        assert!(Batch::from_bytes(&[&[2], &bytes[1..]].concat()).unwrap_err().to_string().contains("version 2"));
+    }
+}

@@ -1,0 +1,77 @@
+//! Transactions that are kept as they are, in one row, until there is time for their rows.
+
+use sqlx::Row;
+use tokio::time::Instant;
+
+use super::database::{Either, Link, Tx, on};
+use super::postgres::whole;
+use super::{Lease, StoreError, Writer, failed};
+use crate::fault::{self, Fault};
+
+/// How long one attempt may take.
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
+
+impl Writer {
+    /// Keeps a batch's bytes under a number, in one short transaction, unless it was kept before although the answer was lost.
+    /// From then on it is committed: [`Self::commit`] makes rows of it, here or wherever the fleet is taken up.
+    ///
+    /// # Errors
+    /// The database cannot take it now, or the fleet is not ours any more.
+    pub async fn keep(&mut self, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
+        self.attempt("commit", PATIENCE, async |link| keep(link, lease, number, rows).await).await
+    }
+
+    /// The transaction of a fleet that was kept first and whose rows are not written, with its number.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn kept(&mut self, lease: &Lease) -> Result<Option<(i64, Vec<u8>)>, StoreError> {
+        const WHAT: &str = "read what was kept";
+        const SQL: &str = "SELECT number, rows FROM redo WHERE fleet = $1 ORDER BY number LIMIT 1";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            on!(link, |link| sqlx::query_as(SQL).bind(lease.fleet().as_str()).fetch_optional(link).await)
+                .map_err(failed(WHAT))
+        })
+        .await
+    }
+}
+
+async fn keep(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
+    let asked = Instant::now();
+    if let Either::Postgres(link) = link
+        && !fault::is(Fault::NoFence)
+    {
+        let statement = lease.bind(sqlx::query(whole::kept())).bind(lease.fleet().as_str()).bind(number).bind(rows);
+        let row = statement.fetch_one(link).await.map_err(failed("commit"))?;
+        if row.try_get::<i64, _>(0).map_err(failed("commit"))? == 1 {
+            lease.committed(Some(asked));
+            return Ok(());
+        }
+    }
+    let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
+    let is_new = lease.begin(&mut tx).await?;
+    if is_new {
+        const SQL: &str = "INSERT INTO redo (fleet, number, rows) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";
+        on!(&mut tx, |tx| sqlx::query(SQL)
+            .bind(lease.fleet().as_str())
+            .bind(number)
+            .bind(rows)
+            .execute(&mut **tx)
+            .await
+            .map(drop))
+        .map_err(failed("keep a transaction"))?;
+    }
+    tx.commit().await.map_err(failed("commit"))?;
+    lease.committed(is_new.then_some(asked));
+    Ok(())
+}
+
+/// Its rows are written: it need not be kept.
+pub(super) async fn forget(tx: &mut Tx<'_>, fleet: &str, number: i64) -> sqlx::Result<()> {
+    on!(tx, |tx| sqlx::query("DELETE FROM redo WHERE fleet = $1 AND number = $2")
+        .bind(fleet)
+        .bind(number)
+        .execute(&mut **tx)
+        .await
+        .map(drop))
+}
