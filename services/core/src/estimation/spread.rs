@@ -71,7 +71,7 @@ fn evenly_spread(dimensions: usize) -> Vec<f64> {
 #[must_use]
 pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, known: &[bool; CONTACT_RATIOS.len()]) -> f64 {
     let per_mm = |logs: &Curve| -> ByRatio { std::array::from_fn(|k| known[k].then(|| logs[k].exp())) };
-    ErrorProfile::new(&per_mm(after), &per_mm(before), &per_mm(target)).mean
+    ErrorProfile::mean_of(&per_mm(after), &per_mm(before), &per_mm(target))
 }
 
 /// Mean and standard deviation.

@@ -75,17 +75,31 @@ impl ErrorProfile {
     /// From sensitivities, or strains at one deflection, in one unit.
     #[must_use]
     pub fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
-        let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
-            (Some(after), Some(before), Some(target)) if distinct(before, target) => {
-                compensation_error(after, before, target)
-            }
-            _ => None,
-        });
-        let used = errors.map(|error| error.is_some());
-        let count = used.iter().filter(|used| **used).count();
-        let mean = errors.iter().flatten().sum::<f64>() / count.max(1) as f64;
-        Self { by_ratio: fill(&errors, 0.0), used, mean }
+        let errors = errors(after, before, target);
+        Self { by_ratio: fill(&errors, 0.0), used: errors.map(|error| error.is_some()), mean: mean(&errors) }
     }
+
+    /// The mean alone: whoever asks for hundreds of them has no use for what is told of the gaps.
+    #[must_use]
+    pub fn mean_of(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> f64 {
+        mean(&errors(after, before, target))
+    }
+}
+
+/// Eq. 35 where it counts.
+fn errors(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> ByRatio {
+    std::array::from_fn(|k| match (after[k], before[k], target[k]) {
+        (Some(after), Some(before), Some(target)) if distinct(before, target) => {
+            compensation_error(after, before, target)
+        }
+        _ => None,
+    })
+}
+
+/// The mean of what counts; 0 of nothing.
+fn mean(errors: &ByRatio) -> f64 {
+    let count = errors.iter().flatten().count();
+    errors.iter().flatten().sum::<f64>() / count.max(1) as f64
 }
 
 /// Whether eq. 35 has something to divide by.
@@ -130,7 +144,8 @@ pub(super) fn sensitivities_per_mm(
 fn fill(values: &ByRatio, if_none: f64) -> [f64; CONTACT_RATIOS.len()] {
     std::array::from_fn(|k| {
         let distance = |other: usize| (other.abs_diff(k), other < k);
-        let nearest = (0..values.len()).filter(|&other| values[other].is_some()).min_by_key(|&other| distance(other));
-        nearest.and_then(|other| values[other]).unwrap_or(if_none)
+        let nearest =
+            || (0..values.len()).filter(|&other| values[other].is_some()).min_by_key(|&other| distance(other));
+        values[k].or_else(|| values[nearest()?]).unwrap_or(if_none)
     })
 }
