@@ -4,11 +4,12 @@
 //! Knows numbers, not robots. [`noise`] says how uncertain one contact is and [`outlier`] what its density
 //! is, [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline), [`bins`] averages
 //! responses by contact ratio, [`smooth`] draws a curve through them, [`own_calibration`] compares them over
-//! pressures, [`spread`] tells how uncertain Eq. 35 is with all that. [`trend`] fits lines to long series; [`erosion`] and
+//! pressures, [`spread`] tells how uncertain Eq. 35 is with all that, over the cases of [`even`]. [`trend`] fits lines to long series; [`erosion`] and
 //! [`leak`] are such lines, and [`refill`] tells when a regulator makes a leak good.
 
 pub mod bins;
 pub mod erosion;
+pub mod even;
 pub mod filter;
 pub mod leak;
 pub mod noise;
@@ -23,6 +24,7 @@ pub mod trend;
 
 pub use bins::{Bin, ResponseBins, Waiting};
 pub use erosion::{ContactsLeft, Erosion, ErosionWatch};
+pub use even::EvenCases;
 pub use filter::{Innovation, LengthEstimate, LengthFilter};
 pub use leak::{LeakParams, LeakWatch};
 pub use noise::{NoiseScale, SensorNoise};

@@ -4,15 +4,14 @@
 //! perfect match the error can only be larger than it seems. Instead a fixed, evenly spread set of equally likely
 //! cases is gone through: no randomness, the same answer every time.
 
-use statrs::distribution::{ContinuousCDF, Normal};
-
+use super::even::{CASES, EvenCases};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
-
-/// Cases that are gone through where nothing else is said.
-pub const CASES: u32 = 400;
 
 /// A value at each of [`CONTACT_RATIOS`].
 pub type Curve = [f64; CONTACT_RATIOS.len()];
+
+/// What adds nothing anywhere.
+const STILL: Curve = [0.0; CONTACT_RATIOS.len()];
 
 /// `N` responses as ln s by contact ratio, each the sum of a mean and of what independent standard normal
 /// causes add to it. One cause may move several responses.
@@ -28,7 +27,7 @@ impl<const N: usize> Uncertain<N> {
     /// Adds causes that move the responses named in `to` alike.
     pub fn moves(&mut self, curves: &[Curve], to: &[usize]) {
         for curve in curves {
-            let mut cause = [[0.0; CONTACT_RATIOS.len()]; N];
+            let mut cause = [STILL; N];
             for &response in to {
                 cause[response] = *curve;
             }
@@ -37,34 +36,28 @@ impl<const N: usize> Uncertain<N> {
     }
 
     /// What `of` makes of each of the equally likely cases.
-    pub fn cases<T>(&self, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
-        self.some_cases(CASES, of)
+    pub fn cases<T>(&self, even: &EvenCases, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+        self.some_cases(even, CASES, of)
     }
 
     /// The same of so many cases: of fewer than some forty, [`interval95`] is from the least to the greatest.
-    pub fn some_cases<T>(&self, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
-        let steps = evenly_spread(self.causes.len());
-        let normal = Normal::standard();
-        let one = |case: u32| {
+    pub fn some_cases<T>(&self, even: &EvenCases, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+        let causes = self.causes.len();
+        let amounts = even.amounts(causes, count);
+        let moves: Vec<[bool; N]> = self.causes.iter().map(|cause| cause.map(|curve| curve != STILL)).collect();
+        let one = |case: usize| {
             let mut responses = self.mean;
-            for (cause, step) in self.causes.iter().zip(&steps) {
-                let part = (0.5 + f64::from(case) * step).fract().clamp(1e-9, 1.0 - 1e-9);
-                let amount = normal.inverse_cdf(part);
-                for (response, added) in responses.iter_mut().zip(cause) {
-                    response.iter_mut().zip(added).for_each(|(value, added)| *value += amount * added);
+            let amounts = &amounts[causes * case..causes * (case + 1)];
+            for ((cause, moves), amount) in self.causes.iter().zip(&moves).zip(amounts) {
+                for response in (0..N).filter(|&response| moves[response]) {
+                    let moved = responses[response].iter_mut().zip(&cause[response]);
+                    moved.for_each(|(value, added)| *value += amount * added);
                 }
             }
             of(&responses)
         };
-        (0..count).map(one).collect()
+        (0..count as usize).map(one).collect()
     }
-}
-
-/// The additive recurrence of the generalised golden ratio (Roberts 2018), one step for each dimension.
-fn evenly_spread(dimensions: usize) -> Vec<f64> {
-    let power = 1.0 / (dimensions as f64 + 1.0);
-    let golden = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(power));
-    (0..dimensions as i32).map(|at| golden.powi(-at - 1)).collect()
 }
 
 /// The mean of Eq. 35 from ln s after, before and of the target, over the contact ratios that are `known`.
@@ -100,7 +93,7 @@ mod tests {
         let mut one = Uncertain { mean: [flat(1.0), flat(2.0)], causes: Vec::new() };
         one.moves(&[flat(0.3)], &[0, 1]);
         one.moves(&[flat(0.4), flat(0.0)], &[1]);
-        let cases = one.cases(|[a, b]| (a[3], b[7]));
+        let cases = one.cases(&EvenCases::default(), |[a, b]| (a[3], b[7]));
         let (mean_a, sd_a) = moments(&cases.iter().map(|case| case.0).collect::<Vec<_>>());
         let (mean_b, sd_b) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
         let together = cases.iter().map(|case| (case.0 - mean_a) * (case.1 - mean_b)).sum::<f64>() / cases.len() as f64;
@@ -117,7 +110,8 @@ mod tests {
         let mut one = Uncertain { mean: [flat(0.0), flat(0.2), flat(0.0)], causes: Vec::new() };
         assert_eq!(mean_error(&one.mean[0], &one.mean[1], &one.mean[2], &[true; 12]), 0.0);
         one.moves(&[flat(0.02)], &[0]);
-        let cases = one.cases(|[after, before, target]| mean_error(after, before, target, &[true; 12]));
+        let cases =
+            one.cases(&EvenCases::default(), |[after, before, target]| mean_error(after, before, target, &[true; 12]));
         let (mean, _) = moments(&cases);
         assert!((mean - 0.8 * 0.02 / (0.2_f64.exp() - 1.0)).abs() < 0.01, "{mean}");
     }

@@ -5,7 +5,7 @@ use super::compensation::Compensation;
 use super::params::Params;
 use super::whisker::Whisker;
 use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
-use crate::estimation::{Belief, Carried, Nominal, ResponseBins, Smooth};
+use crate::estimation::{Belief, Carried, EvenCases, Nominal, ResponseBins, Smooth};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset};
 use crate::policy::Case;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
@@ -25,13 +25,18 @@ pub(super) struct Felt {
 }
 
 impl Felt {
-    /// Eq. 35 with the compensator's response multiplied by a gain: its mean over the contact ratios, and the
-    /// standard deviation of that.
-    pub(super) fn error(&self, gain: Option<&Curve>) -> (f64, f64) {
-        let log_gain = gain.map_or([0.0; CONTACT_RATIOS.len()], |gain| gain.map(f64::ln));
-        let of = |[after, before, target]: &[Curve; 3]| mean_error(&sum(after, &log_gain), before, target, &self.known);
-        let (_, sd) = moments(&self.responses.cases(of));
-        (of(&self.responses.mean), sd)
+    /// Eq. 35 with the compensator's response multiplied by a gain: its mean over the contact ratios.
+    pub(super) fn error(&self, gain: Option<&Curve>) -> f64 {
+        self.error_of(log_gain(gain))(&self.responses.mean)
+    }
+
+    /// The standard deviation of [`Self::error`].
+    pub(super) fn error_sd(&self, even: &EvenCases, gain: Option<&Curve>) -> f64 {
+        moments(&self.responses.cases(even, self.error_of(log_gain(gain)))).1
+    }
+
+    fn error_of(&self, log_gain: Curve) -> impl Fn(&[Curve; 3]) -> f64 {
+        move |[after, before, target]| mean_error(&sum(after, &log_gain), before, target, &self.known)
     }
 
     /// What is left to correct: target / compensator.
@@ -41,10 +46,8 @@ impl Felt {
     }
 
     /// The error that a gain measured now would leave, for it is measured no better than the responses.
-    pub(super) fn error_of_own_gain(&self) -> f64 {
-        let gain = self.gain().map(f64::ln);
-        let of = |[after, before, target]: &[Curve; 3]| mean_error(&sum(after, &gain), before, target, &self.known);
-        moments(&self.responses.cases(of)).0
+    pub(super) fn error_of_own_gain(&self, even: &EvenCases) -> f64 {
+        moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain()))))).0
     }
 
     /// A response as sensitivities, where all three are known.
@@ -144,6 +147,10 @@ pub(super) fn by_length(model: &Model, length: Millimetre, pressure: Megapascal,
         let slope = model.sensitivity_and_slope(ContactRatio::known(a), length, &morphology);
         slope.map_or(0.0, |(_, slope)| slope * sd_mm / (length.mm() + morphology.elongation_mm))
     })
+}
+
+fn log_gain(gain: Option<&Curve>) -> Curve {
+    gain.map_or([0.0; CONTACT_RATIOS.len()], |gain| gain.map(f64::ln))
 }
 
 /// A straight line's values.

@@ -3,7 +3,7 @@
 use super::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
-use crate::estimation::{LeakParams, SensorNoise};
+use crate::estimation::{EvenCases, LeakParams, SensorNoise};
 use crate::mechanics::{Formulation, Model};
 use crate::policy::PolicyParams;
 use crate::units::Micros;
@@ -29,6 +29,8 @@ pub struct Params {
     pub measurement: MeasurementParams,
     /// Refinement of setpoints.
     pub refinement: RefinementParams,
+    /// The cases by which it is told how uncertain an error is.
+    pub even: EvenCases,
 }
 
 /// How setpoints are sent.
@@ -88,6 +90,7 @@ impl Params {
             health: HealthParams::default(),
             measurement: MeasurementParams::default(),
             refinement: RefinementParams::default(),
+            even: EvenCases::default(),
         }
     }
 

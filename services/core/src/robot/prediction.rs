@@ -8,7 +8,8 @@ use super::Robot;
 use super::effect::WhiskerIndex;
 use super::felt::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
 use super::params::Params;
-use crate::estimation::spread::{CASES, Uncertain, interval95, mean_error};
+use crate::estimation::even::CASES;
+use crate::estimation::spread::{Curve, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
 use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
 use crate::policy::Fitness;
@@ -65,7 +66,8 @@ impl Robot {
         responses.moves(&belief.causes(&from, &to), &[AFTER]);
         let sd_mm = one.filter.length().sd_mm;
         responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
-        let errors = responses.some_cases(cases, |[after, before, target]| mean_error(after, before, target, &known));
+        let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &known);
+        let errors = responses.some_cases(&params.even, cases, of);
         let (low, high) = interval95(errors);
         Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))
     }

@@ -119,9 +119,9 @@ impl Robot {
         let Some(felt) = self.felt(params, running, &running.refining.carried, &running.after) else { return };
         let look = self.look(params, running, &felt);
         let outcome = outcome(params, running, look.as_ref());
-        let (error, error_sd) = felt.error(None);
-        let gain_error = felt.error(Some(&running.refining.gain)).0;
-        let own_gain_error = felt.error_of_own_gain();
+        let (error, error_sd) = (felt.error(None), felt.error_sd(&params.even, None));
+        let gain_error = felt.error(Some(&running.refining.gain));
+        let own_gain_error = felt.error_of_own_gain(&params.even);
         let moves = outcome == RefinementOutcome::Refined;
         let gain_better = gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error);
         let record = Refinement {
@@ -195,7 +195,7 @@ impl Robot {
         both.causes.extend(felt.responses.causes.iter().map(|[a, b, t]| [*a, *b, *t, *a]));
         let causes = belief.causes(&from, &to);
         both.moves(&causes, &[3]);
-        let cases = both.cases(|[here, before, target, there]| {
+        let cases = both.cases(&params.even, |[here, before, target, there]| {
             (mean_error(here, before, target, &known), mean_error(there, before, target, &known))
         });
         let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
@@ -240,12 +240,13 @@ impl Compensation {
     pub(super) fn error_with_gain(&self, robot: &Robot, params: &Params) -> Option<(f64, f64)> {
         let since = &self.refining.since_gain;
         let enough = since.contacts() >= CONTACT_RATIOS.len() as u32 * params.measurement.bin_contacts_min;
+        if !enough {
+            return None;
+        }
         // From these contacts alone: what was believed before went into the gain.
-        enough
-            .then(|| {
-                robot.felt(params, self, &Carried::default(), since).map(|felt| felt.error(Some(&self.refining.gain)))
-            })
-            .flatten()
+        let felt = robot.felt(params, self, &Carried::default(), since)?;
+        let gain = Some(&self.refining.gain);
+        Some((felt.error(gain), felt.error_sd(&params.even, gain)))
     }
 }
 

@@ -1,0 +1,92 @@
+//! Equally likely cases of independent standard normal causes: a fixed, evenly spread set, so that the same
+//! question has the same answer every time.
+
+use std::borrow::Cow;
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Cases that are gone through where nothing else is said.
+pub const CASES: u32 = 400;
+
+/// As many causes as predictions, looks and measurements have: their cases are worked out beforehand.
+const USUAL: [usize; 4] = [7, 9, 12, 14];
+
+/// The cases, worked out once: quantiles of the normal distribution take longer than all that is asked of them.
+#[derive(Debug, Clone)]
+pub struct EvenCases {
+    tables: Vec<Table>,
+}
+
+/// The first [`CASES`] cases of so many causes.
+#[derive(Debug, Clone)]
+struct Table {
+    causes: usize,
+    amounts: Vec<f64>,
+}
+
+impl Default for EvenCases {
+    fn default() -> Self {
+        let table = |causes| Table { causes, amounts: amounts(causes, CASES) };
+        Self { tables: USUAL.map(table).into() }
+    }
+}
+
+impl EvenCases {
+    /// Case after case, by how many standard deviations each of so many causes is off. Above none where there are no
+    /// causes.
+    #[must_use]
+    pub fn amounts(&self, causes: usize, count: u32) -> Cow<'_, [f64]> {
+        let known = self.tables.iter().find(|table| table.causes == causes);
+        match known.and_then(|table| table.amounts.get(..causes * count as usize)) {
+            Some(amounts) => Cow::Borrowed(amounts),
+            None => Cow::Owned(amounts(causes, count)),
+        }
+    }
+}
+
+fn amounts(causes: usize, count: u32) -> Vec<f64> {
+    let steps = evenly_spread(causes);
+    let normal = Normal::standard();
+    let amount = |case: u32, step: f64| {
+        let part = (0.5 + f64::from(case) * step).fract().clamp(1e-9, 1.0 - 1e-9);
+        normal.inverse_cdf(part)
+    };
+    (0..count).flat_map(|case| steps.iter().map(move |&step| amount(case, step))).collect()
+}
+
+/// The additive recurrence of the generalised golden ratio (Roberts 2018), one step for each dimension.
+fn evenly_spread(dimensions: usize) -> Vec<f64> {
+    let power = 1.0 / (dimensions as f64 + 1.0);
+    let golden = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(power));
+    (0..dimensions as i32).map(|at| golden.powi(-at - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_worked_out_is_what_would_be() {
+        let cases = EvenCases::default();
+        for (causes, count) in [(0, 400), (1, 400), (7, 16), (9, 400), (12, 127), (14, 401)] {
+            let told = cases.amounts(causes, count);
+            assert_eq!(*told, amounts(causes, count), "{causes} {count}");
+            assert_eq!(told.len(), causes * count as usize);
+            assert_eq!(matches!(told, Cow::Borrowed(_)), USUAL.contains(&causes) && count <= CASES);
+        }
+    }
+
+    #[test]
+    fn every_cause_is_a_standard_normal() {
+        for causes in USUAL {
+            let amounts = EvenCases::default().amounts(causes, CASES).into_owned();
+            for at in 0..causes {
+                let of = |power: i32| {
+                    let each = amounts.iter().skip(at).step_by(causes).map(|amount| amount.powi(power));
+                    each.sum::<f64>() / f64::from(CASES)
+                };
+                assert!(of(1).abs() < 0.05 && (of(2) - 1.0).abs() < 0.1, "{causes} {at}: {} {}", of(1), of(2));
+            }
+        }
+    }
+}
