@@ -10,6 +10,7 @@
 pub mod bins;
 pub mod erosion;
 pub mod even;
+mod exponential;
 pub mod filter;
 pub mod leak;
 pub mod noise;

@@ -5,7 +5,8 @@
 //! cases is gone through: no randomness, the same answer every time.
 
 use super::even::{CASES, EvenCases};
-use crate::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
+use super::exponential::exp;
+use crate::mechanics::{CONTACT_RATIOS, ErrorProfile};
 
 /// A value at each of [`CONTACT_RATIOS`].
 pub type Curve = [f64; CONTACT_RATIOS.len()];
@@ -44,15 +45,21 @@ impl<const N: usize> Uncertain<N> {
     pub fn some_cases<T>(&self, even: &EvenCases, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
         let causes = self.causes.len();
         let amounts = even.amounts(causes, count);
-        let moves: Vec<[bool; N]> = self.causes.iter().map(|cause| cause.map(|curve| curve != STILL)).collect();
+        let moving: [Vec<(usize, Curve)>; N] = std::array::from_fn(|response| {
+            let curves = self.causes.iter().map(|cause| cause[response]).enumerate();
+            curves.filter(|(_, curve)| *curve != STILL).collect()
+        });
         let one = |case: usize| {
-            let mut responses = self.mean;
             let amounts = &amounts[causes * case..causes * (case + 1)];
-            for ((cause, moves), amount) in self.causes.iter().zip(&moves).zip(amounts) {
-                for response in (0..N).filter(|&response| moves[response]) {
-                    let moved = responses[response].iter_mut().zip(&cause[response]);
-                    moved.for_each(|(value, added)| *value += amount * added);
+            let mut responses = self.mean;
+            for (response, moving) in responses.iter_mut().zip(&moving) {
+                // Summed up beside it, where nothing is written before the end.
+                let mut sum = *response;
+                for (cause, curve) in moving {
+                    let amount = amounts[*cause];
+                    sum.iter_mut().zip(curve).for_each(|(value, added)| *value += amount * added);
                 }
+                *response = sum;
             }
             of(&responses)
         };
@@ -63,8 +70,8 @@ impl<const N: usize> Uncertain<N> {
 /// The mean of Eq. 35 from ln s after, before and of the target, over the contact ratios that are `known`.
 #[must_use]
 pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, known: &[bool; CONTACT_RATIOS.len()]) -> f64 {
-    let per_mm = |logs: &Curve| -> ByRatio { std::array::from_fn(|k| known[k].then(|| logs[k].exp())) };
-    ErrorProfile::mean_of(&per_mm(after), &per_mm(before), &per_mm(target))
+    let against_target = |logs: &Curve| exp(&std::array::from_fn(|k| logs[k] - target[k]));
+    ErrorProfile::mean_against_target(&against_target(after), &against_target(before), known)
 }
 
 /// Mean and standard deviation.
@@ -78,8 +85,8 @@ pub fn moments(values: &[f64]) -> (f64, f64) {
 /// The central 95 % of the cases.
 #[must_use]
 pub fn interval95(mut values: Vec<f64>) -> (f64, f64) {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
+    let last = values.len() - 1;
+    let mut at = |share: f64| *values.select_nth_unstable_by((last as f64 * share).round() as usize, f64::total_cmp).1;
     (at(0.025), at(0.975))
 }
 

@@ -75,31 +75,31 @@ impl ErrorProfile {
     /// From sensitivities, or strains at one deflection, in one unit.
     #[must_use]
     pub fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
-        let errors = errors(after, before, target);
-        Self { by_ratio: fill(&errors, 0.0), used: errors.map(|error| error.is_some()), mean: mean(&errors) }
+        let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
+            (Some(after), Some(before), Some(target)) if distinct(before, target) => {
+                compensation_error(after, before, target)
+            }
+            _ => None,
+        });
+        let used = errors.map(|error| error.is_some());
+        let count = used.iter().filter(|used| **used).count();
+        let mean = errors.iter().flatten().sum::<f64>() / count.max(1) as f64;
+        Self { by_ratio: fill(&errors, 0.0), used, mean }
     }
 
-    /// The mean alone: whoever asks for hundreds of them has no use for what is told of the gaps.
+    /// The mean alone, from sensitivities as ratios to the target's, over the contact ratios that are `known`: whoever
+    /// asks for hundreds of them has no use for more.
     #[must_use]
-    pub fn mean_of(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> f64 {
-        mean(&errors(after, before, target))
+    pub fn mean_against_target(
+        after: &[f64; CONTACT_RATIOS.len()],
+        before: &[f64; CONTACT_RATIOS.len()],
+        known: &[bool; CONTACT_RATIOS.len()],
+    ) -> f64 {
+        let used = (0..CONTACT_RATIOS.len()).filter(|&k| known[k] && distinct(before[k], 1.0));
+        let errors = used.filter_map(|k| compensation_error(after[k], before[k], 1.0));
+        let (sum, count) = errors.fold((0.0, 0_u32), |(sum, count), error| (sum + error, count + 1));
+        sum / f64::from(count.max(1))
     }
-}
-
-/// Eq. 35 where it counts.
-fn errors(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> ByRatio {
-    std::array::from_fn(|k| match (after[k], before[k], target[k]) {
-        (Some(after), Some(before), Some(target)) if distinct(before, target) => {
-            compensation_error(after, before, target)
-        }
-        _ => None,
-    })
-}
-
-/// The mean of what counts; 0 of nothing.
-fn mean(errors: &ByRatio) -> f64 {
-    let count = errors.iter().flatten().count();
-    errors.iter().flatten().sum::<f64>() / count.max(1) as f64
 }
 
 /// Whether eq. 35 has something to divide by.
