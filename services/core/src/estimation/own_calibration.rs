@@ -135,7 +135,13 @@ impl Belief {
     /// How the deviation from the model changes between two pressures, at [`CONTACT_RATIOS`].
     #[must_use]
     pub fn change(weights: &Weights, from: &LogChanges, to: &LogChanges) -> [f64; CONTACT_RATIOS.len()] {
-        std::array::from_fn(|k| (0..FAMILY).map(|i| weights[i] * (to[k][i] - from[k][i])).sum())
+        std::array::from_fn(|k| Self::change_at(weights, &from[k], &to[k]))
+    }
+
+    /// The same at one contact ratio.
+    #[must_use]
+    pub fn change_at(weights: &Weights, from: &[f64; FAMILY], to: &[f64; FAMILY]) -> f64 {
+        (0..FAMILY).map(|i| weights[i] * (to[i] - from[i])).sum()
     }
 
     /// The same for each of the independent standard normal causes behind the covariance.

@@ -72,6 +72,20 @@ impl Family {
             })
         })
     }
+
+    /// [`Self::log_changes`] at the tip alone, of a whisker not cut into its chamber.
+    #[must_use]
+    pub fn log_changes_at_tip(&self, model: &Model, length: Millimetre, pressure: Megapascal) -> [f64; FAMILY] {
+        let log = |one: &Model| {
+            let per_mm = one.sensitivity_per_mm(ContactRatio::TIP, length, &one.morphology(pressure));
+            per_mm.ok().map(f64::ln)
+        };
+        let own = log(model);
+        self.relatives.each_ref().map(|relative| match (log(relative), own) {
+            (Some(other), Some(own)) => other - own,
+            (_, _) => 0.0,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -93,9 +93,9 @@ impl Model {
         Self::precompute(Geometry::nguyen_2021(), Calibration::nguyen_2021(), formulation)
     }
 
-    /// The same shape with another calibration near its own.
+    /// The same shape with another calibration near its own: what was computed once follows from the shape.
     pub(super) fn relative(&self, calibration: Calibration, formulation: Formulation) -> Self {
-        Self::precompute(self.geometry, calibration, formulation)
+        Self { calibration, formulation, ..self.clone() }
     }
 
     fn precompute(g: Geometry, calibration: Calibration, formulation: Formulation) -> Self {

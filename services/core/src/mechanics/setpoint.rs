@@ -117,21 +117,35 @@ pub fn solve_setpoint(
     )
 }
 
-/// How a real whisker differs from its model at a pressure: ln s less the model's, at [`CONTACT_RATIOS`].
-pub type Deviation<'a> = &'a dyn Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()];
+/// How a real whisker differs from its model: ln s less the model's.
+pub trait Deviation {
+    /// At a pressure and [`CONTACT_RATIOS`].
+    fn at(&self, pressure: Megapascal) -> [f64; CONTACT_RATIOS.len()];
+
+    /// At a pressure and the tip alone, the last of [`CONTACT_RATIOS`]: a root is looked for there at many pressures.
+    fn at_tip(&self, pressure: Megapascal) -> f64 {
+        self.at(pressure)[TIP]
+    }
+}
+
+impl<F: Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()]> Deviation for F {
+    fn at(&self, pressure: Megapascal) -> [f64; CONTACT_RATIOS.len()] {
+        self(pressure)
+    }
+}
 
 /// [`solve_setpoint`] for whiskers whose difference from the model changes with the pressure.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
 pub fn solve_setpoint_as_felt(
-    (target_model, target, target_deviation): (&Model, Target, Deviation<'_>),
-    (model, compensator, deviation): (&Model, Compensator, Deviation<'_>),
+    (target_model, target, target_deviation): (&Model, Target, &dyn Deviation),
+    (model, compensator, deviation): (&Model, Compensator, &dyn Deviation),
     objective: Objective,
 ) -> Result<Solution, CutIntoChamber> {
     target_model.check_length(target.length)?;
     model.check_length(compensator.length)?;
-    let at_target = target_deviation(target.pressure);
+    let at_target = target_deviation.at(target.pressure);
     let target_per_mm = profile::sensitivities_per_mm(
         target_model,
         target.length,
@@ -159,7 +173,7 @@ pub fn solve_setpoint_as_felt(
 pub fn least_error(
     model: &Model,
     compensator: Compensator,
-    deviation: Deviation<'_>,
+    deviation: &dyn Deviation,
     before: ByRatio,
     target: ByRatio,
 ) -> Option<Solution> {
@@ -175,7 +189,7 @@ const TIP: usize = CONTACT_RATIOS.len() - 1;
 struct Question<'a> {
     model: &'a Model,
     compensator: Compensator,
-    deviation: Deviation<'a>,
+    deviation: &'a dyn Deviation,
     before: ByRatio,
     target: ByRatio,
     /// Log sensitivity of the target at its tip.
@@ -192,7 +206,7 @@ impl Question<'_> {
         let (low_mpa, high_mpa) = self.range_mpa();
         let excess = |pressure_mpa: f64| {
             let pressure = Megapascal::known(pressure_mpa);
-            log_at_tip(self.model, self.compensator.length, pressure) + (self.deviation)(pressure)[TIP]
+            log_at_tip(self.model, self.compensator.length, pressure) + self.deviation.at_tip(pressure)
                 - self.wanted_log
         };
         let high_mpa = range::peak_mpa(low_mpa, high_mpa, excess);
@@ -261,7 +275,7 @@ fn log_at_tip(model: &Model, length: Millimetre, pressure: Megapascal) -> f64 {
 }
 
 /// Sensitivities of a compensator at a pressure.
-fn after(model: &Model, length: Millimetre, deviation: Deviation<'_>, pressure: Megapascal) -> ByRatio {
-    let factors = deviation(pressure).map(f64::exp);
+fn after(model: &Model, length: Millimetre, deviation: &dyn Deviation, pressure: Megapascal) -> ByRatio {
+    let factors = deviation.at(pressure).map(f64::exp);
     profile::sensitivities_per_mm(model, length, &model.morphology(pressure), &factors)
 }

@@ -4,7 +4,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::{Belief, Weights};
 use crate::mechanics::{
-    CONTACT_RATIOS, Compensator, Model, Objective, Offset, Setpoint, Solution, Target, solve_setpoint_as_felt,
+    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Objective, Offset, Setpoint, Solution, Target,
+    solve_setpoint_as_felt,
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -175,12 +176,10 @@ pub fn propose(
         pressure_min: Megapascal::ZERO,
         pressure_max: Megapascal::known(highest),
     };
-    let straight = |offset: Offset| CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)));
     let at_target = straight(target_offset);
-    let deviation = deviation(compensator, straight(compensator.offset));
     let solved = solve_setpoint_as_felt(
-        (target_model, target, &|_| at_target),
-        (compensator.model, asked, &*deviation),
+        (target_model, target, &|_: Megapascal| at_target),
+        (compensator.model, asked, &AsFelt::new(compensator)),
         params.objective,
     );
     match solved {
@@ -193,20 +192,42 @@ pub fn propose(
 }
 
 /// The compensator's offset, with its change from the present pressure by its own calibration.
-fn deviation<'a>(
-    one: &Fitness<'a>,
+struct AsFelt<'a> {
+    one: &'a Fitness<'a>,
     offset: [f64; CONTACT_RATIOS.len()],
-) -> Box<dyn Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()] + 'a> {
-    if one.own == Weights::default() {
-        return Box::new(move |_| offset);
+    /// None where it is not known to have a calibration of its own.
+    own: Option<(Family, LogChanges)>,
+}
+
+impl<'a> AsFelt<'a> {
+    fn new(one: &'a Fitness<'a>) -> Self {
+        let own = (one.own != Weights::default()).then(|| {
+            let family = one.model.family();
+            let from = family.log_changes(one.model, one.length, one.pressure);
+            (family, from)
+        });
+        Self { one, offset: straight(one.offset), own }
     }
-    let (one, family) = (*one, one.model.family());
-    let from = family.log_changes(one.model, one.length, one.pressure);
-    Box::new(move |pressure| {
-        let to = family.log_changes(one.model, one.length, pressure);
-        let change = Belief::change(&one.own, &from, &to);
-        std::array::from_fn(|k| offset[k] + change[k])
-    })
+}
+
+impl Deviation for AsFelt<'_> {
+    fn at(&self, pressure: Megapascal) -> [f64; CONTACT_RATIOS.len()] {
+        let Some((family, from)) = &self.own else { return self.offset };
+        let to = family.log_changes(self.one.model, self.one.length, pressure);
+        let change = Belief::change(&self.one.own, from, &to);
+        std::array::from_fn(|k| self.offset[k] + change[k])
+    }
+
+    fn at_tip(&self, pressure: Megapascal) -> f64 {
+        let [.., offset] = self.offset;
+        let Some((family, [.., from])) = &self.own else { return offset };
+        let to = family.log_changes_at_tip(self.one.model, self.one.length, pressure);
+        offset + Belief::change_at(&self.one.own, from, &to)
+    }
+}
+
+fn straight(offset: Offset) -> [f64; CONTACT_RATIOS.len()] {
+    CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)))
 }
 
 fn refusal(params: &PolicyParams, case: Case, solution: &Solution) -> Option<Refused> {

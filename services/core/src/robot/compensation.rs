@@ -11,7 +11,7 @@ use super::params::Params;
 use super::prediction::cases_for_each;
 use super::refinement::Refining;
 use super::whisker::Whisker;
-use crate::estimation::ResponseBins;
+use crate::estimation::{Belief, ResponseBins};
 use crate::policy::{Case, Fitness, Ineligible, Mode, Offer, Proposal, Refused, assign, propose};
 use crate::units::{Megapascal, Micros, Millimetre};
 
@@ -79,17 +79,19 @@ impl Compensation {
 }
 
 /// One candidate with what it proposes.
-struct Asked {
+struct Asked<'p> {
     target: WhiskerIndex,
     compensator: WhiskerIndex,
     /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
     standing: Option<(Case, f64)>,
+    /// As the policy saw it, with what is believed of its own calibration; none where it was not asked.
+    fit: Option<(Fitness<'p>, Belief)>,
     proposal: Result<Proposal, Ineligible>,
     /// It serves in a compensation that is not to be changed by a decision.
     reserved: bool,
 }
 
-impl Asked {
+impl Asked<'_> {
     fn cost(&self, params: &Params) -> Option<f64> {
         if self.reserved {
             return None;
@@ -170,7 +172,7 @@ impl Robot {
         if targets.is_empty() {
             return;
         }
-        let asked: Vec<Asked> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
+        let asked: Vec<Asked<'_>> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
         let chosen = choose(params, &targets, &asked);
         let chosen_for = |target: usize| chosen.get(&target).copied();
         let news: Vec<usize> = targets.into_iter().filter(|&target| self.is_news(target, chosen_for(target))).collect();
@@ -213,7 +215,7 @@ impl Robot {
     }
 
     /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
-    fn ask(&self, params: &Params, target: WhiskerIndex) -> Vec<Asked> {
+    fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<Asked<'p>> {
         let whisker = &self.whiskers[target];
         let neighbours: &[u16] = match self.arrays[usize::from(whisker.array)].kind {
             ArrayKind::Type1 => &whisker.sheet.neighbours,
@@ -224,7 +226,7 @@ impl Robot {
         candidates.map(|compensator| self.ask_one(params, target, compensator)).collect()
     }
 
-    fn ask_one(&self, params: &Params, target: WhiskerIndex, compensator: WhiskerIndex) -> Asked {
+    fn ask_one<'p>(&self, params: &'p Params, target: WhiskerIndex, compensator: WhiskerIndex) -> Asked<'p> {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
         let running = self.compensations.iter();
         let standing = running
@@ -232,23 +234,23 @@ impl Robot {
             .map(|running| (running.case, running.predicted_error))
             .next();
         let held = self.holds(compensator).then_some(Ineligible::Held);
-        let proposal = match one.ineligible(target == compensator).or(held) {
-            Some(reason) => Err(reason),
-            None => match (broken.model(params), one.model(params)) {
-                (Some(target_model), Some(model)) => {
-                    let is_self = target == compensator;
-                    let fitness = one.fitness(model, is_self);
-                    let asked = (broken.target(), broken.whole_offset());
-                    let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
-                    let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
-                    Ok(Proposal { refused: proposal.refused.or(by_operator), ..proposal })
-                }
-                (_, _) => Err(Ineligible::Learning),
-            },
+        let is_self = target == compensator;
+        let reason = one.ineligible(is_self).or(held);
+        let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
+            (None, Some(target_model), Some(model)) => {
+                let belief = one.belief(model);
+                let fitness = one.fitness(model, &belief, is_self);
+                let asked = (broken.target(), broken.whole_offset());
+                let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
+                let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
+                let refused = proposal.refused.or(by_operator);
+                (Some((fitness, belief)), Ok(Proposal { refused, ..proposal }))
+            }
+            (reason, _, _) => (None, Err(reason.unwrap_or(Ineligible::Learning))),
         };
         let mut running = self.compensations.iter();
         let reserved = running.any(|one| one.compensator() == compensator && self.is_fixed(params, one));
-        Asked { target, compensator, standing, proposal, reserved }
+        Asked { target, compensator, standing, fit, proposal, reserved }
     }
 
     /// Carries out what was chosen for one target that nobody serves.
@@ -257,7 +259,7 @@ impl Robot {
         params: &Params,
         target: WhiskerIndex,
         chosen: Option<WhiskerIndex>,
-        asked: &[Asked],
+        asked: &[Asked<'_>],
         effects: &mut Vec<Effect>,
     ) {
         self.whiskers[target].undecided = false;
@@ -266,7 +268,7 @@ impl Robot {
         self.next_compensation += 1;
         self.changed = true;
         let cases = cases_for_each(asked.len());
-        let of_target: Vec<&Asked> = asked.iter().filter(|one| one.target == target).collect();
+        let of_target: Vec<&Asked<'_>> = asked.iter().filter(|one| one.target == target).collect();
         let candidates: Vec<CandidateRecord> =
             of_target.iter().map(|one| self.record(params, one, chosen, cases)).collect();
         let whole = self.whiskers[target].target();
@@ -285,7 +287,7 @@ impl Robot {
         }
     }
 
-    fn record(&self, params: &Params, asked: &Asked, chosen: Option<WhiskerIndex>, cases: u32) -> CandidateRecord {
+    fn record(&self, params: &Params, asked: &Asked<'_>, chosen: Option<WhiskerIndex>, cases: u32) -> CandidateRecord {
         let one = &self.whiskers[asked.compensator];
         let is_self = asked.target == asked.compensator;
         let proposal = asked.proposal.as_ref().ok();
@@ -309,8 +311,9 @@ impl Robot {
             predicted_error_by_ratio: setpoint.map(|setpoint| setpoint.error.by_ratio),
             predicted_error: setpoint.map(|setpoint| setpoint.error.mean),
             predicted_error_interval: setpoint.as_ref().and_then(|setpoint| {
-                let fitness = one.fitness(one.model(params)?, is_self);
-                self.predicted_interval(params, (asked.target, asked.compensator), &fitness, setpoint, cases)
+                let (fitness, belief) = asked.fit.as_ref()?;
+                let pair = (asked.target, asked.compensator);
+                self.predicted_interval(params, pair, (fitness, belief), setpoint, cases)
             }),
             gives_up_own_role: !is_self,
             refused: match asked.proposal {
@@ -321,7 +324,7 @@ impl Robot {
     }
 
     /// A compensation begins, or is proposed.
-    fn begin(&mut self, params: &Params, id: u32, chosen: &Asked) {
+    fn begin(&mut self, params: &Params, id: u32, chosen: &Asked<'_>) {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
@@ -351,8 +354,8 @@ impl Robot {
 }
 
 /// The assignment with the least total cost: for each served target its compensator.
-fn choose(params: &Params, targets: &[usize], asked: &[Asked]) -> BTreeMap<usize, usize> {
-    let able: Vec<(&Asked, f64)> = asked.iter().filter_map(|one| Some((one, one.cost(params)?))).collect();
+fn choose(params: &Params, targets: &[usize], asked: &[Asked<'_>]) -> BTreeMap<usize, usize> {
+    let able: Vec<(&Asked<'_>, f64)> = asked.iter().filter_map(|one| Some((one, one.cost(params)?))).collect();
     // Only those who can serve anybody: the others would be empty columns.
     let mut columns: Vec<usize> = able.iter().map(|(one, _)| one.compensator).collect();
     columns.sort_unstable();
@@ -409,7 +412,7 @@ impl Whisker {
 
     /// As the policy sees it: in its own role, at its nominal pressure. A compensation that is over may still
     /// hold its pressure, and the release be on its way: that must decide nothing.
-    fn fitness<'p>(&self, model: &'p crate::mechanics::Model, is_self: bool) -> Fitness<'p> {
+    fn fitness<'p>(&self, model: &'p crate::mechanics::Model, belief: &Belief, is_self: bool) -> Fitness<'p> {
         Fitness {
             model,
             length: self.filter.length().length,
@@ -417,7 +420,7 @@ impl Whisker {
             pressure_max: self.sheet.pressure_max,
             // A trimmed whisker's offset is best known as it is now.
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
-            own: self.belief(model).predict,
+            own: belief.predict,
         }
     }
 }

@@ -32,14 +32,13 @@ impl Robot {
         &self,
         params: &Params,
         (target, compensator): (WhiskerIndex, WhiskerIndex),
-        fitness: &Fitness<'_>,
+        (fitness, belief): (&Fitness<'_>, &Belief),
         setpoint: &Setpoint,
         cases: u32,
     ) -> Option<(f64, f64)> {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
         let (model, target_model) = (fitness.model, broken.model(params)?);
         let (own, whole) = (Smooth::through(&one.whole), Smooth::through(&broken.whole));
-        let belief = one.belief(model);
         let family = model.family();
         let changes = |pressure: Megapascal| family.log_changes(model, fitness.length, pressure);
         let (from, to) = (changes(fitness.pressure), changes(setpoint.pressure));
@@ -58,7 +57,8 @@ impl Robot {
         let mut responses = Uncertain { mean: [after, before, sum(&at_target, &whole.by_ratio())], causes: Vec::new() };
 
         if target == compensator {
-            responses.moves(&own.causes(), &[AFTER, BEFORE, TARGET]);
+            // It moves all three alike, and with that nothing in Eq. 35.
+            responses.moves(&own.causes(), &[]);
         } else {
             responses.moves(&own.causes(), &[AFTER, BEFORE]);
             responses.moves(&whole.causes(), &[TARGET]);
