@@ -1,7 +1,9 @@
-//! How fast the core takes events in: a contact of a learned, healthy whisker must stay under a microsecond.
+//! How fast the core takes events in: a contact of a learned, healthy whisker must stay under a microsecond, and the step
+//! that decides, which lies on the way from a contact to its setpoint, under a fifth of a millisecond.
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use vibrissa_evaluation::crowd::{Buffers, Crowd};
+use vibrissa_tests::large_array::LargeArray;
 
 const WHISKERS: u16 = 24;
 /// In which offset and noise are learned.
@@ -32,5 +34,13 @@ fn step(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, step);
+/// One broken whisker of a row of so many: itself and its neighbour are asked.
+fn decision(c: &mut Criterion) {
+    let array = LargeArray::new(4, 1);
+    c.bench_function("a step that decides", |b| {
+        b.iter_batched_ref(|| array.clone(), LargeArray::decide, BatchSize::SmallInput);
+    });
+}
+
+criterion_group!(benches, step, decision);
 criterion_main!(benches);
