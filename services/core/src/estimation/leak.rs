@@ -16,10 +16,14 @@
 //! **Refills.** A leak whose air is made good faster than readings can follow shows no falling line, but valves that
 //! work although the setpoint stands ([`super::refill`]). Then no rate is told, because the line's would be wrong.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::pool::Pool;
 use super::refill::Refills;
-use super::trend::{Interval, Slope, Trend};
+use super::stretch::Stretch;
+use super::trend::Interval;
+use crate::counts;
 use crate::units::{Megapascal, Micros};
 
 /// How leaks are estimated, and what is called one.
@@ -31,7 +35,7 @@ pub struct LeakParams {
     pub refill_mpa: f64,
     /// Readings are not used for this long after a setpoint or a valve has moved.
     pub settling: Micros,
-    /// An interval is closed after this, so that what changes is not averaged over for ever.
+    /// An interval is closed after this, so that what changes is not averaged over for ever: at most 1000 s.
     pub interval_max: Micros,
     /// Time constant with which closed intervals fade.
     pub memory: Micros,
@@ -77,16 +81,10 @@ const JUMP_REFILLS: f64 = 0.6;
 const VENT_REFILLS: f64 = 1.2;
 /// A pressure below this has no useful logarithm, MPa.
 const LEAST_MPA: f64 = 0.005;
-/// The rate is stated with at least that many degrees of freedom.
-const LEAST_FREEDOM: f64 = 4.0;
-/// ... and over at least so many seconds: valves that tremble shift the pressure by a little now and then.
-const LEAST_S: f64 = 60.0;
-/// From so many intervals on the scatter of their slopes counts.
-const INTERVALS_FOR_SCATTER: f64 = 3.0;
 /// A status this much older than what came before it tells that the robot's clock was set back.
 const CLOCK_SET_BACK: Micros = Micros(10_000_000);
 /// The estimator's state for one chamber.
-#[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeakWatch {
     /// Readings before this, by the robot's clock, are not used.
     quiet_from: Micros,
@@ -95,43 +93,34 @@ pub struct LeakWatch {
     closed: Pool,
     refills: [Refills; 2],
     is_leaking: bool,
-    /// Mean and bounds.
-    rate_per_s: Option<[f32; 3]>,
+    rate: Rate,
+}
+
+/// The rate as it is told: its mean, and how far its bounds are from that.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+struct Rate {
+    mean: f32,
+    half: f32,
+}
+
+impl Rate {
+    /// None is told.
+    const NONE: Self = Self { mean: 0.0, half: -1.0 };
+}
+
+impl Default for Rate {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// Readings that are being averaged.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Bin {
     since: Micros,
     readings: u32,
     seconds: f32,
     mpa: f32,
-}
-
-/// An interval in which the valves are shut.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-struct Stretch {
-    since: Micros,
-    trend: Trend,
-    mpa: f32,
-    /// The newest average but one, and the newest, which waits until it is known that no valve opened in it.
-    before_mpa: Option<f32>,
-    waiting: (f32, f32),
-}
-
-/// Sums over closed intervals, fading.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-struct Pool {
-    intervals: f32,
-    seconds: f32,
-    weight: f32,
-    slope: f32,
-    squares: f32,
-    freedom: f32,
-    /// Sum of weight^2 times the variance that rounding may add to a slope.
-    rounding: f32,
-    /// Sums of weight^2, weight^2 slope, weight^2 slope^2.
-    scatter: [f32; 3],
 }
 
 impl LeakWatch {
@@ -180,11 +169,11 @@ impl LeakWatch {
         if mpa < LEAST_MPA {
             return self.close(params);
         }
-        let too_long = |open: &Stretch| since.since(open.since) >= params.interval_max;
+        let too_long = |open: &Stretch| open.is_full() || since.since(open.since) >= params.interval_max;
         let leapt = |open: &Stretch| {
             let refilled = |before_mpa: f32| mpa - f64::from(before_mpa) > JUMP_REFILLS * params.refill_mpa;
             let vented = f64::from(open.waiting.1) - mpa > VENT_REFILLS * params.refill_mpa;
-            vented || refilled(open.waiting.1) || open.before_mpa.is_some_and(refilled)
+            vented || refilled(open.waiting.1) || open.before_mpa().is_some_and(refilled)
         };
         if self.open.as_ref().is_some_and(|open| too_long(open) || leapt(open)) {
             self.close(params);
@@ -228,7 +217,8 @@ impl LeakWatch {
             self.closed = Pool::default();
         }
         let told = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
-        self.rate_per_s = told.map(|rate| [rate.mean, rate.low, rate.high].map(|one| one as f32));
+        self.rate =
+            told.map_or(Rate::NONE, |rate| Rate { mean: rate.mean as f32, half: (rate.high - rate.mean) as f32 });
     }
 
     /// Whether the chamber is called leaking.
@@ -241,7 +231,8 @@ impl LeakWatch {
     /// interval; none until there is enough to tell, or when refills come too fast for the readings.
     #[must_use]
     pub fn rate_per_s(&self) -> Option<Interval> {
-        self.rate_per_s.map(|rate| rate.map(f64::from)).map(|[mean, low, high]| Interval { mean, low, high })
+        let [mean, half] = [self.rate.mean, self.rate.half].map(f64::from);
+        (self.rate != Rate::NONE).then_some(Interval { mean, low: mean - half, high: mean + half })
     }
 
     fn fitted_rate_per_s(&self, params: &LeakParams) -> Option<Interval> {
@@ -250,6 +241,61 @@ impl LeakWatch {
             pool.add(params, open);
         }
         pool.told()
+    }
+}
+
+/// What is not there takes no room, and times are told by how far they are from one of them.
+impl BorshSerialize for LeakWatch {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        let [status, contact] = &self.refills;
+        let has = [self.quiet_from != Micros::default(), *status != Refills::default(), *contact != Refills::default()];
+        let [is_quiet, by_status, by_contact] = has;
+        let closed = self.closed != Pool::default();
+        let is =
+            [is_quiet, by_status, by_contact, closed, self.open.is_some(), self.rate != Rate::NONE, self.is_leaking];
+        (counts::bits(is) as u8).serialize(writer)?;
+        let Bin { since: from, readings, seconds, mpa } = self.bin;
+        from.serialize(writer)?;
+        counts::write(readings, writer)?;
+        (seconds, mpa).serialize(writer)?;
+        if is_quiet {
+            counts::write_time(self.quiet_from, from, writer)?;
+        }
+        for refills in self.refills.iter().filter(|&one| *one != Refills::default()) {
+            refills.write(from, writer)?;
+        }
+        if closed {
+            self.closed.serialize(writer)?;
+        }
+        self.open.iter().try_for_each(|open| open.write(from, writer))?;
+        if self.rate != Rate::NONE { self.rate.serialize(writer) } else { Ok(()) }
+    }
+}
+
+impl BorshDeserialize for LeakWatch {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking] =
+            counts::are(u8::deserialize_reader(reader)?.into())?;
+        let from = Micros::deserialize_reader(reader)?;
+        let readings = counts::read(reader)?;
+        let (seconds, mpa) = BorshDeserialize::deserialize_reader(reader)?;
+        let mut read = Self { is_leaking, bin: Bin { since: from, readings, seconds, mpa }, ..Self::default() };
+        if is_quiet {
+            read.quiet_from = counts::read_time(from, reader)?;
+        }
+        for (refills, _) in read.refills.iter_mut().zip([by_status, by_contact]).filter(|(_, is_there)| *is_there) {
+            *refills = Refills::read_again(from, reader)?;
+        }
+        if closed {
+            read.closed = Pool::deserialize_reader(reader)?;
+        }
+        if open {
+            read.open = Some(Stretch::read(from, reader)?);
+        }
+        if rate {
+            read.rate = Rate::deserialize_reader(reader)?;
+        }
+        Ok(read)
     }
 }
 
@@ -262,82 +308,5 @@ impl Bin {
         // A contact may come a little after a status that is younger.
         self.seconds += (at.since(self.since).as_s() - self.since.since(at).as_s()) as f32;
         self.mpa += mpa as f32;
-    }
-}
-
-impl Stretch {
-    fn new(since: Micros, seconds: f64, mpa: f64) -> Self {
-        let waiting = (seconds as f32, mpa as f32);
-        Self { since, trend: Trend::new(u32::MAX / 2), mpa: mpa as f32, before_mpa: None, waiting }
-    }
-
-    fn follow(&mut self, seconds: f64, mpa: f64) {
-        let waited = std::mem::replace(&mut self.waiting, (seconds as f32, mpa as f32));
-        self.trend.add(f64::from(waited.0), f64::from(waited.1).ln());
-        self.before_mpa = Some(waited.1);
-    }
-
-    fn span_s(&self) -> f64 {
-        f64::from(self.waiting.0)
-    }
-}
-
-impl Pool {
-    fn fade(&mut self, keep: f64) {
-        let keep = keep as f32;
-        for sum in [
-            &mut self.intervals,
-            &mut self.seconds,
-            &mut self.weight,
-            &mut self.slope,
-            &mut self.squares,
-            &mut self.freedom,
-            &mut self.rounding,
-        ] {
-            *sum *= keep;
-        }
-        self.scatter = self.scatter.map(|sum| sum * keep);
-    }
-
-    fn add(&mut self, params: &LeakParams, open: &Stretch) {
-        let Some(Slope { per_x, weight, squares, freedom }) = open.trend.slope() else { return };
-        let mpa = f64::from(open.mpa);
-        let by_pressure = mpa.powi(2);
-        let weight = by_pressure * weight;
-        self.intervals += 1.0;
-        self.seconds += open.span_s() as f32;
-        self.weight += weight as f32;
-        self.slope += (weight * per_x) as f32;
-        self.squares += (by_pressure * squares) as f32;
-        self.freedom += freedom as f32;
-        // Rounding errors are uniform over a step, so that a line through a few of them is off by about a step over
-        // the interval (1 / sqrt(12) times sqrt(12)): much less once the pressure falls through several steps.
-        let step = params.sensor_step_mpa / mpa;
-        let fallen = per_x.abs() * open.span_s();
-        let rounding = step / open.span_s().max(1.0) * (step / fallen.max(step));
-        self.rounding += (weight * rounding).powi(2) as f32;
-        for (sum, power) in self.scatter.iter_mut().zip([1.0, per_x, per_x.powi(2)]) {
-            *sum += (weight.powi(2) * power) as f32;
-        }
-    }
-
-    fn told(&self) -> Option<Interval> {
-        self.rate().filter(|_| f64::from(self.seconds) >= LEAST_S)
-    }
-
-    fn rate(&self) -> Option<Interval> {
-        let [intervals, weight, slope, squares, freedom, rounding] =
-            [self.intervals, self.weight, self.slope, self.squares, self.freedom, self.rounding].map(f64::from);
-        let all_freedom = freedom + (intervals - 1.0).max(0.0);
-        if weight <= 0.0 || all_freedom < LEAST_FREEDOM {
-            return None;
-        }
-        let slope = slope / weight;
-        let within = if freedom > 0.0 { squares / freedom / weight } else { 0.0 };
-        let [one, linear, square] = self.scatter.map(f64::from);
-        let scatter = (square - 2.0 * slope * linear + slope.powi(2) * one).max(0.0) / weight.powi(2);
-        let between = if intervals >= INTERVALS_FOR_SCATTER { scatter * intervals / (intervals - 1.0) } else { 0.0 };
-        let within = within + rounding / weight.powi(2);
-        Interval::of(-slope, within.max(between), all_freedom)
     }
 }

@@ -16,10 +16,12 @@ pub mod leak;
 pub mod noise;
 pub mod outlier;
 pub mod own_calibration;
+mod pool;
 pub mod refill;
 mod single;
 pub mod smooth;
 pub mod spread;
+mod stretch;
 mod symmetric;
 pub mod trend;
 

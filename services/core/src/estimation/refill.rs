@@ -11,14 +11,16 @@
 //! Refills that come faster than readings leave no such trace, but make the readings leap: by more than one
 //! refill from one reading to the next, which its noise alone hardly ever does.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::counts;
 use crate::units::Micros;
 
-/// Averages of so many readings are compared.
-const SCALES: [u8; 5] = [1, 2, 4, 8, 16];
-/// The most of them.
-const LONGEST: u8 = 16;
+/// Averages over one reading are compared, and over twice as many on each scale: 2, 4, 8 and 16.
+const SCALES: usize = 5;
+/// Readings in the longest average.
+const LONGEST: u8 = 1 << (SCALES - 1);
 /// Time constant with which changes fade, in seconds.
 const MEMORY_S: f64 = 150.0;
 /// Nothing is told sooner, and counts are spread over no less, in seconds.
@@ -36,13 +38,16 @@ const CHANGE_MAX: f32 = 4.0;
 const BOUND_SDS: f64 = 3.0;
 
 /// One source's readings: each is in order by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+///
+/// What is summed up for an average that is not full yet is not kept: it follows from the last averages of the shorter
+/// scales, of which two make one of the next.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Refills {
     /// When the last reading was, if anything is averaged.
     last_at: Micros,
     leaps: f32,
     seconds: f32,
-    scales: [Scale; SCALES.len()],
+    scales: [Scale; SCALES],
     /// Readings since the last average of the longest scale.
     readings: u8,
     /// Scales that have an average already, one bit each.
@@ -50,10 +55,9 @@ pub struct Refills {
 }
 
 /// Changes of averages over one number of readings.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Scale {
-    sum: f32,
-    /// The last average.
+    /// The last average, in refills; 0 before the first.
     last: f32,
     cubes: f32,
     squared_cubes: f32,
@@ -63,9 +67,7 @@ impl Refills {
     /// What was between the readings before and those to come is not known.
     pub fn interrupt(&mut self) {
         (self.last_at, self.readings, self.averaged) = (Micros::default(), 0, 0);
-        for scale in &mut self.scales {
-            (scale.sum, scale.last) = (0.0, 0.0);
-        }
+        self.scales.iter_mut().for_each(|scale| scale.last = 0.0);
     }
 
     /// Takes one reading in. Those that are older than the last one change nothing.
@@ -83,15 +85,18 @@ impl Refills {
             self.pass(at.since(before).as_s(), refills - self.scales[0].last);
         }
         self.last_at = at;
-        self.readings += 1;
-        for (index, (scale, readings)) in self.scales.iter_mut().zip(SCALES).enumerate() {
-            scale.sum += refills;
-            if self.readings.is_multiple_of(readings) {
-                scale.take(f32::from(readings), self.averaged & 1 << index != 0);
-                self.averaged |= 1 << index;
+        let mut mean = refills;
+        for (index, scale) in self.scales.iter_mut().enumerate() {
+            let bit = 1 << index;
+            let before = scale.take(mean, self.averaged & bit != 0);
+            self.averaged |= bit;
+            if self.readings & bit == 0 {
+                break;
             }
+            // The second half of an average of the next scale.
+            mean = 0.5 * (before + mean);
         }
-        self.readings %= LONGEST;
+        self.readings = (self.readings + 1) % LONGEST;
     }
 
     fn pass(&mut self, seconds: f64, leap: f32) {
@@ -138,15 +143,48 @@ impl Scale {
         surely / size.powi(2)
     }
 
-    /// Ends an average.
-    fn take(&mut self, readings: f32, has_last: bool) {
-        let mean = self.sum / readings;
+    /// Ends an average; the one before it.
+    fn take(&mut self, mean: f32, has_last: bool) -> f32 {
         if has_last {
             let cube = (mean - self.last).clamp(-CHANGE_MAX, CHANGE_MAX).powi(3);
             self.cubes += cube;
             self.squared_cubes += cube.powi(2);
         }
-        (self.sum, self.last) = (0.0, mean);
+        std::mem::replace(&mut self.last, mean)
+    }
+}
+
+impl Refills {
+    /// Writes it, its time by how far it is from another.
+    pub fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
+        counts::write_time(self.last_at, from, writer)?;
+        (self.leaps, self.seconds, self.readings, self.averaged).serialize(writer)?;
+        for (index, scale) in self.scales.iter().enumerate() {
+            (scale.cubes, scale.squared_cubes).serialize(writer)?;
+            if self.averaged & 1 << index != 0 {
+                scale.last.serialize(writer)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads it again.
+    ///
+    /// # Errors
+    /// The bytes cannot have been written.
+    pub fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
+        let mut read = Self { last_at: counts::read_time(from, reader)?, ..Self::default() };
+        (read.leaps, read.seconds, read.readings, read.averaged) = BorshDeserialize::deserialize_reader(reader)?;
+        if read.readings >= LONGEST || read.averaged >= 1 << SCALES {
+            return Err(counts::refused("more readings than an average has"));
+        }
+        for (index, scale) in read.scales.iter_mut().enumerate() {
+            (scale.cubes, scale.squared_cubes) = BorshDeserialize::deserialize_reader(reader)?;
+            if read.averaged & 1 << index != 0 {
+                scale.last = f32::deserialize_reader(reader)?;
+            }
+        }
+        Ok(read)
     }
 }
 

@@ -118,27 +118,7 @@ impl Trend {
     /// The line's slope; none with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {
-        let sums =
-            self.means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
-        let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
-        let at = || self.means().map(|(count, x, y)| (count, x - mean_x, y - mean_y));
-        let (weight, product) =
-            at().fold((0.0, 0.0), |(weight, product), (count, x, y)| (weight + count * x * x, product + count * x * y));
-        if self.blocks < 2 || weight <= 0.0 {
-            return None;
-        }
-        let per_x = product / weight;
-        let (mut squares, mut neighbours, mut before) = (0.0, 0.0, 0.0);
-        for (count, x, y) in at() {
-            let residual = count.sqrt() * (y - per_x * x);
-            squares += residual * residual;
-            neighbours += before * residual;
-            before = residual;
-        }
-        let blocks = f64::from(self.blocks);
-        let correlation = if squares > 0.0 { unbiased(neighbours / squares, blocks) } else { 0.0 };
-        let squares = squares * (1.0 + correlation) / (1.0 - correlation);
-        Some(Slope { per_x, weight, squares, freedom: blocks - 2.0 })
+        Slope::through(|| self.means(), usize::from(self.blocks))
     }
 }
 
@@ -174,6 +154,30 @@ fn unbiased(correlation: f64, blocks: f64) -> f64 {
 }
 
 impl Slope {
+    /// Of the line through so many blocks, each with its readings and the means of x and y over them.
+    pub(super) fn through<B: Iterator<Item = (f64, f64, f64)>>(means: impl Fn() -> B, blocks: usize) -> Option<Self> {
+        let sums = means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
+        let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
+        let at = || means().map(|(count, x, y)| (count, x - mean_x, y - mean_y));
+        let (weight, product) =
+            at().fold((0.0, 0.0), |(weight, product), (count, x, y)| (weight + count * x * x, product + count * x * y));
+        if blocks < 2 || weight <= 0.0 {
+            return None;
+        }
+        let per_x = product / weight;
+        let (mut squares, mut neighbours, mut before) = (0.0, 0.0, 0.0);
+        for (count, x, y) in at() {
+            let residual = count.sqrt() * (y - per_x * x);
+            squares += residual * residual;
+            neighbours += before * residual;
+            before = residual;
+        }
+        let blocks = blocks as f64;
+        let correlation = if squares > 0.0 { unbiased(neighbours / squares, blocks) } else { 0.0 };
+        let squares = squares * (1.0 + correlation) / (1.0 - correlation);
+        Some(Self { per_x, weight, squares, freedom: blocks - 2.0 })
+    }
+
     /// The slope with its 95 % interval; none without a degree of freedom.
     #[must_use]
     pub fn interval(&self) -> Option<Interval> {
