@@ -15,13 +15,12 @@ use crate::units::ContactRatio;
 pub const WIDTH: f64 = 0.05;
 
 /// The mean log deviation from the model in one bin.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bin {
     contacts: u32,
-    /// Sum of the inverse of the contacts' noise variances.
     weight: f32,
     mean: f32,
-    mean_ratio: f32,
+    mean_ratio: f64,
 }
 
 impl Bin {
@@ -40,7 +39,7 @@ impl Bin {
     /// Mean contact ratio of the contacts, weighted likewise: the outermost bins are half empty.
     #[must_use]
     pub fn mean_ratio(&self) -> f64 {
-        f64::from(self.mean_ratio)
+        self.mean_ratio
     }
 
     /// Variance of the mean deviation; infinite while empty.
@@ -48,32 +47,72 @@ impl Bin {
     pub fn variance(&self) -> f64 {
         1.0 / f64::from(self.weight)
     }
+}
 
-    fn add(&mut self, ratio: f64, log_deviation: f64, weight: f64) {
+/// A bin as it is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Kept {
+    /// Contacts, at most a million, and below them in [`RATIO_BITS`] where in the bin their mean contact ratio is: to
+    /// 1.2e-5, where the means of two bins are 0.05 apart and a response hardly bends.
+    contacts_and_ratio: u32,
+    /// Sum of the inverse of the contacts' noise variances.
+    weight: f32,
+    mean: f32,
+}
+
+const RATIO_BITS: u32 = 12;
+const RATIO_STEPS: u32 = 1 << RATIO_BITS;
+const CONTACTS_MAX: u32 = u32::MAX >> RATIO_BITS;
+/// Multiples of it, as parts of 2^32, are spread evenly: the golden ratio.
+const GOLDEN: u32 = 0x9e37_79b9;
+
+impl Kept {
+    fn contacts(self) -> u32 {
+        self.contacts_and_ratio >> RATIO_BITS
+    }
+
+    /// Mean contact ratio; `index` is that of the bin.
+    fn mean_ratio(self, index: usize) -> f64 {
+        let share = f64::from(self.contacts_and_ratio % RATIO_STEPS) / f64::from(RATIO_STEPS - 1);
+        CONTACT_RATIOS[index] + (share - 0.5) * WIDTH
+    }
+
+    fn bin(self, index: usize) -> Bin {
+        let Self { weight, mean, .. } = self;
+        Bin { contacts: self.contacts(), weight, mean, mean_ratio: self.mean_ratio(index) }
+    }
+
+    fn add(&mut self, index: usize, ratio: f64, log_deviation: f64, weight: f64) {
         let sum = f64::from(self.weight) + weight;
-        let nearer = |mean: f32, to: f64| (f64::from(mean) + (to - f64::from(mean)) * (weight / sum)) as f32;
-        self.contacts = self.contacts.saturating_add(1);
+        let nearer = |mean: f64, to: f64| mean + (to - mean) * (weight / sum);
+        let share = (nearer(self.mean_ratio(index), ratio) - CONTACT_RATIOS[index]) / WIDTH + 0.5;
+        let contacts = (self.contacts() + 1).min(CONTACTS_MAX);
+        // Rounded up as often as its fraction says, or a mean over many would stand still where each moves it by little.
+        let fraction = f64::from(contacts.wrapping_mul(GOLDEN)) / f64::from(u32::MAX);
+        let steps = (share.clamp(0.0, 1.0) * f64::from(RATIO_STEPS - 1) + fraction) as u32;
+        let steps = steps.min(RATIO_STEPS - 1);
+        self.contacts_and_ratio = contacts << RATIO_BITS | steps;
         self.weight = sum as f32;
-        (self.mean, self.mean_ratio) = (nearer(self.mean, log_deviation), nearer(self.mean_ratio, ratio));
+        self.mean = nearer(f64::from(self.mean), log_deviation) as f32;
     }
 }
 
 /// An empty one takes one byte.
-impl BorshSerialize for Bin {
+impl BorshSerialize for Kept {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        counts::write(self.contacts, writer)?;
-        if self.contacts > 0 {
-            (self.weight, self.mean, self.mean_ratio).serialize(writer)?;
+        counts::write(self.contacts_and_ratio, writer)?;
+        if self.contacts() > 0 {
+            (self.weight, self.mean).serialize(writer)?;
         }
         Ok(())
     }
 }
 
-impl BorshDeserialize for Bin {
+impl BorshDeserialize for Kept {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let mut read = Self { contacts: counts::read(reader)?, ..Self::default() };
-        if read.contacts > 0 {
-            (read.weight, read.mean, read.mean_ratio) = BorshDeserialize::deserialize_reader(reader)?;
+        let mut read = Self { contacts_and_ratio: counts::read(reader)?, ..Self::default() };
+        if read.contacts() > 0 {
+            (read.weight, read.mean) = BorshDeserialize::deserialize_reader(reader)?;
         }
         Ok(read)
     }
@@ -94,8 +133,9 @@ pub struct Waiting {
 /// One contact that waits, with as many digits as an average of thousands can show.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Waits {
-    /// The inverse of the noise variance, the upper half of a single's bits: 8 of digits.
-    weight: u16,
+    /// The inverse of the noise variance, to 6 %: what a contact counts for needs no more. Octaves from
+    /// [`LEAST_OCTAVE`] on, and eighths of them.
+    weight: u8,
     /// In 4096ths, at most 8 to either side: 2.4e-4 where contacts scatter by 0.03.
     log_deviation: i16,
     /// Contact ratio in 255ths.
@@ -103,13 +143,17 @@ struct Waits {
 }
 
 const LOG_DEVIATION_STEPS: f64 = 4096.0;
+/// Where the octave begins among the bits of a single, with its eighths.
+const EIGHTHS_AT: u32 = 20;
+/// The exponent of the least weight, 2^-8, in eighths.
+const LEAST_OCTAVE: u32 = (127 - 8) << 3;
 
 impl Waits {
     fn new(ratio: ContactRatio, log_deviation: f64, noise_variance: f64) -> Self {
-        let weight = (1.0 / noise_variance) as f32;
+        let eighths = ((1.0 / noise_variance) as f32).to_bits().saturating_add(1 << (EIGHTHS_AT - 1)) >> EIGHTHS_AT;
         Self {
             ratio: (ratio.a() * f64::from(u8::MAX)).round() as u8,
-            weight: (weight.to_bits().saturating_add(1 << 15) >> 16) as u16,
+            weight: eighths.saturating_sub(LEAST_OCTAVE).min(u8::MAX.into()) as u8,
             log_deviation: (log_deviation * LOG_DEVIATION_STEPS).round() as i16,
         }
     }
@@ -117,9 +161,9 @@ impl Waits {
     fn counts(self, bins: &mut ResponseBins) {
         let ratio = f64::from(self.ratio) / f64::from(u8::MAX);
         let log_deviation = f64::from(self.log_deviation) / LOG_DEVIATION_STEPS;
-        let weight = f64::from(f32::from_bits(u32::from(self.weight) << 16));
+        let weight = f64::from(f32::from_bits((u32::from(self.weight) + LEAST_OCTAVE) << EIGHTHS_AT));
         if let Some(index) = ContactRatio::new(ratio).ok().and_then(ResponseBins::index) {
-            bins.bins[index].add(ratio, log_deviation, weight);
+            bins.bins[index].add(index, ratio, log_deviation, weight);
         }
     }
 }
@@ -172,7 +216,7 @@ impl BorshDeserialize for Waiting {
 /// A response over the contact ratio, measured against one reference of the model.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct ResponseBins {
-    bins: [Bin; CONTACT_RATIOS.len()],
+    bins: [Kept; CONTACT_RATIOS.len()],
 }
 
 impl ResponseBins {
@@ -186,38 +230,38 @@ impl ResponseBins {
     /// Takes one contact in: its log deviation from the model and that deviation's noise variance.
     pub fn add(&mut self, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
         if let Some(index) = Self::index(ratio) {
-            self.bins[index].add(ratio.a(), log_deviation, 1.0 / noise_variance);
+            self.bins[index].add(index, ratio.a(), log_deviation, 1.0 / noise_variance);
         }
     }
 
     /// Every log deviation is another by this much: what was measured is brought to a new scale.
     pub fn shift(&mut self, log_shift: f64) {
-        for bin in self.bins.iter_mut().filter(|bin| bin.contacts > 0) {
+        for bin in self.bins.iter_mut().filter(|bin| bin.contacts() > 0) {
             bin.mean = (f64::from(bin.mean) + log_shift) as f32;
         }
     }
 
     /// The bin around `CONTACT_RATIOS[index]`.
     #[must_use]
-    pub fn bin(&self, index: usize) -> &Bin {
-        &self.bins[index]
+    pub fn bin(&self, index: usize) -> Bin {
+        self.bins[index].bin(index)
     }
 
     /// The bin of a contact ratio, if it has at least `contacts`.
     #[must_use]
-    pub fn measured(&self, ratio: ContactRatio, contacts: u32) -> Option<&Bin> {
-        Self::index(ratio).map(|index| &self.bins[index]).filter(|bin| bin.contacts >= contacts)
+    pub fn measured(&self, ratio: ContactRatio, contacts: u32) -> Option<Bin> {
+        Self::index(ratio).map(|index| self.bin(index)).filter(|bin| bin.contacts >= contacts)
     }
 
     /// The bins with contacts.
-    pub fn felt(&self) -> impl Iterator<Item = &Bin> {
-        self.bins.iter().filter(|bin| bin.contacts > 0)
+    pub fn felt(&self) -> impl Iterator<Item = Bin> + '_ {
+        (0..self.bins.len()).map(|index| self.bin(index)).filter(|bin| bin.contacts > 0)
     }
 
     /// Contacts in all bins.
     #[must_use]
     pub fn contacts(&self) -> u32 {
-        self.bins.iter().map(|bin| bin.contacts).fold(0, u32::saturating_add)
+        self.bins.iter().map(|bin| bin.contacts()).fold(0, u32::saturating_add)
     }
 }
 

@@ -17,11 +17,13 @@
 //! variance. That is what [`crate::detection`] rests on. How much of a real change the filter has absorbed
 //! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
 
+use borsh::io::{Error, Read, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::noise::{NoiseScale, SensorNoise};
 use super::outlier::{InnovationDensity, Seen};
 use super::symmetric::Symmetric;
+use crate::counts;
 use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
@@ -81,9 +83,19 @@ impl Default for FilterParams {
 /// The filter's state for one whisker.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct LengthFilter {
+    #[borsh(serialize_with = "write_whole", deserialize_with = "read_whole")]
     whole_length_mm: f64,
-    mean: [f64; STATES],
+    /// In single precision, as the covariance: a contact moves it by a ten-thousandth of what is not known of it, or more.
+    mean: [f32; STATES],
     covariance: Symmetric,
+}
+
+fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
+    counts::write_number(*whole_length_mm, writer)
+}
+
+fn read_whole<R: Read>(reader: &mut R) -> Result<f64, Error> {
+    counts::read_number(reader)
 }
 
 /// How far the state may wander from one contact to the next, as standard deviations.
@@ -175,8 +187,8 @@ impl LengthFilter {
     /// Present length with its standard deviation.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {
-        let length_mm = (self.whole_length_mm * self.mean[LENGTH].exp()).clamp(1.0, 1000.0);
-        let by_model = MODEL_SLOPE_SD * self.mean[LENGTH];
+        let length_mm = (self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0);
+        let by_model = MODEL_SLOPE_SD * self.log_length();
         LengthEstimate {
             length: Millimetre::known(length_mm),
             sd_mm: length_mm * (self.covariance.variance(LENGTH).max(0.0) + by_model.powi(2)).sqrt(),
@@ -186,19 +198,19 @@ impl LengthFilter {
     /// ln(length / whole length).
     #[must_use]
     pub fn log_length(&self) -> f64 {
-        self.mean[LENGTH]
+        self.mean[LENGTH].into()
     }
 
     /// Present offset from the model.
     #[must_use]
     pub fn offset(&self) -> Offset {
-        Offset { level: self.mean[0], slope: self.mean[1] }
+        Offset { level: self.mean[0].into(), slope: self.mean[1].into() }
     }
 
     /// Present baseline, m/m, and its standard deviation.
     #[must_use]
     pub fn baseline_strain(&self) -> (f64, f64) {
-        (self.mean[BASELINE], self.covariance.variance(BASELINE).max(0.0).sqrt())
+        (self.mean[BASELINE].into(), self.covariance.variance(BASELINE).max(0.0).sqrt())
     }
 
     /// Compares one contact with the prediction; changes nothing.
@@ -217,7 +229,7 @@ impl LengthFilter {
         let (model_per_mm, log_slope) = model.sensitivity_and_slope(contact.ratio, length, morphology)?;
         let predicted = model_per_mm * self.offset().at(contact.ratio).exp();
         let by_deflection = predicted * contact.deflection_mm;
-        let expected_strain = by_deflection + self.mean[BASELINE];
+        let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
         if expected_strain < least || by_deflection < least || contact.strain <= 0.0 {
             return Err(NoInformation::TooWeak);
@@ -268,7 +280,7 @@ impl LengthFilter {
     /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander.
     pub fn learn(&mut self, seen: &Innovation, wander: Wander) {
         for (mean, gain) in self.mean.iter_mut().zip(seen.gain) {
-            *mean += gain * seen.residual;
+            *mean = (f64::from(*mean) + gain * seen.residual) as f32;
         }
         self.covariance = self.covariance.after_reading(&seen.row, &seen.gain, seen.gain_noise_variance);
         self.covariance.widen(0, wander.offset.powi(2));
@@ -294,7 +306,7 @@ impl LengthFilter {
     /// deviation; the contacts that follow take that away again.
     pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) {
         for (mean, lacks) in self.mean.iter_mut().zip(lacking) {
-            *mean += lacks * size;
+            *mean = (f64::from(*mean) + lacks * size) as f32;
         }
         self.covariance.add_square(&lacking, variance);
         self.covariance.widen(LENGTH, (0.1 * size * lacking[LENGTH]).powi(2));

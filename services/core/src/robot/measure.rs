@@ -35,7 +35,7 @@ impl Reference<'_> {
     fn at(&self, ratio: ContactRatio, contacts_min: u32) -> Option<LogResponse> {
         let morphology = self.model.morphology(self.pressure);
         let model_log = self.model.sensitivity_per_mm(ratio, self.length, &morphology).ok()?.ln();
-        let measured: Option<&Bin> = self.bins.and_then(|bins| bins.measured(ratio, contacts_min));
+        let measured: Option<Bin> = self.bins.and_then(|bins| bins.measured(ratio, contacts_min));
         Some(match measured {
             Some(bin) => {
                 LogResponse { log_per_mm: model_log + bin.mean(), variance: bin.variance(), origin: Origin::Measured }
@@ -191,7 +191,7 @@ impl Robot {
         let (error, sd) = error_with_sd(after, before, target)?;
         Some(ErrorBin {
             ratio: ratio.a(),
-            contacts: running.after.measured(ratio, least).map_or(0, Bin::contacts),
+            contacts: running.after.measured(ratio, least).map_or(0, |bin| bin.contacts()),
             after_per_mm: after.log_per_mm.exp(),
             before_per_mm: before.log_per_mm.exp(),
             before_origin: before.origin,
