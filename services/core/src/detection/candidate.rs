@@ -13,10 +13,10 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::hypothesis::{ALL, COUNT, GRADUAL_FROM, Hypothesis, OF_ANY_SIZE, OF_LENGTH};
-use crate::counts;
+use super::hypothesis::{ALL, COUNT, GRADUAL_FROM, Hypothesis, OF_ANY_SIZE};
+use super::start::Starts;
 use crate::estimation::Innovation;
-use crate::estimation::filter::{BASELINE, LENGTH, STATES};
+use crate::estimation::filter::{LENGTH, STATES};
 use crate::estimation::outlier::{Densities, LANES};
 
 /// Keeps the statistic finite: far above any threshold.
@@ -32,16 +32,14 @@ const _: () = assert!(BEGUN + OF_ANY_SIZE.len() <= NO_CHANGE);
 pub struct Candidates {
     /// Shiryaev-Roberts statistic: sum over all starts of the likelihood ratio.
     shiryaev: [f32; COUNT],
-    /// CUSUM: likelihood ratio since the likeliest start; 0 before the first contact, as is all that follows.
+    /// CUSUM: likelihood ratio since the likeliest start; 0 before the first contact, as are the sums.
     cusum: [f32; COUNT],
-    /// What the state lacks per unit of the change since that start.
-    lacking: [[f32; COUNT]; STATES],
-    /// Contacts since that start.
-    contacts: [u32; COUNT],
     /// Sums since that start: with g the signature of a unit change in standard deviations, and w the standardised
     /// innovation, of g^2 and g w, each contact by its probability of being no outlier.
     gg: [f32; COUNT],
     gw: [f32; COUNT],
+    /// When each is supposed to have begun, and what the state lacks since.
+    starts: Starts,
 }
 
 /// What a contact says under each supposed change.
@@ -73,36 +71,17 @@ impl Candidates {
         let sd = seen.variance.sqrt();
         let row: [f32; STATES] = seen.row.map(|one| (one / sd) as f32);
         let gain: [f32; STATES] = seen.gain.map(|one| (one * sd) as f32);
-        self.begin();
+        let expected = self.starts.expect(&row);
         let mut signature = [0.0; LANES];
-        for (one, row) in self.lacking.iter().zip(row) {
-            for (signature, lacks) in signature.iter_mut().zip(one) {
-                *signature += row * lacks;
-            }
-        }
+        self.starts.by_change(&expected, &mut signature);
         signature[BEGUN..BEGUN + OF_ANY_SIZE.len()].fill(row[LENGTH]);
         let (ratio, sound) = self.likelihood_ratios(seen, &signature);
         let mut felt = Felt { signature, sound };
         let ratio = self.rather_begin(&mut felt, ratio);
-        for (one, gain) in self.lacking.iter_mut().zip(gain) {
-            for (lacks, signature) in one.iter_mut().zip(&felt.signature) {
-                *lacks -= gain * signature;
-            }
-        }
-        self.judge(&ratio, &felt, seen.standardised as f32);
+        let mut goes_on = self.judge(&ratio);
+        self.starts.follow(&gain, &expected, &mut goes_on);
+        self.add_up(&goes_on, &felt, seen.standardised as f32);
         felt
-    }
-
-    /// A step is there from its first contact on; a gradual change goes on at every contact.
-    fn begin(&mut self) {
-        let contacts = &self.contacts;
-        let adds = |index: usize| if index >= GRADUAL_FROM || contacts[index] == 0 { 1.0 } else { 0.0 };
-        for (index, lacks) in self.lacking[LENGTH].iter_mut().enumerate().take(OF_LENGTH) {
-            *lacks += adds(index);
-        }
-        for (index, lacks) in self.lacking[BASELINE].iter_mut().enumerate().skip(OF_LENGTH) {
-            *lacks += adds(index);
-        }
     }
 
     /// How much likelier the contact is under each supposed change than without, and whether it is an outlier.
@@ -143,9 +122,8 @@ impl Candidates {
     fn rather_begin(&mut self, felt: &mut Felt, mut ratio: [f32; LANES]) -> [f32; LANES] {
         for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
             let begun = BEGUN + lane;
-            if self.contacts[index] > 0 && ratio[begun] > self.cusum[index] * ratio[index] {
+            if self.contacts(index) > 0 && ratio[begun] > self.cusum[index] * ratio[index] {
                 self.forget(index);
-                self.lacking[LENGTH][index] = 1.0;
                 ratio[index] = ratio[begun];
                 felt.signature[index] = felt.signature[begun];
                 felt.sound[index] = felt.sound[begun];
@@ -154,32 +132,36 @@ impl Candidates {
         ratio
     }
 
-    /// Adds up, and gives up the starts that have become less likely than none.
-    fn judge(&mut self, ratio: &[f32; LANES], felt: &Felt, standardised: f32) {
+    /// How likely each has become, and whether it goes on: where it has become less likely than none its start is given
+    /// up.
+    fn judge(&mut self, ratio: &[f32; LANES]) -> [bool; COUNT] {
+        let mut goes_on = [false; COUNT];
         for index in 0..COUNT {
             let ratio = ratio[index];
             self.shiryaev[index] = least((1.0 + self.shiryaev[index]) * ratio, SHIRYAEV_MAX);
-            let so_far = if self.contacts[index] == 0 { 1.0 } else { self.cusum[index] };
-            let cusum = least(so_far * ratio, SHIRYAEV_MAX);
-            let goes_on = cusum > RESTARTS_AT[index];
-            let kept = |one: f32| if goes_on { one } else { 0.0 };
+            // It is above 0 from the first contact on.
+            let so_far = if self.cusum[index] > 0.0 { self.cusum[index] } else { 1.0 };
+            self.cusum[index] = least(so_far * ratio, SHIRYAEV_MAX);
+            goes_on[index] = self.cusum[index] > RESTARTS_AT[index];
+        }
+        goes_on
+    }
+
+    /// Adds up, for those that go on.
+    fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &Felt, standardised: f32) {
+        for (index, goes_on) in goes_on.iter().enumerate() {
+            let kept = |one: f32| if *goes_on { one } else { 0.0 };
             let (signature, sound) = (felt.signature[index], felt.sound[index]);
-            self.cusum[index] = kept(cusum);
-            self.contacts[index] = if goes_on { self.contacts[index].saturating_add(1) } else { 0 };
+            self.cusum[index] = kept(self.cusum[index]);
             self.gg[index] = kept(self.gg[index] + sound * signature * signature);
             self.gw[index] = kept(self.gw[index] + sound * signature * standardised);
-            for one in &mut self.lacking {
-                one[index] = kept(one[index]);
-            }
         }
     }
 
-    /// Gives up a supposed start.
+    /// Gives up the start of a step.
     fn forget(&mut self, index: usize) {
-        (self.cusum[index], self.contacts[index], self.gg[index], self.gw[index]) = (0.0, 0, 0.0, 0.0);
-        for one in &mut self.lacking {
-            one[index] = 0.0;
-        }
+        (self.cusum[index], self.gg[index], self.gw[index]) = (0.0, 0.0, 0.0);
+        self.starts.forget(index);
     }
 
     /// An alarm is over. Slow changes forget how likely it was, but not since when there may be something; steps forget
@@ -187,6 +169,7 @@ impl Candidates {
     pub fn dismiss(&mut self) {
         self.shiryaev = [0.0; COUNT];
         (0..GRADUAL_FROM).for_each(|index| self.forget(index));
+        self.starts.forget_steps();
     }
 
     /// The innovation that a unit of the change lets expect at this contact, in standard deviations.
@@ -211,20 +194,25 @@ impl Candidates {
     /// What the state lacks per unit of the change since the likeliest start.
     #[must_use]
     pub fn lacking(&self, index: usize) -> [f64; STATES] {
-        std::array::from_fn(|state| f64::from(self.lacking[state][index]))
+        self.starts.lacking(index)
     }
 
-    /// Contacts since the likeliest start.
+    /// Contacts since the likeliest start, at most [`super::start::CONTACTS_MAX`].
     #[must_use]
     pub fn contacts(&self, index: usize) -> u32 {
-        self.contacts[index]
+        self.starts.contacts(index)
+    }
+
+    /// When the changes are supposed to have begun.
+    pub(super) fn starts(&self) -> &Starts {
+        &self.starts
     }
 
     /// The sums since the likeliest start.
     #[must_use]
     pub fn evidence(&self, index: usize) -> Evidence {
         let [gg, gw] = [self.gg[index], self.gw[index]].map(f64::from);
-        Evidence { contacts: self.contacts[index], gg, gw }
+        Evidence { contacts: self.contacts(index), gg, gw }
     }
 }
 
@@ -244,30 +232,23 @@ fn least(one: f32, other: f32) -> f32 {
     if one < other { one } else { other }
 }
 
-/// What has not begun takes one bit.
+/// What has not begun takes no room.
 impl BorshSerialize for Candidates {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         self.shiryaev.serialize(writer)?;
-        let begun = (0..COUNT).filter(|&index| self.contacts[index] > 0).fold(0_u32, |bits, index| bits | 1 << index);
-        begun.serialize(writer)?;
-        for index in (0..COUNT).filter(|&index| self.contacts[index] > 0) {
-            counts::write(self.contacts[index], writer)?;
-            (self.cusum[index], self.gg[index], self.gw[index]).serialize(writer)?;
-            self.lacking.iter().try_for_each(|one| one[index].serialize(writer))?;
-        }
-        Ok(())
+        self.starts.serialize(writer)?;
+        let begun = (0..COUNT).filter(|&index| self.contacts(index) > 0);
+        begun.map(|index| (self.cusum[index], self.gg[index], self.gw[index])).try_for_each(|one| one.serialize(writer))
     }
 }
 
 impl BorshDeserialize for Candidates {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let mut read = Self { shiryaev: BorshDeserialize::deserialize_reader(reader)?, ..Self::default() };
-        let begun = u32::deserialize_reader(reader)?;
-        for index in (0..COUNT).filter(|index| begun & 1 << index != 0) {
-            read.contacts[index] = counts::read(reader)?;
-            (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;
-            for one in &mut read.lacking {
-                one[index] = f32::deserialize_reader(reader)?;
+        let (shiryaev, starts) = BorshDeserialize::deserialize_reader(reader)?;
+        let mut read = Self { shiryaev, starts, ..Self::default() };
+        for index in 0..COUNT {
+            if read.contacts(index) > 0 {
+                (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;
             }
         }
         Ok(read)

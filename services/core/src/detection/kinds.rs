@@ -7,6 +7,7 @@
 
 use super::candidate::{Candidates, Fit};
 use super::hypothesis::{ALL, Kind};
+use super::start::CONTACTS_MAX;
 use crate::estimation::filter::STATES;
 
 /// A confirmed change.
@@ -52,7 +53,7 @@ pub(super) fn best(
     let of_kind = ALL.iter().enumerate().filter(|(_, supposed)| supposed.kind == kind);
     of_kind
         .map(|(index, _)| (index, candidates.evidence(index)))
-        .filter(|(_, evidence)| evidence.contacts() >= contacts_min)
+        .filter(|(_, evidence)| evidence.contacts() >= contacts_min.min(CONTACTS_MAX))
         .filter_map(|(index, evidence)| {
             let fit = evidence.fit(limits(kind, erosion_per_contact_max))?;
             Some(Explanation { index, fit })

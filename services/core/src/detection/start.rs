@@ -1,0 +1,212 @@
+//! The supposed starts of changes: what the state lacks per unit of a change depends on when it began, and not on its
+//! size, so that all steps that are supposed to have begun with the same contact share one start.
+//!
+//! There is room for [`STEPS`] starts of steps at the same time. All five are in use at one contact of a whole whisker in
+//! a thousand: a step that finds no room then begins with a later contact. Gradual changes hardly ever give their starts
+//! up, so each has its own.
+
+use borsh::io::{Read, Result, Write};
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::hypothesis::{COUNT, GRADUAL_FROM, OF_LENGTH};
+use crate::counts;
+use crate::estimation::filter::{BASELINE, LENGTH, STATES};
+
+/// Starts of steps.
+pub const STEPS: usize = 5;
+/// Starts: those of steps, then those of the gradual changes in their order.
+pub const STARTS: usize = STEPS + COUNT - GRADUAL_FROM;
+/// Where the first change of the baseline is.
+const BASELINES_FROM: usize = STEPS + OF_LENGTH - GRADUAL_FROM;
+/// The place of a step that has not begun: as if it began with this contact.
+const NOW: usize = STARTS;
+/// Places, with some to spare, so that each is known to be there.
+const PLACES: usize = 16;
+/// More contacts are not counted.
+pub const CONTACTS_MAX: u32 = u16::MAX as u32;
+const _: () = assert!(NOW < PLACES);
+
+/// What a unit of a change that began at each place lets expect of a contact, in standard deviations.
+pub type Signatures = [f32; PLACES];
+
+/// The starts of all supposed changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Starts {
+    /// What the state lacks per unit of the change since then; 0 where there is no start.
+    lacking: [[f32; STARTS]; STATES],
+    /// Contacts since then, at most [`CONTACTS_MAX`].
+    contacts: [u16; STARTS],
+    /// The starts of the steps.
+    of_steps: [u8; GRADUAL_FROM],
+}
+
+impl Default for Starts {
+    fn default() -> Self {
+        Self { lacking: Default::default(), contacts: [0; STARTS], of_steps: [NOW as u8; GRADUAL_FROM] }
+    }
+}
+
+impl Starts {
+    /// The place of a change's start.
+    pub fn place(&self, index: usize) -> usize {
+        match self.of_steps.get(index) {
+            Some(&place) => usize::from(place) % PLACES,
+            None => index - GRADUAL_FROM + STEPS,
+        }
+    }
+
+    /// Contacts since a change's start; 0 if it has not begun.
+    pub fn contacts(&self, index: usize) -> u32 {
+        self.contacts.get(self.place(index)).map_or(0, |&contacts| contacts.into())
+    }
+
+    /// What the state lacks per unit of a change.
+    pub fn lacking(&self, index: usize) -> [f64; STATES] {
+        let place = self.place(index);
+        std::array::from_fn(|state| self.lacking[state].get(place).map_or(0.0, |&lacks| lacks.into()))
+    }
+
+    /// A gradual change goes on at every contact: what a unit of each change lets expect of this one. `row` is that of the
+    /// contact in standard deviations.
+    pub fn expect(&mut self, row: &[f32; STATES]) -> Signatures {
+        self.lacking[LENGTH][STEPS..BASELINES_FROM].iter_mut().for_each(|lacks| *lacks += 1.0);
+        self.lacking[BASELINE][BASELINES_FROM..].iter_mut().for_each(|lacks| *lacks += 1.0);
+        let mut expected = [0.0; PLACES];
+        for (one, row) in self.lacking.iter().zip(row) {
+            for (expected, lacks) in expected.iter_mut().zip(one) {
+                *expected += row * lacks;
+            }
+        }
+        expected[NOW] = row[LENGTH];
+        expected
+    }
+
+    /// The signatures by change.
+    pub fn by_change(&self, expected: &Signatures, signature: &mut [f32]) {
+        for (signature, &place) in signature.iter_mut().zip(&self.of_steps) {
+            *signature = expected[usize::from(place) % PLACES];
+        }
+        signature[GRADUAL_FROM..COUNT].copy_from_slice(&expected[STEPS..STARTS]);
+    }
+
+    /// Gives the start of a step up.
+    pub fn forget(&mut self, step: usize) {
+        self.of_steps[step] = NOW as u8;
+    }
+
+    /// The filter has learned from the contact. Changes that do not go on give their starts up, and steps that do and have
+    /// none begin with this contact, if there is room; `goes_on` is told if there is none.
+    pub fn follow(&mut self, gain: &[f32; STATES], expected: &Signatures, goes_on: &mut [bool; COUNT]) {
+        for (one, gain) in self.lacking.iter_mut().zip(gain) {
+            for (lacks, expected) in one.iter_mut().zip(expected) {
+                *lacks -= gain * expected;
+            }
+        }
+        let (mut used, mut begins) = (0_u32, false);
+        for (place, goes_on) in self.of_steps.iter_mut().zip(&*goes_on) {
+            if !goes_on {
+                *place = NOW as u8;
+            }
+            used |= u32::from(*goes_on) << *place;
+            begins |= *goes_on && usize::from(*place) == NOW;
+        }
+        let begun = if begins { (!used).trailing_zeros() as usize } else { NOW };
+        for place in 0..STARTS {
+            let lasts = if place < STEPS { used & 1 << place != 0 } else { goes_on[place + GRADUAL_FROM - STEPS] };
+            self.contacts[place] = if lasts { self.contacts[place].saturating_add(1) } else { 0 };
+            for one in &mut self.lacking {
+                one[place] = if lasts { one[place] } else { 0.0 };
+            }
+        }
+        if begins {
+            self.begin(begun, gain, expected, goes_on);
+        }
+    }
+
+    fn begin(&mut self, begun: usize, gain: &[f32; STATES], expected: &Signatures, goes_on: &mut [bool; COUNT]) {
+        let waits = begun >= STEPS;
+        for (place, goes_on) in self.of_steps.iter_mut().zip(goes_on).filter(|(place, _)| usize::from(**place) == NOW) {
+            *goes_on &= !waits;
+            if *goes_on {
+                *place = begun as u8;
+            }
+        }
+        if !waits {
+            self.contacts[begun] = 1;
+            for (state, (one, gain)) in self.lacking.iter_mut().zip(gain).enumerate() {
+                let unit = if state == LENGTH { 1.0 } else { 0.0 };
+                one[begun] = unit - gain * expected[NOW];
+            }
+        }
+    }
+
+    /// All steps give their starts up.
+    pub fn forget_steps(&mut self) {
+        self.of_steps = [NOW as u8; GRADUAL_FROM];
+        self.contacts[..STEPS].fill(0);
+        self.lacking.iter_mut().for_each(|one| one[..STEPS].fill(0.0));
+    }
+}
+
+/// Gradual changes that began with the same contact lack the same.
+impl Starts {
+    /// Whether all of a start is as that in the place before.
+    fn is_as_before(&self, place: usize) -> bool {
+        let same = |one: &[f32; STARTS]| one[place].to_bits() == one[place - 1].to_bits();
+        place > STEPS && self.contacts[place] == self.contacts[place - 1] && self.lacking.iter().all(same)
+    }
+
+    fn take_before(&mut self, place: usize) -> Result<()> {
+        if place <= STEPS || self.contacts[place - 1] == 0 {
+            return Err(counts::refused("a start as none"));
+        }
+        self.contacts[place] = self.contacts[place - 1];
+        self.lacking.iter_mut().for_each(|one| one[place] = one[place - 1]);
+        Ok(())
+    }
+}
+
+/// Those that there are: which, one bit each, then the places of the steps, two a byte.
+impl BorshSerialize for Starts {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        let bits = counts::bits(self.contacts.map(|contacts| contacts > 0));
+        bits.serialize(writer)?;
+        self.of_steps.chunks(2).try_for_each(|pair| (pair[0] | pair[1] << 4).serialize(writer))?;
+        for place in (0..STARTS).filter(|&place| self.contacts[place] > 0) {
+            if self.is_as_before(place) {
+                counts::write(0, writer)?;
+                continue;
+            }
+            counts::write(self.contacts[place].into(), writer)?;
+            self.lacking.iter().try_for_each(|one| one[place].serialize(writer))?;
+        }
+        Ok(())
+    }
+}
+
+impl BorshDeserialize for Starts {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut read = Self::default();
+        let are: [bool; STARTS] = counts::are(u16::deserialize_reader(reader)?)?;
+        for pair in read.of_steps.chunks_mut(2) {
+            let both = u8::deserialize_reader(reader)?;
+            (pair[0], pair[1]) = (both & 0xf, both >> 4);
+        }
+        let is_step = |place: u8| usize::from(place) == NOW || usize::from(place) < STEPS && are[usize::from(place)];
+        if !read.of_steps.iter().all(|&place| is_step(place)) {
+            return Err(counts::refused("a step without a start"));
+        }
+        for place in (0..STARTS).filter(|&place| are[place]) {
+            let contacts = counts::read(reader)?;
+            if contacts == 0 {
+                read.take_before(place)?;
+                continue;
+            }
+            read.contacts[place] = contacts.min(CONTACTS_MAX) as u16;
+            for one in &mut read.lacking {
+                one[place] = f32::deserialize_reader(reader)?;
+            }
+        }
+        Ok(read)
+    }
+}
