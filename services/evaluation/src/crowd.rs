@@ -265,3 +265,18 @@ pub fn size(robots: usize, whiskers: u16, contacts: u32, done: &(dyn Fn() + Sync
         stored_bytes_a_whisker: crowd.stored_bytes_a_whisker(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whisker_is_stored_in_a_kibibyte() {
+        let mut crowd = Crowd::new(4, 24);
+        for contacts in [40, 360, 1600] {
+            crowd.learn(contacts, &|| ());
+            let bytes = crowd.stored_bytes_a_whisker();
+            assert!(bytes < 1024.0, "{bytes}");
+        }
+    }
+}

@@ -51,7 +51,7 @@ fn condition(world: &World, index: usize) -> Condition {
 }
 
 fn told(world: &World, change: impl FnOnce(&mut ArraySheet)) -> Factsheet {
-    let whiskers = (0..world.core.whisker_count()).map(|index| world.core.whisker(index).unwrap().sheet.clone());
+    let whiskers = (0..world.core.whisker_count()).map(|index| world.core.whisker(index).unwrap().sheet.into());
     let kind = world.core.whisker(0).unwrap().kind;
     let mut array = ArraySheet { name: "left".to_owned(), kind, whiskers: whiskers.collect() };
     change(&mut array);

@@ -1,23 +1,60 @@
 //! Alarms stand from the moment their cause is there until it is over. What is due follows from the state alone, at the
 //! end of each step; what differs from what stands is told.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::Robot;
-use super::effect::{AlarmKind, Condition, Effect, WhiskerIndex};
+use super::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use super::whisker::Whisker;
+use crate::counts;
 
-/// Alarms that can stand for one whisker at the same time: of its faults only the worst.
-const SLOTS: usize = 7;
+/// All kinds but for a fault, which is one of several; the cause before what follows from it.
+const KINDS: [AlarmKind; 7] = [
+    AlarmKind::SensitivityLoss,
+    AlarmKind::Eroding,
+    AlarmKind::ArrayShift,
+    AlarmKind::BaselineDrift,
+    AlarmKind::SetpointFailed,
+    AlarmKind::Uncompensated,
+    AlarmKind::Proposed,
+];
 
-/// The alarms that stand for a whisker.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
-pub struct Standing([Option<AlarmKind>; SLOTS]);
+/// The alarms that stand for a whisker: of its faults only the worst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Standing {
+    fault: Option<Fault>,
+    /// Which of [`KINDS`], the first in the lowest bit.
+    kinds: u8,
+}
 
 impl Standing {
     /// Their kinds, each once.
     pub fn kinds(&self) -> impl Iterator<Item = AlarmKind> + '_ {
-        self.0.iter().copied().flatten()
+        let stands = |(at, _): &(usize, AlarmKind)| self.kinds & 1 << at != 0;
+        let others = KINDS.into_iter().enumerate().filter(stands).map(|(_, kind)| kind);
+        self.fault.map(AlarmKind::Fault).into_iter().chain(others)
+    }
+
+    /// Those that do not stand in the other.
+    fn without(&self, other: &Self) -> Self {
+        Self { fault: self.fault.filter(|_| self.fault != other.fault), kinds: self.kinds & !other.kinds }
+    }
+}
+
+/// A fault is there where the bit after those of the kinds is set.
+impl BorshSerialize for Standing {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        (self.kinds | u8::from(self.fault.is_some()) << KINDS.len()).serialize(writer)?;
+        self.fault.iter().try_for_each(|fault| fault.serialize(writer))
+    }
+}
+
+impl BorshDeserialize for Standing {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let (bits, fault) = (u8::deserialize_reader(reader)?, 1 << KINDS.len());
+        let has_fault = (bits & fault != 0).then(|| Fault::deserialize_reader(reader));
+        Ok(Self { fault: has_fault.transpose()?, kinds: bits & !fault })
     }
 }
 
@@ -38,12 +75,9 @@ impl Robot {
             }
             let was = std::mem::replace(&mut whisker.standing, due);
             whisker.changed = true;
-            let differs = |slot: &usize| was.0[*slot] != due.0[*slot];
-            let slots: Vec<usize> = (0..SLOTS).filter(differs).collect();
-            let cleared = slots.iter().filter_map(|&slot| was.0[slot]);
-            effects.extend(cleared.map(|kind| Effect::AlarmCleared { whisker: index, kind }));
-            let raised = slots.iter().filter_map(|&slot| due.0[slot]);
-            effects.extend(raised.map(|kind| Effect::Alarm { whisker: index, kind }));
+            let (cleared, raised) = (was.without(&due), due.without(&was));
+            effects.extend(cleared.kinds().map(|kind| Effect::AlarmCleared { whisker: index, kind }));
+            effects.extend(raised.kinds().map(|kind| Effect::Alarm { whisker: index, kind }));
         }
         let waits = |index: &WhiskerIndex| waiting.contains(index);
         let told = |(index, one): (WhiskerIndex, &Whisker)| one.due(waits(&index)) == one.standing;
@@ -67,20 +101,15 @@ impl Robot {
 impl Whisker {
     /// The alarms that its state asks for.
     fn due(&self, proposed: bool) -> Standing {
-        let by_condition = match self.condition {
-            Condition::SensitivityLoss => Some(AlarmKind::SensitivityLoss),
-            Condition::Eroding => Some(AlarmKind::Eroding),
-            Condition::Learning | Condition::Healthy | Condition::Suspected | Condition::Trimmed => None,
-        };
-        Standing([
-            self.fault.map(AlarmKind::Fault),
-            by_condition,
-            self.shift_told.then_some(AlarmKind::ArrayShift),
-            self.drift_told.then_some(AlarmKind::BaselineDrift),
-            // The cause before what follows from it.
-            self.given_up.then_some(AlarmKind::SetpointFailed),
-            self.unserved.then_some(AlarmKind::Uncompensated),
-            proposed.then_some(AlarmKind::Proposed),
-        ])
+        let is = [
+            self.condition == Condition::SensitivityLoss,
+            self.condition == Condition::Eroding,
+            self.shift_told,
+            self.drift_told,
+            self.given_up,
+            self.unserved,
+            proposed,
+        ];
+        Standing { fault: self.fault, kinds: counts::bits(is) as u8 }
     }
 }

@@ -3,6 +3,7 @@
 use super::Robot;
 use super::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{Link, Rejection, SetpointReport};
+use super::moment::Moment;
 use super::params::Params;
 use super::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
@@ -19,8 +20,10 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[index];
         whisker.desired = Some(Box::new(desired));
-        whisker.attempts = 0;
-        whisker.not_before = Micros::default();
+        whisker.rare.forget_attempts();
+        if let Some(rare) = whisker.rare.there() {
+            rare.not_before = Micros::default();
+        }
         whisker.changed = true;
         self.touch(index);
         self.quiet.end();
@@ -88,15 +91,15 @@ impl Robot {
         let (Some(boot_id), Some(robot_time)) = (&self.boot_id, self.robot_time) else { return };
         let whisker = &mut self.whiskers[index];
         let Some(desired) = whisker.desired.clone() else { return };
-        if whisker.given_up || now < whisker.not_before {
+        if whisker.given_up || now < whisker.rare.not_before {
             return;
         }
-        if whisker.attempts >= params.command.attempts {
+        if whisker.rare.attempts >= params.command.attempts {
             self.give_up(index, effects);
             return;
         }
-        whisker.attempts += 1;
-        whisker.not_before = now.after(params.command.resend_after);
+        whisker.rare.attempts += 1;
+        whisker.rare.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.epoch, version: self.next_version };
         self.next_version += 1;
         self.changed = true;
@@ -166,7 +169,7 @@ impl Robot {
     ) {
         let Some(index) = self.whiskers.iter().position(|one| one.is_under_way(key)) else { return };
         let whisker = &mut self.whiskers[index];
-        whisker.heard = Some(now);
+        whisker.heard = Moment::at(now);
         whisker.changed = true;
         let Some(flight) = &mut whisker.command else { return };
         let pressure = flight.command.pressure;
@@ -210,8 +213,8 @@ impl Robot {
         let Some(flight) = whisker.command.take() else { return };
         whisker.pressure_set(flight.command.pressure, params);
         whisker.holds = Holds::Known;
-        whisker.air.measured = Some(reached);
-        whisker.attempts = 0;
+        whisker.air.measure(reached);
+        whisker.rare.forget_attempts();
         if flight.command.reason == Reason::Operator {
             // Once, and no more: what the robot does later is its own.
             whisker.desired.take_if(|desired| desired.reason == Reason::Operator);
@@ -256,7 +259,7 @@ impl Robot {
         self.forget_manual();
         for whisker in &mut self.whiskers {
             whisker.given_up = false;
-            whisker.attempts = 0;
+            whisker.rare.forget_attempts();
             whisker.changed = true;
             if let Some(flight) = whisker.command.take() {
                 effects.push(state_of(flight.command.key, CommandState::Abandoned));

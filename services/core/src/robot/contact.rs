@@ -3,6 +3,7 @@
 use super::Robot;
 use super::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use super::event::Contact;
+use super::moment::Moment;
 use super::params::Params;
 use super::whisker::PendingTrim;
 use crate::detection::{Change, Kind, Others, Verdict};
@@ -30,7 +31,7 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
-        whisker.heard = Some(now);
+        whisker.heard = Moment::at(now);
         whisker.changed = true;
         let felt = whisker.feel(params, model, contact, others);
         effects.push(Effect::Contact(ContactRecord {
@@ -100,14 +101,14 @@ impl Robot {
             Kind::Shorter => {
                 whisker.jump(change);
                 if whisker.is_at_nominal_pressure() {
-                    whisker.whole_offset.get_or_insert_with(|| Box::new(whisker.filter.offset()));
+                    whisker.rare.whole_offset.get_or_insert_with(|| whisker.filter.offset());
                 }
-                let before = whisker.pending_trim.as_ref().map_or(length_before_mm, |pending| pending.length_before_mm);
-                whisker.pending_trim = Some(Box::new(PendingTrim {
+                let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
+                whisker.rare.pending_trim = Some(PendingTrim {
                     length_before_mm: before,
                     contacts_since_change: change.contacts,
                     contacts_since_confirmed: 0,
-                }));
+                });
             }
             Kind::Eroding => {
                 whisker.jump(change);
@@ -130,7 +131,7 @@ impl Robot {
     fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex) {
         let whisker = &mut self.whiskers[index];
         // While something is suspected, the baseline may stand for something else.
-        if !whisker.detector.is_calm() || whisker.pending_trim.is_some() {
+        if !whisker.detector.is_calm() || whisker.rare.pending_trim.is_some() {
             return;
         }
         let (baseline_strain, sd_strain) = whisker.filter.baseline_strain();
@@ -142,7 +143,7 @@ impl Robot {
     /// A confirmed cut is acted on once its length is certain enough.
     fn settle_trim(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let Some(pending) = &mut whisker.pending_trim else { return };
+        let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.as_mut()) else { return };
         let length: LengthEstimate = whisker.filter.length();
         // After a large cut the model's own error keeps this from being reached: then the full number of contacts is
         // waited for, in which the filter gets over its linearisation, too.
@@ -157,7 +158,7 @@ impl Robot {
     /// Calls a confirmed cut a trim, with the length as it is estimated now.
     pub(super) fn call_trim(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let Some(pending) = whisker.pending_trim.take() else { return };
+        let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.take()) else { return };
         let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
         whisker.changed = true;

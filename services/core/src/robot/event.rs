@@ -101,7 +101,7 @@ pub enum ArrayKind {
 }
 
 /// What a factsheet says of a whisker.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct WhiskerSheet {
     /// Number, unique in its array.
     pub number: u16,

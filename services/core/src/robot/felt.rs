@@ -5,7 +5,7 @@ use super::compensation::Compensation;
 use super::params::Params;
 use super::whisker::Whisker;
 use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
-use crate::estimation::{Belief, Carried, EvenCases, Nominal, ResponseBins, Smooth};
+use crate::estimation::{Belief, Carried, EvenCases, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset};
 use crate::policy::Case;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
@@ -106,7 +106,11 @@ impl Robot {
 impl Whisker {
     /// What is believed of its own calibration.
     pub(super) fn belief(&self, model: &Model) -> Belief {
-        self.own.belief(model, &self.nominal())
+        let nominal = self.nominal();
+        match &self.rare.own {
+            Some(own) => own.belief(model, &nominal),
+            None => OwnCalibration::default().belief(model, &nominal),
+        }
     }
 
     fn nominal(&self) -> Nominal<'_> {

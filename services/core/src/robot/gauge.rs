@@ -50,7 +50,7 @@ pub(super) struct GaugeWatch {
 /// A strain that comes again.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Level {
-    strain: f64,
+    strain: f32,
     deflection_mm: f32,
     ratio: f32,
     /// How often it came again from another contact, ...
@@ -102,10 +102,11 @@ impl GaugeWatch {
     fn reading(&self, contact: &Observation, expected: Option<f64>) -> Reading {
         let strain = contact.strain;
         if let Some(level) = &self.level {
-            if (strain - level.strain).abs() <= SAME * level.strain.abs() {
+            let at = f64::from(level.strain);
+            if (strain - at).abs() <= SAME * at.abs() {
                 return if level.is_another(contact) { Reading::Repeated } else { Reading::Unclear };
             }
-            if strain > 0.0 && strain > ABOVE * level.strain {
+            if strain > 0.0 && strain > ABOVE * at {
                 return Reading::Above;
             }
         }
@@ -159,7 +160,7 @@ impl GaugeWatch {
 impl Level {
     fn new(contact: &Observation) -> Self {
         Self {
-            strain: contact.strain,
+            strain: contact.strain as f32,
             deflection_mm: contact.deflection_mm as f32,
             ratio: contact.ratio.a() as f32,
             repeats: 0,

@@ -3,6 +3,7 @@
 use super::Robot;
 use super::effect::{Effect, Fault, Reason, WhiskerIndex};
 use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
+use super::moment::Moment;
 use super::params::Params;
 use super::whisker::{Holds, Whisker};
 use crate::estimation::leak::Source;
@@ -20,9 +21,9 @@ impl Robot {
         let Some(index) = self.find(entry.array, entry.whisker) else { return };
         self.touch(index);
         let whisker = &mut self.whiskers[index];
-        whisker.heard = Some(now);
+        whisker.heard = Moment::at(now);
         whisker.changed = true;
-        whisker.air.measured = Some(entry.pressure);
+        whisker.air.measure(entry.pressure);
         whisker.air.regulator = entry.regulator;
         whisker.gauge.reported = entry.gauge;
         // While a setpoint is under way its own reports say where it goes.
@@ -32,7 +33,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
-        if whisker.air.unheld_since.is_some() {
+        if whisker.air.unheld_since != Moment::NONE {
             self.quiet.end();
         }
         self.refresh_fault(params, now, index, effects);
@@ -106,10 +107,10 @@ impl Whisker {
 
     /// A pressure that stays away from its setpoint with nothing under way is not held.
     fn watch_pressure(&mut self, params: &Params, now: Micros) {
-        let Some(measured) = self.air.measured else { return };
+        let Some(measured) = self.air.measured() else { return };
         let off_by_mpa = (measured.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa <= params.health.settled_within_mpa || self.command.is_some() {
-            self.air.unheld_since = None;
+            self.air.unheld_since = Moment::NONE;
         } else {
             self.air.unheld_since.get_or_insert(now);
         }
@@ -117,14 +118,15 @@ impl Whisker {
 
     /// The worst that is known now; the cause before the symptom.
     fn present_fault(&self, params: &Params, now: Micros, online: bool, listening_since: Micros) -> Option<Fault> {
-        let silent = self.heard.is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
+        let silent =
+            self.heard.get().is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
         if silent || !online {
             return Some(Fault::Stale);
         }
         if self.gauge.state() != GaugeState::Ok {
             return Some(Fault::Gauge(self.gauge.state()));
         }
-        let unheld = self.air.unheld_since.is_some_and(|since| now.since(since) > params.health.unheld_after);
+        let unheld = self.air.unheld_since.get().is_some_and(|since| now.since(since) > params.health.unheld_after);
         match self.air.regulator {
             RegulatorState::Leak => Some(Fault::Leak),
             RegulatorState::Fault => Some(Fault::Regulator),

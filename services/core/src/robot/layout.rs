@@ -6,6 +6,7 @@ use super::command::state_of;
 use super::effect::{AlarmKind, CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
 use super::params::Params;
+use super::sheet::{Sheet, share_models};
 use super::whisker::{Air, Desired, Whisker};
 use super::{Array, Compensation, Robot};
 
@@ -32,11 +33,13 @@ impl Robot {
     /// Whether a factsheet says nothing new of what is on the robot.
     #[must_use]
     pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
-        let known = self.whiskers.iter().map(|one| (self.arrays[usize::from(one.array)].name.as_str(), &one.sheet));
-        let told =
-            factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
+        let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
         let arrays = self.arrays.iter().map(|array| (array.name.as_str(), array.kind));
-        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind))) && known.eq(told)
+        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind)))
+            && self.whiskers.len() == told().count()
+            && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
+                self.arrays[usize::from(one.array)].name == *array && one.sheet.is_as_told(sheet)
+            })
     }
 
     /// Another layout: whiskers that are as they were keep what is known of them, and the compensations between
@@ -46,6 +49,7 @@ impl Robot {
         self.end_moved(factsheet, &moves, effects);
         let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
         let names: Vec<String> = self.arrays.drain(..).map(|array| array.name).collect();
+        self.whiskers.reserve_exact(moves.from.len());
         for array in &factsheet.arrays {
             self.add_array(params, array, &moves, &mut old, effects);
         }
@@ -53,6 +57,7 @@ impl Robot {
             effects.extend(gone.gone(&names));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
+        share_models(&mut self.whiskers);
         self.index_places();
         for one in &mut self.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
@@ -132,11 +137,11 @@ impl Robot {
             let from = moves.from[index];
             let stays = from.is_some_and(|from| matches!(moves.to[from], Fate::Stays(_)));
             let mut whisker = match from.and_then(|from| old[from].take()) {
-                None => Whisker::new(at, sheet.clone(), params),
-                Some(known) if stays => Whisker { sheet: sheet.clone(), ..known },
+                None => Whisker::new(at, sheet.into(), params),
+                Some(known) if stays => Whisker { sheet: sheet.into(), ..known },
                 Some(replaced) => {
                     effects.extend(replaced.leaves(index));
-                    replaced.renewed(sheet.clone(), params)
+                    replaced.renewed(sheet.into(), params)
                 }
             };
             whisker.array = at;
@@ -174,13 +179,6 @@ impl Fate {
     }
 }
 
-impl WhiskerSheet {
-    /// Whether it can be the same piece of rubber at the same place: who is beside it does not matter.
-    fn is_same_whisker(&self, other: &Self) -> bool {
-        *self == Self { neighbours: self.neighbours.clone(), ..other.clone() }
-    }
-}
-
 impl Whisker {
     /// That what was known of its condition is over; at its new index.
     fn leaves(&self, index: WhiskerIndex) -> Option<Effect> {
@@ -197,7 +195,7 @@ impl Whisker {
 
     /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure, once it is not
     /// held by an operator.
-    fn renewed(self, sheet: WhiskerSheet, params: &Params) -> Self {
+    fn renewed(self, sheet: Sheet, params: &Params) -> Self {
         let release = Desired { pressure: sheet.pressure, reason: Reason::Release, compensation: None, gain: None };
         let mut renewed = Self {
             air: Air { learned_at: self.air.setpoint, ..self.air },

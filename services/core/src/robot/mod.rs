@@ -12,25 +12,30 @@
 
 pub mod action;
 pub mod alarms;
+mod bytes;
 mod command;
 mod compensation;
 mod contact;
 pub mod effect;
 pub mod event;
 mod felt;
+pub mod few;
 mod gauge;
 mod health;
 mod layout;
 mod measure;
+mod moment;
 mod operator;
 pub mod params;
 mod places;
 mod prediction;
 mod quiet;
+mod rare;
 mod rebaseline;
 pub mod refinement;
 pub mod sequence;
 mod shared;
+pub mod sheet;
 mod stored;
 mod view;
 mod what_if;
@@ -44,6 +49,7 @@ pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;
 pub use sequence::{Admission, Sequence, Sequences};
+pub use sheet::Sheet;
 pub use stored::RestoreError;
 pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
@@ -51,6 +57,7 @@ pub use whisker::Whisker;
 
 use crate::units::Micros;
 use event::{ArrayKind, Factsheet, Link};
+use moment::Moment;
 use places::Places;
 use quiet::Quiet;
 
@@ -289,7 +296,7 @@ impl Robot {
         }
         // A whisker that the robot has and that never says anything becomes stale, too.
         for whisker in &mut self.whiskers {
-            whisker.changed |= whisker.heard.is_none();
+            whisker.changed |= whisker.heard == Moment::NONE;
             whisker.heard.get_or_insert(now);
         }
         self.touch_all();

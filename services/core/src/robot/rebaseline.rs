@@ -15,9 +15,10 @@
 use super::Robot;
 use super::effect::{Condition, Effect, EndReason, WhiskerIndex};
 use super::params::Params;
+use super::rare::Rares;
 use super::whisker::Whisker;
 use crate::detection::Detector;
-use crate::estimation::{NoiseScale, OwnCalibration, ResponseBins, Waiting};
+use crate::estimation::{NoiseScale, ResponseBins, Waiting};
 
 impl Robot {
     /// The whisker is learned anew at its present length.
@@ -47,13 +48,10 @@ impl Whisker {
         self.contacts = 0;
         self.whole = ResponseBins::default();
         self.whole_waiting = Waiting::default();
-        self.whole_offset = None;
-        self.own = OwnCalibration::default();
         let reported = std::mem::take(&mut self.gauge).reported;
         self.gauge.reported = reported;
-        self.erosion = None;
         self.told_since_alarm = 0.0;
-        self.unsteady = None;
+        self.rare = Rares::default();
         self.shift_told = false;
         self.drifting = false;
         self.drift_told = false;

@@ -107,7 +107,7 @@ impl Robot {
         let one = &self.whiskers[running.compensator()];
         // A suspicion is for the detector to settle first.
         let calm = match one.condition {
-            Condition::Healthy | Condition::Trimmed => one.fault.is_none() && one.pending_trim.is_none(),
+            Condition::Healthy | Condition::Trimmed => one.fault.is_none() && one.rare.pending_trim.is_none(),
             Condition::Learning | Condition::Suspected | Condition::Eroding | Condition::SensitivityLoss => false,
         };
         if contacts < due || !calm || one.command.is_some() || self.holds(running.compensator()) {
@@ -151,7 +151,7 @@ impl Robot {
         let one = &mut self.whiskers[running.compensator()];
         // An estimate goes on after the decision, but the visit is measured against the length at it.
         let length_sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
-        one.own.remember(Visit {
+        one.rare.own.get_or_insert_default().remember(Visit {
             compensation: running.id,
             pressure: running.pressure,
             length: running.length,

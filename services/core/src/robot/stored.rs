@@ -2,11 +2,12 @@
 
 use super::Robot;
 use super::effect::WhiskerIndex;
+use super::sheet::share_models;
 use super::whisker::Holds;
 use crate::units::Micros;
 
 /// Raised with every change of what is stored: bytes of two versions may have the same length.
-const STATE_VERSION: u16 = 3;
+const STATE_VERSION: u16 = 4;
 
 impl Robot {
     /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
@@ -45,6 +46,7 @@ impl Robot {
         if version != STATE_VERSION {
             return Err(RestoreError::Head);
         }
+        robot.whiskers.reserve_exact(whiskers.len());
         for (index, bytes) in whiskers.iter().enumerate() {
             robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
         }
@@ -52,6 +54,7 @@ impl Robot {
         if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
             return Err(RestoreError::Layout);
         }
+        share_models(&mut robot.whiskers);
         robot.index_places();
         Ok(robot)
     }

@@ -2,8 +2,8 @@
 
 use super::alarms::Standing;
 use super::effect::{Command, Condition, Fault, WhiskerIndex};
-use super::event::{ArrayKind, Link, WhiskerSheet};
-use super::{Compensation, Robot, Sequence};
+use super::event::{ArrayKind, Link};
+use super::{Compensation, Robot, Sequence, Sheet};
 use crate::estimation::{Erosion, Interval, LengthEstimate};
 use crate::mechanics::Offset;
 use crate::units::{Megapascal, Micros};
@@ -32,10 +32,10 @@ impl Robot {
             condition: whisker.condition,
             fault: whisker.fault,
             leak_per_s: whisker.leak.rate_per_s(),
-            erosion: whisker.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.filter.length())),
-            pressure: whisker.air.measured,
+            erosion: whisker.rare.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.filter.length())),
+            pressure: whisker.air.measured(),
             setpoint: whisker.air.setpoint,
-            heard: whisker.heard,
+            heard: whisker.heard.get(),
             held: whisker.held,
             standing: whisker.standing,
         })
@@ -97,7 +97,7 @@ pub struct WhiskerView<'a> {
     /// Kind of its array.
     pub kind: ArrayKind,
     /// What the factsheet says of it.
-    pub sheet: &'a WhiskerSheet,
+    pub sheet: &'a Sheet,
     /// Present length.
     pub length: LengthEstimate,
     /// Present offset from the model, log sensitivity.

@@ -64,7 +64,7 @@ impl Robot {
         copy.cut(whisker, length)?;
         // Who would be asked and told does not hang on whether anybody listens just now.
         copy.link = Link::Online;
-        let now = copy.whiskers.iter().filter_map(|one| one.heard).max().unwrap_or_default();
+        let now = copy.whiskers.iter().filter_map(|one| one.heard.get()).max().unwrap_or_default();
         copy.robot_time.get_or_insert(Micros::default());
         let mut effects = Vec::new();
         // The decision is shown, whoever must approve it.
@@ -81,7 +81,7 @@ impl Robot {
         let one = self.whiskers.get_mut(index).ok_or(WhatIfError::UnknownWhisker(index))?;
         let estimate_mm = one.filter.length().length.mm();
         // A cut that is being looked into counts from its result on.
-        let present_mm = one.pending_trim.as_ref().map_or(estimate_mm, |pending| pending.length_before_mm);
+        let present_mm = one.rare.pending_trim.map_or(estimate_mm, |pending| pending.length_before_mm);
         if length.mm() >= present_mm {
             return Err(WhatIfError::NotShorter { asked_mm: length.mm(), present_mm });
         }
@@ -89,9 +89,9 @@ impl Robot {
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
         one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0, 0.0]);
         if one.is_at_nominal_pressure() {
-            one.whole_offset.get_or_insert_with(|| Box::new(one.filter.offset()));
+            one.rare.whole_offset.get_or_insert_with(|| one.filter.offset());
         }
-        one.pending_trim = None;
+        one.rare.pending_trim = None;
         one.refused_servers.clear();
         one.condition = Condition::Trimmed;
         one.undecided = true;

@@ -4,60 +4,50 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::alarms::Standing;
 use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
-use super::event::{Contact, RegulatorState, WhiskerSheet};
+use super::event::{Contact, RegulatorState};
+use super::few::Fewer;
 use super::gauge::GaugeWatch;
+use super::moment::Moment;
 use super::params::Params;
+use super::rare::Rares;
 use super::shared::UNSTEADY_SHARE;
+use super::sheet::Sheet;
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
-use crate::estimation::{
-    ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, OwnCalibration, ResponseBins, Waiting,
-};
+use crate::estimation::{ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins, Waiting};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::units::{Megapascal, Micros};
 
 /// The state of one whisker.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Whisker {
     pub(super) array: u16,
-    pub(super) sheet: WhiskerSheet,
+    pub(super) sheet: Sheet,
     pub(super) filter: LengthFilter,
     pub(super) noise: NoiseScale,
     pub(super) detector: Detector,
     /// Contacts that were used.
     pub(super) contacts: u64,
     pub(super) condition: Condition,
-    /// A confirmed cut whose length is not certain enough yet to act on.
-    pub(super) pending_trim: Option<Box<PendingTrim>>,
     /// Its response while whole, against the model at whole length.
     pub(super) whole: ResponseBins,
     /// Contacts that are not counted in it yet, and never will be if the whisker is not whole any more.
     pub(super) whole_waiting: Waiting,
-    /// Its offset while whole at nominal pressure, once it is not any more.
-    pub(super) whole_offset: Option<Box<Offset>>,
-    /// Its responses at the pressures where it served.
-    pub(super) own: OwnCalibration,
     pub(super) air: Air,
     pub(super) leak: LeakWatch,
     pub(super) gauge: GaugeWatch,
-    /// From the verdict that it erodes on.
-    pub(super) erosion: Option<Box<ErosionWatch>>,
+    pub(super) rare: Rares,
     pub(super) fault: Option<Fault>,
     /// By the supervisor's clock.
-    pub(super) heard: Option<Micros>,
+    pub(super) heard: Moment,
     pub(super) desired: Option<Box<Desired>>,
     pub(super) command: Option<Box<InFlight>>,
-    pub(super) attempts: u8,
-    /// No new setpoint before this, by the supervisor's clock.
-    pub(super) not_before: Micros,
     /// The last setpoint failed for good, in this boot.
     pub(super) given_up: bool,
     /// What its contacts have told of log length since any whisker of its array raised an alarm: the inverse of a
     /// variance.
-    pub(super) told_since_alarm: f64,
-    /// The whole array has shifted, and may go on doing so.
-    pub(super) unsteady: Option<Box<Unsteady>>,
+    pub(super) told_since_alarm: f32,
     /// Its gauge's baseline drifts.
     pub(super) drifting: bool,
     /// People were told so.
@@ -71,14 +61,13 @@ pub struct Whisker {
     /// An operator holds it.
     pub(super) held: bool,
     /// Numbers of the whiskers that an operator has refused as its compensators.
-    pub(super) refused_servers: Vec<u16>,
+    pub(super) refused_servers: Fewer,
     /// What people were told and what is still so.
     pub(super) standing: Standing,
     pub(super) holds: Holds,
-    #[borsh(skip)]
+    /// Since it was stored.
     pub(super) changed: bool,
     /// What people are told of it is to be looked at, at the end of this step.
-    #[borsh(skip)]
     pub(super) touched: bool,
 }
 
@@ -119,16 +108,33 @@ impl Unsteady {
 }
 
 /// The chamber's pressure.
-#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Air {
-    /// As last measured.
-    pub measured: Option<Megapascal>,
+    /// As last measured; below 0 before that.
+    pub measured_mpa: f64,
     /// What the robot holds or moves to.
     pub setpoint: Megapascal,
     /// The pressure at which the offset was learned.
     pub learned_at: Megapascal,
     pub regulator: RegulatorState,
-    pub unheld_since: Option<Micros>,
+    pub unheld_since: Moment,
+}
+
+impl Air {
+    /// What a robot holds where nothing was measured yet.
+    pub(super) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
+        let regulator = RegulatorState::Ok;
+        Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: Moment::NONE }
+    }
+
+    /// The pressure as last measured.
+    pub(super) fn measured(&self) -> Option<Megapascal> {
+        Megapascal::new(self.measured_mpa).ok()
+    }
+
+    pub(super) fn measure(&mut self, pressure: Megapascal) {
+        self.measured_mpa = pressure.mpa();
+    }
 }
 
 /// A pressure that the whisker shall have.
@@ -156,7 +162,7 @@ pub(super) struct Felt {
 }
 
 impl Whisker {
-    pub(super) fn new(array: u16, sheet: WhiskerSheet, params: &Params) -> Self {
+    pub(super) fn new(array: u16, sheet: Sheet, params: &Params) -> Self {
         Self {
             array,
             filter: LengthFilter::new(sheet.length, &params.filter),
@@ -164,37 +170,25 @@ impl Whisker {
             detector: Detector::default(),
             contacts: 0,
             condition: Condition::Learning,
-            pending_trim: None,
             whole: ResponseBins::default(),
             whole_waiting: Waiting::default(),
-            whole_offset: None,
-            own: OwnCalibration::default(),
-            air: Air {
-                measured: None,
-                setpoint: sheet.pressure,
-                learned_at: sheet.pressure,
-                regulator: RegulatorState::Ok,
-                unheld_since: None,
-            },
+            air: Air::held(sheet.pressure, sheet.pressure),
             leak: LeakWatch::default(),
             gauge: GaugeWatch::default(),
-            erosion: None,
+            rare: Rares::default(),
             fault: None,
-            heard: None,
+            heard: Moment::NONE,
             desired: None,
             command: None,
-            attempts: 0,
-            not_before: Micros::default(),
             given_up: false,
             told_since_alarm: 0.0,
-            unsteady: None,
             drifting: false,
             drift_told: false,
             undecided: false,
             unserved: false,
             shift_told: false,
             held: false,
-            refused_servers: Vec::new(),
+            refused_servers: Fewer::default(),
             standing: Standing::default(),
             holds: Holds::default(),
             changed: true,
@@ -211,12 +205,12 @@ impl Whisker {
 
     /// Its offset from the model while whole at nominal pressure.
     pub(super) fn whole_offset(&self) -> Offset {
-        self.whole_offset.as_deref().copied().unwrap_or_else(|| self.filter.offset())
+        self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
     }
 
     /// One contact: is it fit for use, what does it say, and has anything changed?
     pub(super) fn feel(&mut self, params: &Params, model: &Model, contact: &Contact<'_>, others: Others) -> Felt {
-        self.air.measured = Some(contact.pressure);
+        self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
             return Felt::unused(ContactUse::Unsettled);
@@ -243,8 +237,8 @@ impl Whisker {
 
     fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> Felt {
         self.contacts += 1;
-        self.told_since_alarm += seen.row[LENGTH].powi(2) / seen.variance;
-        let calm = self.detector.is_calm() && self.pending_trim.is_none();
+        self.told_since_alarm += (seen.row[LENGTH].powi(2) / seen.variance) as f32;
+        let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
         if calm {
             self.learn_noise(params, seen);
             if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
@@ -261,10 +255,10 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         self.filter.learn(seen, self.wander(params));
-        if let Some(unsteady) = &self.unsteady {
-            self.unsteady = unsteady.after_contact().map(Box::new);
+        if let Some(unsteady) = self.rare.unsteady {
+            self.rare.unsteady = unsteady.after_contact();
         }
-        self.shift_told &= self.unsteady.is_some();
+        self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         Felt { used, innovation: Some(*seen), verdict }
@@ -287,19 +281,21 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
-            offset: self.unsteady.as_ref().map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
+            offset: self.rare.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
         }
     }
 
     /// While it erodes: how fast, and how long it will still do.
     fn follow_erosion(&mut self, params: &Params) {
         if self.condition != Condition::Eroding {
-            self.erosion = None;
+            if let Some(rare) = self.rare.there() {
+                rare.erosion = None;
+            }
             return;
         }
         let Some(model) = params.model(&self.sheet.model) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
-        let watch = self.erosion.get_or_insert_with(|| {
+        let watch = self.rare.erosion.get_or_insert_with(|| {
             let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
             Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
         });
@@ -322,11 +318,11 @@ impl Whisker {
             return;
         }
         self.air.setpoint = setpoint;
-        self.air.unheld_since = None;
+        self.air.unheld_since = Moment::NONE;
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.whole_offset = Some(Box::new(self.filter.offset()));
+                self.rare.whole_offset = Some(self.filter.offset());
             }
             self.filter.pressure_moved(moved_mpa, &params.filter);
             self.detector = Detector::default();

@@ -170,7 +170,7 @@ impl Engine {
             .flat_map(|shard| &shard.robots)
             .flat_map(|(robot, known)| {
                 let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
-                let its = views.filter(|view| view.sheet.model == name);
+                let its = views.filter(|view| *view.sheet.model == name);
                 its.map(|view| (robot.clone(), view.array.to_owned(), view.sheet.number)).collect::<Vec<_>>()
             })
             .collect();

@@ -1,0 +1,186 @@
+//! A whisker as bytes: what is not there, or is as the factsheet says, takes a bit.
+
+use borsh::io::{Read, Result, Write};
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::few::Few;
+use super::moment::Moment;
+use super::rare::{Rare, Rares};
+use super::sheet::Sheet;
+use super::whisker::{Air, Whisker};
+use crate::counts;
+use crate::estimation::ResponseBins;
+use crate::units::{Megapascal, Micros};
+
+impl Whisker {
+    /// What is so of it.
+    fn is(&self) -> [bool; 9] {
+        [
+            self.given_up,
+            self.drifting,
+            self.drift_told,
+            self.undecided,
+            self.unserved,
+            self.shift_told,
+            self.held,
+            self.fault.is_some(),
+            self.whole == ResponseBins::default(),
+        ]
+    }
+
+    /// What there is of it that mostly is not.
+    fn has(&self) -> [bool; 9] {
+        [
+            self.rare.pending_trim.is_some(),
+            self.rare.whole_offset.is_some(),
+            self.rare.own.is_some(),
+            self.rare.erosion.is_some(),
+            self.desired.is_some(),
+            self.command.is_some(),
+            self.rare.unsteady.is_some(),
+            !self.refused_servers.is_empty(),
+            self.rare.attempts != 0 || self.rare.not_before != Micros::default(),
+        ]
+    }
+}
+
+impl BorshSerialize for Whisker {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        counts::write(counts::bits(self.is()).into(), writer)?;
+        counts::write(counts::bits(self.has()).into(), writer)?;
+        counts::write(self.array.into(), writer)?;
+        self.sheet.serialize(writer)?;
+        self.air.write(&self.sheet, writer)?;
+        (&self.filter, &self.noise, &self.detector, &self.leak, &self.gauge).serialize(writer)?;
+        (&self.whole_waiting, self.condition, self.holds, &self.standing).serialize(writer)?;
+        if self.whole != ResponseBins::default() {
+            self.whole.serialize(writer)?;
+        }
+        counts::write_long(self.contacts, writer)?;
+        (self.heard, self.told_since_alarm).serialize(writer)?;
+        self.fault.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.pending_trim.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.whole_offset.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.own.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.erosion.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
+        self.desired.iter().try_for_each(|one| one.serialize(writer))?;
+        self.command.iter().try_for_each(|one| one.serialize(writer))?;
+        let [.., refused, waits] = self.has();
+        if refused {
+            Few::from(&self.refused_servers[..]).serialize(writer)?;
+        }
+        if waits { (self.rare.attempts, self.rare.not_before).serialize(writer) } else { Ok(()) }
+    }
+}
+
+impl BorshDeserialize for Whisker {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let mut bits = || counts::are(counts::read(reader)?.min(u16::MAX.into()) as u16);
+        let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] = bits()?;
+        let [pending_trim, whole_offset, own, erosion, desired, command, unsteady, refused, waits] = bits()?;
+        let array = u16::try_from(counts::read(reader)?).map_err(|_| counts::refused("no index of an array"))?;
+        let sheet = Sheet::deserialize_reader(reader)?;
+        let air = Air::read(&sheet, reader)?;
+        let (filter, noise, detector, leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
+        let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
+        let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
+        let contacts = counts::read_long(reader)?;
+        let (heard, told_since_alarm) = BorshDeserialize::deserialize_reader(reader)?;
+        let mut read = Self {
+            array,
+            sheet,
+            filter,
+            noise,
+            detector,
+            contacts,
+            condition,
+            whole,
+            whole_waiting,
+            air,
+            leak,
+            gauge,
+            heard,
+            given_up,
+            told_since_alarm,
+            drifting,
+            drift_told,
+            undecided,
+            unserved,
+            shift_told,
+            held,
+            standing,
+            holds,
+            fault: of(fault, reader)?,
+            rare: Rares::from(Rare {
+                pending_trim: of(pending_trim, reader)?,
+                whole_offset: of(whole_offset, reader)?,
+                own: of(own, reader)?,
+                erosion: of(erosion, reader)?,
+                unsteady: of(unsteady, reader)?,
+                attempts: 0,
+                not_before: Micros::default(),
+            }),
+            desired: of(desired, reader)?,
+            command: of(command, reader)?,
+            refused_servers: of::<Few, _>(refused, reader)?.unwrap_or_default().into(),
+            changed: false,
+            touched: false,
+        };
+        if waits {
+            (read.rare.attempts, read.rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        Ok(read)
+    }
+}
+
+/// What follows if it is there.
+fn of<T: BorshDeserialize, R: Read>(is_there: bool, reader: &mut R) -> Result<Option<T>> {
+    is_there.then(|| T::deserialize_reader(reader)).transpose()
+}
+
+impl Air {
+    /// Writes it; `sheet` is the factsheet's word.
+    fn write<W: Write>(&self, sheet: &Sheet, writer: &mut W) -> Result<()> {
+        let [moved, learned] = [self.setpoint != sheet.pressure, self.learned_at != self.setpoint];
+        let is = [self.measured().is_some(), moved, learned, self.unheld_since != Moment::NONE];
+        (counts::bits(is) as u8).serialize(writer)?;
+        self.measured().iter().try_for_each(|one| counts::write_number(one.mpa(), writer))?;
+        for (pressure, _) in [(self.setpoint, moved), (self.learned_at, learned)].iter().filter(|(_, is)| *is) {
+            counts::write_number(pressure.mpa(), writer)?;
+        }
+        if self.unheld_since != Moment::NONE {
+            self.unheld_since.serialize(writer)?;
+        }
+        self.regulator.serialize(writer)
+    }
+
+    /// Reads it again.
+    fn read<R: Read>(sheet: &Sheet, reader: &mut R) -> Result<Self> {
+        let [measured, moved, learned, unheld] = counts::are(u8::deserialize_reader(reader)?.into())?;
+        let mut pressure = |is_there: bool| -> Result<Option<Megapascal>> {
+            let mpa = is_there.then(|| counts::read_number(reader)).transpose()?;
+            mpa.map(Megapascal::new).transpose().map_err(|_| counts::refused("a pressure out of range"))
+        };
+        let (measured, setpoint) = (pressure(measured)?, pressure(moved)?.unwrap_or(sheet.pressure));
+        let learned_at = pressure(learned)?.unwrap_or(setpoint);
+        let mut air = Self::held(setpoint, learned_at);
+        if let Some(measured) = measured {
+            air.measure(measured);
+        }
+        air.unheld_since = of(unheld, reader)?.unwrap_or(Moment::NONE);
+        air.regulator = BorshDeserialize::deserialize_reader(reader)?;
+        Ok(air)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A million of them in 1.5 GiB, with what a robot takes for each of its whiskers besides.
+    #[test]
+    fn a_whisker_takes_no_more_room_than_was_meant() {
+        assert!(size_of::<Whisker>() <= 1512, "{}", size_of::<Whisker>());
+    }
+}

@@ -1,0 +1,35 @@
+//! A time that may not have been yet, in the room of a time.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use crate::units::Micros;
+
+/// A time, or none.
+#[derive(Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub(super) struct Moment(Micros);
+
+impl Moment {
+    /// None: no clock comes so far.
+    pub(super) const NONE: Self = Self(Micros(u64::MAX));
+
+    pub(super) fn at(time: Micros) -> Self {
+        Self(time)
+    }
+
+    pub(super) fn get(self) -> Option<Micros> {
+        (self != Self::NONE).then_some(self.0)
+    }
+
+    /// The time is this one if there was none.
+    pub(super) fn get_or_insert(&mut self, time: Micros) {
+        if *self == Self::NONE {
+            *self = Self(time);
+        }
+    }
+}
+
+impl std::fmt::Debug for Moment {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.get().fmt(f)
+    }
+}

@@ -1,0 +1,125 @@
+//! What the factsheet says of a whisker, as it is kept: the name of a model is there once for all whiskers of a robot.
+
+use std::sync::Arc;
+
+use borsh::io::{Read, Result, Write};
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use super::event::WhiskerSheet;
+use super::few::Few;
+use super::whisker::Whisker;
+use crate::counts;
+use crate::units::{Megapascal, Millimetre};
+
+/// A longer name of a model is none.
+const NAME_MAX: u32 = 1 << 16;
+
+/// What a factsheet says of a whisker: see [`WhiskerSheet`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// Number, unique in its array.
+    pub number: u16,
+    /// Numbers of its neighbours in the array.
+    pub neighbours: Few,
+    /// Position on the array.
+    pub x_mm: f64,
+    /// Position on the array.
+    pub y_mm: f64,
+    /// Name of its model.
+    pub model: Arc<String>,
+    /// Whole length.
+    pub length: Millimetre,
+    /// Nominal pressure.
+    pub pressure: Megapascal,
+    /// Highest pressure that the robot allows.
+    pub pressure_max: Megapascal,
+}
+
+impl From<&WhiskerSheet> for Sheet {
+    fn from(told: &WhiskerSheet) -> Self {
+        Self {
+            number: told.number,
+            neighbours: Few::from(&told.neighbours[..]),
+            x_mm: told.x_mm,
+            y_mm: told.y_mm,
+            model: Arc::new(told.model.clone()),
+            length: told.length,
+            pressure: told.pressure,
+            pressure_max: told.pressure_max,
+        }
+    }
+}
+
+impl From<&Sheet> for WhiskerSheet {
+    fn from(kept: &Sheet) -> Self {
+        Self {
+            number: kept.number,
+            x_mm: kept.x_mm,
+            y_mm: kept.y_mm,
+            model: String::clone(&kept.model),
+            length: kept.length,
+            pressure: kept.pressure,
+            pressure_max: kept.pressure_max,
+            neighbours: kept.neighbours.to_vec(),
+        }
+    }
+}
+
+impl Sheet {
+    /// Whether it can be the same piece of rubber at the same place: who is beside it does not matter.
+    pub(super) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
+        let place = (self.number, self.x_mm, self.y_mm) == (told.number, told.x_mm, told.y_mm);
+        let pressures = (self.pressure, self.pressure_max) == (told.pressure, told.pressure_max);
+        place && *self.model == told.model && self.length == told.length && pressures
+    }
+
+    /// Whether a factsheet says nothing new of it.
+    pub(super) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
+        self.is_same_whisker(told) && *self.neighbours == *told.neighbours
+    }
+}
+
+/// Whiskers of the same model share its name.
+pub(super) fn share_models(whiskers: &mut [Whisker]) {
+    let mut names: Vec<Arc<String>> = Vec::new();
+    for model in whiskers.iter_mut().map(|one| &mut one.sheet.model) {
+        match names.iter().find(|known| *known == model) {
+            Some(known) => *model = Arc::clone(known),
+            None => names.push(Arc::clone(model)),
+        }
+    }
+}
+
+impl BorshSerialize for Sheet {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        counts::write(self.number.into(), writer)?;
+        self.neighbours.serialize(writer)?;
+        counts::write(self.model.len() as u32, writer)?;
+        writer.write_all(self.model.as_bytes())?;
+        let numbers = [self.x_mm, self.y_mm, self.length.mm(), self.pressure.mpa(), self.pressure_max.mpa()];
+        numbers.iter().try_for_each(|&number| counts::write_number(number, writer))
+    }
+}
+
+impl BorshDeserialize for Sheet {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let number = u16::try_from(counts::read(reader)?).map_err(|_| counts::refused("no number of a whisker"))?;
+        let neighbours = Few::deserialize_reader(reader)?;
+        let length = counts::read(reader)?;
+        if length > NAME_MAX {
+            return Err(counts::refused("no name of a model"));
+        }
+        let mut name = Vec::new();
+        for _ in 0..length {
+            name.push(u8::deserialize_reader(reader)?);
+        }
+        let name = String::from_utf8(name).map_err(|_| counts::refused("no name of a model"))?;
+        let mut number_of = || counts::read_number(reader);
+        let [x_mm, y_mm, length, pressure, pressure_max] =
+            [number_of()?, number_of()?, number_of()?, number_of()?, number_of()?];
+        let mpa = |mpa| Megapascal::new(mpa).map_err(|_| counts::refused("a pressure out of range"));
+        let length = Millimetre::new(length).map_err(|_| counts::refused("a length out of range"))?;
+        let (pressure, pressure_max) = (mpa(pressure)?, mpa(pressure_max)?);
+        Ok(Self { number, neighbours, x_mm, y_mm, model: Arc::new(name), length, pressure, pressure_max })
+    }
+}
