@@ -93,7 +93,11 @@ async fn write_rows(tx: &mut Tx<'_>, batch: &Batch) -> Result<(), StoreError> {
 }
 
 async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<()> {
-    for (resolution, rows) in by_resolution(rollups) {
+    for resolution in Resolution::ALL {
+        let rows: Vec<&RollupRow> = rollups.iter().filter(|row| row.resolution == resolution).collect();
+        if rows.is_empty() {
+            continue;
+        }
         let written = match &mut *tx {
             Either::Sqlite(tx) => sqlite::append_rollups(tx, resolution, &rows).await?,
             Either::Postgres(tx) => postgres::append_rollups(tx, resolution, &rows).await?,
@@ -101,12 +105,6 @@ async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<(
         tell_of_rollups(resolution, rows.len(), written);
     }
     Ok(())
-}
-
-/// Minutes, and hours, if there are any.
-pub(super) fn by_resolution(rollups: &[RollupRow]) -> impl Iterator<Item = (Resolution, Vec<&RollupRow>)> {
-    let of = |resolution| rollups.iter().filter(|row| row.resolution == resolution).collect::<Vec<_>>();
-    Resolution::ALL.into_iter().map(move |resolution| (resolution, of(resolution))).filter(|(_, rows)| !rows.is_empty())
 }
 
 /// None is ever closed twice; if one is there already nevertheless, say because somebody has put back a single table, the fleet

@@ -61,13 +61,11 @@ impl Writer {
         let asked = Instant::now();
         let (roll, renewed) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
-                let mut tx = link.begin().await.map_err(failed(WHAT))?;
-                let signed_in = match &mut tx {
-                    Either::Sqlite(tx) => (sqlite_roll(&mut *tx, supervisor).await.map_err(failed(WHAT))?, Vec::new()),
-                    Either::Postgres(tx) => sign_in(&mut *tx, supervisor, held).await.map_err(failed(WHAT))?,
-                };
-                tx.commit().await.map_err(failed(WHAT))?;
-                Ok(signed_in)
+                match link {
+                    Either::Sqlite(link) => sqlite_roll(link, supervisor).await.map(|roll| (roll, Vec::new())),
+                    Either::Postgres(link) => sign_in(link, supervisor, held).await,
+                }
+                .map_err(failed(WHAT))
             })
             .await?;
         for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
@@ -181,8 +179,8 @@ async fn raise_epoch(
     Ok(epoch)
 }
 
-async fn sqlite_roll(tx: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Roll> {
-    let rows = sqlx::query("SELECT fleet, epoch, owner, holder FROM leases").fetch_all(tx).await?;
+async fn sqlite_roll(link: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Roll> {
+    let rows = sqlx::query("SELECT fleet, epoch, owner, holder FROM leases").fetch_all(link).await?;
     let leases = supervisor.fleets.iter().map(|fleet| {
         let row = rows.iter().find(|row| row.get::<&str, _>("fleet") == fleet.as_str());
         let owner: Option<String> = row.and_then(|row| row.get("owner"));
@@ -199,40 +197,38 @@ async fn sqlite_roll(tx: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx
     Ok(Roll { leases: leases.collect(), present })
 }
 
-/// The roll, and the fleets whose leases were renewed. A row that a commit of ours has locked is left to it.
-async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease]) -> sqlx::Result<(Roll, Vec<String>)> {
-    let time_to_live = micros(supervisor.time_to_live);
+/// The roll, and the fleets whose leases were renewed. A row that a commit of ours has locked is left to it. Each statement
+/// stands by itself: it is done several times a second, by everybody.
+async fn sign_in(
+    link: &mut PgConnection,
+    supervisor: &Supervisor,
+    held: &[Lease],
+) -> sqlx::Result<(Roll, Vec<String>)> {
     let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
-    sqlx::query(
-        "INSERT INTO supervisors (supervisor, holder, fleets, alive_us) VALUES ($1, $2, $3, clock_us() + $4) \
-         ON CONFLICT (supervisor) DO UPDATE SET alive_us = excluded.alive_us",
-    )
-    .bind(&*supervisor.id)
-    .bind(&supervisor.name)
-    .bind(fleets.join(","))
-    .bind(time_to_live)
-    .execute(&mut *tx)
-    .await?;
     let renewed = sqlx::query_scalar(
-        "UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
+        "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us) \
+         VALUES ($2, $5, $6, clock_us() + $1) ON CONFLICT (supervisor) DO UPDATE SET alive_us = excluded.alive_us) \
+         UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
          JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
          WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet",
     )
-    .bind(time_to_live)
+    .bind(micros(supervisor.time_to_live))
     .bind(&*supervisor.id)
     .bind(held.iter().map(|lease| lease.fleet().as_str()).collect::<Vec<_>>())
     .bind(held.iter().map(|lease| lease.epoch() as i64).collect::<Vec<_>>())
-    .fetch_all(&mut *tx)
+    .bind(&supervisor.name)
+    .bind(fleets.join(","))
+    .fetch_all(&mut *link)
     .await?;
-    let mut rows = lease_rows(&mut *tx, &fleets).await?;
+    let mut rows = lease_rows(&mut *link, &fleets).await?;
     if rows.len() < fleets.len() {
         sqlx::query(
             "INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING",
         )
         .bind(&fleets)
-        .execute(&mut *tx)
+        .execute(&mut *link)
         .await?;
-        rows = lease_rows(&mut *tx, &fleets).await?;
+        rows = lease_rows(&mut *link, &fleets).await?;
     }
     let leases = rows.iter().filter_map(|row| {
         Some(FleetLease {
@@ -245,7 +241,7 @@ async fn sign_in(tx: &mut PgConnection, supervisor: &Supervisor, held: &[Lease])
         })
     });
     let present = sqlx::query("SELECT supervisor, fleets FROM supervisors WHERE alive_us > clock_us()")
-        .fetch_all(&mut *tx)
+        .fetch_all(&mut *link)
         .await?;
     let present = present.iter().map(|row| {
         let fleets = row.get::<&str, _>("fleets").split(',').filter_map(|fleet| Name::new(fleet).ok()).collect();

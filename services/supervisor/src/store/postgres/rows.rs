@@ -157,7 +157,7 @@ pub(in super::super) async fn append_responses(tx: &mut PgConnection, responses:
     bind_responses(alone(RESPONSES), responses).execute(tx).await.map(drop)
 }
 
-/// The rest of the statement that appends minutes or hours.
+/// The rest of the statement that appends minutes or hours. One that is there already is left as it is.
 macro_rules! rollup_values {
     () => {
         "(whisker_id, start_us, contacts_used, contacts_learning, contacts_unused, residual_mean, residual_sd, \
@@ -165,22 +165,19 @@ macro_rules! rollup_values {
          temperature_c, compensation_error) \
          SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::int4[], $4::int4[], $5::int4[], $6::float4[], $7::float4[], \
          $8::float4[], $9::float4[], $10::float4[], $11::float4[], $12::float4[], $13::float4[], $14::float4[], \
-         $15::float4[], $16::float4[], $17::float4[]) ON CONFLICT DO NOTHING"
+         $15::float4[], $16::float4[], $17::float4[]) WHERE OWNED ON CONFLICT DO NOTHING RETURNING start_us"
     };
 }
 
-/// Appends minutes or hours. One that is there already is left as it is; tells how many were not.
-pub(in super::super) async fn append_rollups(
-    tx: &mut PgConnection,
-    resolution: Resolution,
-    rows: &[&RollupRow],
-) -> sqlx::Result<u64> {
-    let sql = match resolution {
-        Resolution::Minute => concat!("INSERT INTO contact_minutes ", rollup_values!()),
-        Resolution::Hour => concat!("INSERT INTO contact_hours ", rollup_values!()),
-    };
+/// Appends minutes.
+pub(super) const MINUTES: &str = concat!("INSERT INTO contact_minutes ", rollup_values!());
+
+/// Appends hours.
+pub(super) const HOURS: &str = concat!("INSERT INTO contact_hours ", rollup_values!());
+
+pub(super) fn bind_rollups(statement: Statement, rows: &[&RollupRow]) -> Statement {
     bind_each!(
-        sqlx::query(sql),
+        statement,
         rows,
         |row| row.whisker_id,
         row.start_us,
@@ -200,7 +197,17 @@ pub(in super::super) async fn append_rollups(
         row.temperature_c,
         row.compensation_error
     )
-    .execute(tx)
-    .await
-    .map(|done| done.rows_affected())
+}
+
+/// Appends minutes or hours; tells how many were not there already.
+pub(in super::super) async fn append_rollups(
+    tx: &mut PgConnection,
+    resolution: Resolution,
+    rows: &[&RollupRow],
+) -> sqlx::Result<u64> {
+    let sql = match resolution {
+        Resolution::Minute => MINUTES,
+        Resolution::Hour => HOURS,
+    };
+    bind_rollups(alone(sql), rows).execute(tx).await.map(|done| done.rows_affected())
 }

@@ -10,13 +10,14 @@ use sqlx::{Connection, Row};
 
 use super::copy::{append_contacts, are_copied};
 use super::rows::{
-    CONTACTS, RESPONSES, ROBOTS, Statement, WHISKERS, append_rollups, bind_contacts, bind_each, bind_responses,
-    bind_robots, bind_whiskers,
+    CONTACTS, HOURS, MINUTES, RESPONSES, ROBOTS, Statement, WHISKERS, bind_contacts, bind_each, bind_responses,
+    bind_robots, bind_rollups, bind_whiskers,
 };
 use super::sorted::Sorted;
-use crate::store::batch::ContactRow;
+use crate::engine::Resolution;
+use crate::store::batch::{ContactRow, RollupRow};
 use crate::store::changes::NewChange;
-use crate::store::commit::{by_resolution, tell_of_rollups};
+use crate::store::commit::tell_of_rollups;
 use crate::store::{Batch, Lease, StoreError, failed};
 
 /// Counts a transaction in the lease's row; also by itself.
@@ -152,6 +153,8 @@ static WHOLE: LazyLock<String> = LazyLock::new(|| {
         ("alarms_cleared", CLEARED),
         ("responses_new", RESPONSES),
         ("changes_new", CHANGES),
+        ("minutes_new", MINUTES),
+        ("hours_new", HOURS),
     ])
 });
 
@@ -173,7 +176,13 @@ fn of_parts(parts: &[(&str, &str)]) -> String {
             format!("{name} AS ({})", whole.replace("OWNED", "EXISTS (SELECT FROM counted)"))
         })
         .collect();
-    format!("WITH {} SELECT count(*) FROM counted", parts.join(", "))
+    let written = |name| if parts.iter().any(|part| part.starts_with(name)) { name } else { "counted" };
+    format!(
+        "WITH {} SELECT (SELECT count(*) FROM counted), (SELECT count(*) FROM {}), (SELECT count(*) FROM {})",
+        parts.join(", "),
+        written("minutes_new"),
+        written("hours_new")
+    )
 }
 
 /// A batch that one statement can write.
@@ -193,7 +202,7 @@ impl<'b> Whole<'b> {
 
     /// Writes it, all or nothing, and counts it; false, and nothing, if the lease's row says otherwise.
     ///
-    /// What has a way of its own, many contacts and minutes, makes a transaction of it. Contacts come before the lease is held:
+    /// Many contacts have a way of their own, which makes a transaction of it. They come before the lease is held:
     /// their `COPY` waits for as long as its bytes do, and who freezes in it must not keep the fleet from others.
     pub(in super::super) async fn write(
         &self,
@@ -201,24 +210,15 @@ impl<'b> Whole<'b> {
         lease: &Lease,
         now_us: i64,
     ) -> Result<bool, StoreError> {
-        let (contacts, rollups) = (self.batch.contacts.as_slice(), self.batch.rollups.as_slice());
-        let is_copied = are_copied(contacts);
-        if !is_copied && rollups.is_empty() {
+        let contacts = self.batch.contacts.as_slice();
+        if !are_copied(contacts) {
             return self.write_rows(link, lease, contacts, now_us).await.map_err(failed("commit"));
         }
         let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
-        if is_copied {
-            append_contacts(&mut tx, contacts).await.map_err(failed("append contacts"))?;
-        }
-        let rest = if is_copied { &[] } else { contacts };
-        if !self.write_rows(&mut tx, lease, rest, now_us).await.map_err(failed("write rows"))? {
+        append_contacts(&mut tx, contacts).await.map_err(failed("append contacts"))?;
+        if !self.write_rows(&mut tx, lease, &[], now_us).await.map_err(failed("write rows"))? {
             tx.rollback().await.map_err(failed("roll back"))?;
             return Ok(false);
-        }
-        for (resolution, rows) in by_resolution(rollups) {
-            let written =
-                append_rollups(&mut tx, resolution, &rows).await.map_err(failed("append minutes and hours"))?;
-            tell_of_rollups(resolution, rows.len(), written);
         }
         tx.commit().await.map_err(failed("commit"))?;
         Ok(true)
@@ -236,7 +236,8 @@ impl<'b> Whole<'b> {
             && batch.whiskers.is_empty()
             && batch.records.is_empty()
             && batch.responses.is_empty()
-            && batch.redo_done.is_none();
+            && batch.redo_done.is_none()
+            && batch.rollups.is_empty();
         let sql: &'static str = if is_ordinary { &ORDINARY } else { &WHOLE };
         let mut statement = lease.bind(sqlx::query(sql));
         statement = self.bind_journal(statement, lease);
@@ -251,9 +252,23 @@ impl<'b> Whole<'b> {
             statement = self.bind_alarms(statement);
             statement = bind_responses(statement, &batch.responses);
             statement = self.bind_changes(statement, lease, now_us);
+            statement = bind_rollups(statement, &self.rollups(Resolution::Minute));
+            statement = bind_rollups(statement, &self.rollups(Resolution::Hour));
         }
-        let counted: i64 = statement.fetch_one(link).await?.try_get(0)?;
-        Ok(counted == 1)
+        let written = statement.fetch_one(link).await?;
+        if written.try_get::<i64, _>(0)? == 0 {
+            return Ok(false);
+        }
+        if !is_ordinary {
+            for (resolution, at) in [(Resolution::Minute, 1), (Resolution::Hour, 2)] {
+                tell_of_rollups(resolution, self.rollups(resolution).len(), written.try_get::<i64, _>(at)? as u64);
+            }
+        }
+        Ok(true)
+    }
+
+    fn rollups(&self, resolution: Resolution) -> Vec<&'b RollupRow> {
+        self.batch.rollups.iter().filter(|row| row.resolution == resolution).collect()
     }
 
     fn bind_journal(&self, statement: Statement, lease: &Lease) -> Statement {
@@ -441,7 +456,8 @@ mod tests {
         assert_eq!(
             of_parts(&parts),
             "WITH counted AS (UPDATE a SET b = $2 WHERE c = $1 RETURNING c), \
-             next AS (DELETE FROM d WHERE e = $3 AND EXISTS (SELECT FROM counted)) SELECT count(*) FROM counted"
+             next AS (DELETE FROM d WHERE e = $3 AND EXISTS (SELECT FROM counted)) SELECT (SELECT count(*) FROM counted), \
+             (SELECT count(*) FROM counted), (SELECT count(*) FROM counted)"
         );
     }
 
