@@ -129,8 +129,8 @@ mod tests {
             super::write_time(time, from, &mut bytes).unwrap();
             assert_eq!(super::read_time(from, &mut bytes.as_slice()).unwrap(), time);
         }
-        let decimal = [0.0, 0.1, 0.2, 70.0, 25.4, -3.3, 0.004_3, -1e-6, 1073.741_824, -1073.741_824];
-        let others = [-0.0, 0.1 + 0.2, 1e-7, 1.0 / 3.0, 1073.741_825, 1e300, f64::MIN_POSITIVE, f64::NEG_INFINITY];
+        let decimal = [0.0, 0.1, 0.2, 70.0, 25.4, -3.3, 0.004_3, -1e-6, 1_073.741_824, -1_073.741_824];
+        let others = [-0.0, 0.1 + 0.2, 1e-7, 1.0 / 3.0, 1_073.741_825, 1e300, f64::MIN_POSITIVE, f64::NEG_INFINITY];
         for number in decimal.into_iter().chain(others) {
             let mut bytes = Vec::new();
             super::write_number(number, &mut bytes).unwrap();

@@ -85,6 +85,7 @@ impl Stretch {
         for (kept, (_, x, y)) in means.iter_mut().zip(self.means()) {
             *kept = (x, y);
         }
+        self.full = [(0, 0); BLOCKS - 1];
         for (full, pair) in self.full.iter_mut().zip(means.chunks_exact(2)) {
             *full = rounded(0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1));
         }
@@ -175,7 +176,8 @@ mod tests {
             trend.add(0.5 * f64::from(k - 1), before.ln());
             let (Some(one), Some(other)) = (stretch.slope(), trend.slope()) else { continue };
             let sd = (other.squares / other.freedom.max(1.0) / other.weight).sqrt();
-            assert!((one.per_x - other.per_x).abs() <= 0.2 * sd + 1e-7, "{k}: {one:?} {other:?}");
+            // A hundredth of what is called a leak.
+            assert!((one.per_x - other.per_x).abs() <= 0.2 * sd + 5e-6, "{k}: {one:?} {other:?}");
             assert!((one.weight / other.weight - 1.0).abs() < 1e-2, "{k}: {one:?} {other:?}");
             assert_eq!(one.freedom, other.freedom);
         }
