@@ -58,7 +58,7 @@ use snapshot::Pace;
 /// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
 const GATHER: Duration = Duration::from_millis(20);
 /// As long as there are no more than so many, it waits for the receipts, which are not sent sooner either ...
-const FEW: usize = 8;
+const FEW: usize = 16;
 /// ... and no longer than that.
 const GATHER_FEW: Duration = Duration::from_millis(100);
 /// Messages that are taken in at a time.
@@ -69,8 +69,10 @@ const CONTACTS_MAX: usize = 32_768;
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
-/// How often all robots are counted for the metrics.
+/// How often all robots are counted for the metrics ...
 const SURVEY: Duration = Duration::from_secs(1);
+/// ... or less often, where it would take more than this part of the time.
+const SURVEY_SHARE: u32 = 50;
 /// How often receipts are sent, and states written that have waited.
 const RECEIPTS: Duration = Duration::from_millis(100);
 /// Shards of one fleet at the most.
@@ -270,6 +272,7 @@ impl Engine {
         let (mut ticks, mut receipts, mut surveys) = (every(TICK), every(RECEIPTS), every(SURVEY));
         let bell = self.bell.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
+        let mut survey_from = Instant::now();
         loop {
             let has_room = self.has_room();
             let due = self.due.filter(|_| self.committing.is_none());
@@ -292,7 +295,11 @@ impl Engine {
                 _ = receipts.tick() => self.look_at_receipts(),
                 _ = surveys.tick() => {
                     self.survey_queues(&inbox);
-                    self.survey_robots();
+                    if survey_from <= Instant::now() {
+                        let begun = Instant::now();
+                        self.survey_robots();
+                        survey_from = begun + begun.elapsed() * SURVEY_SHARE;
+                    }
                     self.close_history(self.now(&inbox));
                 }
             }
