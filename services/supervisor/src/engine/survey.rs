@@ -18,7 +18,8 @@ use crate::mqtt::Inbox;
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;
 
-/// Whiskers whose minutes are closed in one commit at the most.
+/// Whiskers whose minutes are closed in one commit at the most, and whose states are written with them: a robot's state is
+/// written with those of all its whiskers that have changed.
 const CLOSED_AT_ONCE: usize = 5000;
 
 /// Times of a contacts message.
@@ -182,6 +183,7 @@ impl Engine {
             for known in robots.values_mut() {
                 if known.history.close(now, &known.whisker_ids, &mut left, &mut gathering.batch) {
                     gathering.store_next(known);
+                    left = left.saturating_sub(known.whisker_ids.len());
                 }
             }
         }
