@@ -1,6 +1,7 @@
 //! What is PostgreSQL's own: the session, one statement for many rows, and one for a whole transaction.
 
 mod copy;
+mod parts;
 mod rows;
 mod sorted;
 pub(super) mod whole;
@@ -12,8 +13,8 @@ use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::error::failed;
 
 pub(super) use copy::append_contacts;
+pub(super) use parts::{COUNTED, kept};
 pub(super) use rows::{Statement, append_responses, append_rollups, write_robots, write_whiskers};
-pub(super) use whole::COUNTED;
 
 /// The oldest server, as it numbers its versions.
 const OLDEST: i32 = 150_000;
