@@ -4,6 +4,7 @@ mod assignment;
 mod closed_loop;
 mod detection;
 mod erosion;
+mod factsheet;
 mod false_alarms;
 mod faults;
 mod health;

@@ -82,9 +82,9 @@ pub struct Robot {
     held: bool,
     /// Since when this program listens: silence before that is not the robot's.
     listening_since: Micros,
-    /// When its factsheet was asked for last.
+    /// What is done about a factsheet that is missing.
     #[borsh(skip)]
-    factsheet_asked: Option<Micros>,
+    awaited: Awaited,
     /// It was taken up, not met for the first time: what its whiskers hold may have been set by commands that are not
     /// remembered here, because the database was restored or the state could not be read.
     is_taken_up: bool,
@@ -122,8 +122,20 @@ pub struct Numbers {
     pub next_compensation: u32,
 }
 
-/// A factsheet that does not come is asked for again after this.
-const FACTSHEET_ASKED_EVERY: Micros = Micros(2_000_000);
+/// A factsheet that does not come by itself is asked for after this, and again.
+const FACTSHEET_PATIENCE: Micros = Micros(2_000_000);
+
+/// The factsheet of the newest boot, as long as it is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Awaited {
+    /// It is there, or nobody has looked for it.
+    #[default]
+    Not,
+    /// It follows a birth, since then.
+    Since(Micros),
+    /// It was asked for then: again only where contacts wait for it.
+    Asked(Micros),
+}
 
 /// What was made of an event as a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +171,7 @@ impl Robot {
             undecided: false,
             held: false,
             listening_since: Micros::default(),
-            factsheet_asked: None,
+            awaited: Awaited::Not,
             is_taken_up: false,
             changed: true,
             whiskers: Vec::new(),
@@ -173,6 +185,11 @@ impl Robot {
     ///
     /// `now` is the supervisor's clock. Effects are appended, so that the caller can use one buffer again.
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
+        if let Event::Factsheet { boot_id, factsheet } = *event
+            && self.is_told(boot_id, factsheet)
+        {
+            return Outcome::Duplicate;
+        }
         let was_undecided = self.undecided;
         match event {
             Event::Contacts { .. } | Event::Status { .. } => {
@@ -266,16 +283,37 @@ impl Robot {
             self.refresh_fault(params, now, index, effects);
         }
         if link == Link::Online && self.sequences.of(boot_id).is_none() {
-            self.ask_for_factsheet(now, effects);
+            self.awaited = Awaited::Since(now);
         }
         Outcome::Taken
     }
 
+    /// Asks for a factsheet that has not followed its birth.
+    fn await_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
+        let Awaited::Since(since) = self.awaited else { return };
+        let is_missing = self.boot_id.as_ref().is_some_and(|boot_id| self.sequences.of(boot_id).is_none());
+        if !is_missing {
+            self.awaited = Awaited::Not;
+        } else if self.link == Link::Online && now.since(since) >= FACTSHEET_PATIENCE {
+            self.ask_for_factsheet(now, effects);
+        }
+    }
+
+    /// Asks for a factsheet that is missed, unless it is expected any moment.
     fn ask_for_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
-        if self.factsheet_asked.is_none_or(|asked| now.since(asked) >= FACTSHEET_ASKED_EVERY) {
-            self.factsheet_asked = Some(now);
+        let is_expected = match self.awaited {
+            Awaited::Not => false,
+            Awaited::Since(since) | Awaited::Asked(since) => now.since(since) < FACTSHEET_PATIENCE,
+        };
+        if !is_expected {
+            self.awaited = Awaited::Asked(now);
             effects.push(Effect::AskForFactsheet);
         }
+    }
+
+    /// Whether a factsheet says nothing that is not known of this boot: it was retained, or asked for.
+    fn is_told(&self, boot_id: &str, factsheet: &Factsheet) -> bool {
+        !self.is_old(boot_id) && self.sequences.of(boot_id).is_some() && self.is_as_known(factsheet)
     }
 
     fn factsheet(

@@ -42,6 +42,7 @@ impl Quiet {
 impl Robot {
     /// Time has passed.
     pub(super) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        self.await_factsheet(now, effects);
         if self.quiet.holds(now) {
             return;
         }
