@@ -55,6 +55,7 @@ pub(super) async fn prepare_writer(link: &mut PgConnection) -> sqlx::Result<()> 
         "SET enable_hashjoin = off",
         "SET enable_mergejoin = off",
         "SET enable_seqscan = off",
+        "SET enable_material = off",
         "SET jit = off",
     ] {
         sqlx::query(setting).execute(&mut *link).await?;

@@ -85,9 +85,13 @@ const REFINEMENTS: &str = "INSERT INTO compensation_refinements (compensation_id
 const ALARMS: &str = "INSERT INTO alarms (whisker_id, raised_us, kind) \
     SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::text[]) WHERE OWNED";
 
+/// Each is looked up by itself: of how many alarms stand the server has an idea that can be a thousand times wrong when a fleet
+/// goes offline, and joined by that idea every one would be held against every other.
 const CLEARED: &str = "UPDATE alarms a SET cleared_us = n.cleared_us \
-    FROM unnest($1::bigint[], $2::bigint[], $3::text[]) AS n (whisker_id, cleared_us, kind) \
-    WHERE a.whisker_id = n.whisker_id AND a.kind = n.kind AND a.cleared_us IS NULL AND OWNED";
+    FROM (SELECT u.cleared_us, (SELECT s.alarm_id FROM alarms s \
+    WHERE s.whisker_id = u.whisker_id AND s.kind = u.kind AND s.cleared_us IS NULL LIMIT 1) AS alarm_id \
+    FROM unnest($1::bigint[], $2::bigint[], $3::text[]) AS u (whisker_id, cleared_us, kind)) AS n \
+    WHERE a.alarm_id = n.alarm_id AND OWNED";
 
 const CHANGES: &str = "INSERT INTO changes (fleet, recorded_us, kind, robot_id, whisker_id, number, command_id) \
     SELECT $1, n.* FROM unnest($2::bigint[], $3::text[], $4::bigint[], $5::bigint[], $6::bigint[], $7::text[]) AS n \
