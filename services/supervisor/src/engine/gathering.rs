@@ -176,7 +176,7 @@ impl Gathering {
     pub(super) fn store_next(&mut self, known: &mut Known) {
         if known.stored != Stored::Next {
             known.stored = Stored::Next;
-            self.waiting.push_next(&known.name);
+            self.waiting.push_next(&known.name, known.whisker_ids.len());
         }
     }
 

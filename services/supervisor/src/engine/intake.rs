@@ -182,6 +182,7 @@ impl Gathering {
             if ids != known.whisker_ids {
                 let gone = known.history.laid_out(&known.whisker_ids, &whiskers, now, &mut self.batch);
                 known.whisker_ids = ids;
+                self.waiting.laid_out(known.whisker_ids.len());
                 self.batch.layouts.push(LayoutRow { robot_id: known.robot_id, model: told.model.clone(), gone });
             }
         }

@@ -90,7 +90,7 @@ impl Engine {
 
     fn step(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
         let at = shard_of(name, self.shards.len());
-        let Shard { robots, gathering } = &mut self.shards[at];
+        let Shard { robots, gathering, .. } = &mut self.shards[at];
         Some(gathering.step(robots.get_mut(name)?, now, event, None))
     }
 

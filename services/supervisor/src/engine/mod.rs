@@ -67,6 +67,8 @@ const MESSAGES_AT_A_TIME: usize = 1024;
 const CONTACTS_MAX: usize = 32_768;
 /// Bytes of its journal row at the most, likewise.
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
+/// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
+const DECIDED_MAX: usize = 2500;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
 /// How often all robots are counted for the metrics ...
@@ -122,6 +124,8 @@ pub struct Engine {
     /// Since when it is gathered, and how many messages it is.
     gathered: (Option<Instant>, usize),
     receipts_due: bool,
+    /// No more messages come: all receipts are sent at once.
+    is_ending: bool,
     /// How often they came with the next transaction instead.
     receipts_passed_over: u32,
     /// The number of the transaction that is gathered for.
@@ -173,6 +177,7 @@ impl Engine {
         let metrics = program.of_fleet(&fleet);
         let shard = || Shard {
             robots: Default::default(),
+            told_until: None,
             gathering: Gathering::new(fleet.clone(), boot_id.clone(), params.clone(), metrics.clone()),
         };
         let mut shards: Vec<Shard> = (0..shard_count()).map(|_| shard()).collect();
@@ -209,6 +214,7 @@ impl Engine {
             due: Some(Instant::now()),
             gathered: (None, 0),
             receipts_due: false,
+            is_ending: false,
             receipts_passed_over: 0,
             number: last,
             // What is there was gone through: it is forgotten with the states that are written first.
@@ -273,6 +279,7 @@ impl Engine {
         let bell = self.bell.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let mut survey_from = Instant::now();
+        let mut is_ticking = false;
         loop {
             let has_room = self.has_room();
             let due = self.due.filter(|_| self.committing.is_none());
@@ -287,7 +294,8 @@ impl Engine {
                 }
                 _ = ticks.tick() => {
                     self.settle().await?;
-                    self.tick(&inbox);
+                    self.listen_anew_if_deaf();
+                    is_ticking = true;
                     // Asked at another supervisor, perhaps.
                     self.open_mail(self.now(&inbox)).await?;
                 }
@@ -303,6 +311,9 @@ impl Engine {
                     self.close_history(self.now(&inbox));
                 }
             }
+            if is_ticking && self.has_room() {
+                is_ticking = !self.tick(self.now(&inbox));
+            }
             if self.is_due() {
                 self.begin_commit();
             }
@@ -314,7 +325,7 @@ impl Engine {
     /// through; of very many only some, for there is little time.
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
-        self.receipts_due = true;
+        (self.receipts_due, self.is_ending) = (true, true);
         self.pace = Pace::at_the_end(wall_clock());
         for shard in &mut self.shards {
             shard.no_longer_wait();
@@ -328,6 +339,7 @@ impl Engine {
         let gatherings = || self.shards.iter().map(|shard| &shard.gathering);
         gatherings().map(|one| one.batch.contacts.len()).sum::<usize>() < CONTACTS_MAX
             && gatherings().map(|one| one.journal.bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
+            && gatherings().map(|one| one.waiting.next_whiskers()).sum::<usize>() < DECIDED_MAX
     }
 
     /// Something has been gathered, from so many messages: it is committed soon.
@@ -370,18 +382,28 @@ impl Engine {
         if inbox.is_empty() { wall_clock() } else { self.handled }
     }
 
-    /// Tells the core what time it is.
-    fn tick(&mut self, inbox: &Inbox) {
-        let now = self.now(inbox);
+    /// Tells the core what time it is; false if there was not room enough for what comes of it, and it goes on later.
+    fn tick(&mut self, now: Micros) -> bool {
+        let whiskers_max = DECIDED_MAX / self.shards.len();
+        let is_under_way = self.shards.iter().any(|shard| shard.told_until.is_some());
+        let mut is_done = true;
+        for shard in &mut self.shards {
+            // A shard that is through waits for the others.
+            if !is_under_way || shard.told_until.is_some() {
+                is_done &= shard.tick(now, whiskers_max);
+            }
+        }
+        self.gathered(0);
+        is_done
+    }
+
+    /// No robot was silent while the broker was away, or messages were left out.
+    fn listen_anew_if_deaf(&mut self) {
         let shed = self.metrics.messages_shed.get();
         if self.metrics.broker_connected.get() == 0 || shed != self.shed {
             self.listen_anew();
         }
         self.shed = shed;
-        for shard in &mut self.shards {
-            shard.tick(now);
-        }
-        self.gathered(0);
     }
 
     /// No robot was silent while we were deaf.

@@ -90,6 +90,9 @@ impl Engine {
                 if committer.end_of(&outage) {
                     self.listen_anew();
                 }
+                if !self.has_room() {
+                    self.begin_commit();
+                }
                 return Ok(());
             };
             committer.wait_out(&mut outage, problem, "new things cannot be numbered").await?;

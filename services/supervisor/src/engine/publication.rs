@@ -185,9 +185,13 @@ impl Gathering {
 
 impl Shard {
     /// Says how far the contacts of each boot are committed, with the transaction that is gathered now; it goes out after
-    /// the commit.
-    pub(super) fn receipts(&mut self) {
-        for name in std::mem::take(&mut self.gathering.receipts_due) {
+    /// the commit. Of many robots it is said to `most`, or to a quarter: each receipt is a message that the broker passes on, too,
+    /// and the more contacts it covers, the better.
+    pub(super) fn receipts(&mut self, most: usize) {
+        let due = &mut self.gathering.receipts_due;
+        let most = most.max(due.len() / 4).min(due.len());
+        let later = due.split_off(most);
+        for name in std::mem::replace(due, later) {
             let Some(known) = self.robots.get_mut(&name) else { continue };
             for boot_id in std::mem::take(&mut known.receipts_due) {
                 self.gathering.publish_receipt(known, &boot_id);
@@ -201,7 +205,7 @@ impl Engine {
     pub(super) fn receipt_at_once(&mut self) {
         let mut publications = Vec::new();
         for shard in &mut self.shards {
-            shard.receipts();
+            shard.receipts(usize::MAX);
             publications.append(&mut shard.gathering.publications);
         }
         self.publish(publications);

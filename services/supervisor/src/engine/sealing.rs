@@ -20,6 +20,8 @@ const KEPT_MAX: usize = 16;
 /// With more contacts a transaction is not worth writing twice, in bytes and in rows.
 const KEPT_CONTACTS_MAX: usize = 2000;
 
+/// Robots that are sent receipts at a time, ten times a second: of more each one's comes a bit less often.
+const RECEIPTS_AT_ONCE: usize = 1000;
 /// How often receipts may come with the next one instead, one after the other.
 const PASSED_OVER_MAX: u32 = 8;
 
@@ -101,11 +103,12 @@ impl Engine {
         self.pace.go_on(now, self.journal_contacts);
         let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
         let (mut entries, mut contacts) = (Vec::new(), 0);
+        let receipts_at_once = if self.is_ending { usize::MAX } else { RECEIPTS_AT_ONCE / self.shards.len() };
         for shard in &mut self.shards {
             shard.snapshot_decided(&mut self.pace);
             if receipts {
                 shard.snapshot_waiting(now, &mut self.pace);
-                shard.receipts();
+                shard.receipts(receipts_at_once);
             }
             contacts += shard.gathering.seal_into(&mut sealed, &mut entries);
         }

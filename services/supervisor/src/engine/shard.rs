@@ -2,6 +2,7 @@
 //! time on as many cores as there are.
 
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 use tracing::error;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
@@ -117,14 +118,24 @@ impl Known {
 pub(super) struct Shard {
     pub(super) robots: BTreeMap<Name, Known>,
     pub(super) gathering: Gathering,
+    /// The robot that heard last what time it is, as long as others are still to hear it.
+    pub(super) told_until: Option<Name>,
 }
 
 impl Shard {
-    /// Tells the core what time it is.
-    pub(super) fn tick(&mut self, now: Micros) {
-        for known in self.robots.values_mut() {
+    /// Tells the core what time it is, from the robot on that is the next to hear it, until the states of so many whiskers are
+    /// to be written for it: what befalls a whole fleet at once is not to hold up everything else in one long transaction.
+    /// False if others are still to hear it.
+    pub(super) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
+        let from = self.told_until.take().map_or(Bound::Unbounded, Bound::Excluded);
+        for (name, known) in self.robots.range_mut::<Name, _>((from, Bound::Unbounded)) {
             self.gathering.step(known, now, &Event::Tick, None);
+            if self.gathering.waiting.next_whiskers() >= whiskers_max {
+                self.told_until = Some(name.clone());
+                return false;
+            }
         }
+        true
     }
 
     /// No robot was silent while we were deaf.

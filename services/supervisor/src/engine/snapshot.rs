@@ -29,13 +29,21 @@ const WHISKERS_AT_THE_END: f64 = 10_000.0;
 pub(super) struct Waiting {
     /// By the next transaction.
     next: Vec<Name>,
+    /// Their whiskers, of which those are written that have changed.
+    next_whiskers: usize,
     /// The others, by the number of the first entry of the journal that their states do not contain, and since when.
     queue: VecDeque<(i64, Micros, Name)>,
 }
 
 impl Waiting {
-    pub(super) fn push_next(&mut self, name: &Name) {
+    pub(super) fn push_next(&mut self, name: &Name, whiskers: usize) {
         self.next.push(name.clone());
+        self.next_whiskers += whiskers;
+    }
+
+    /// A robot of the next transaction has got its whiskers.
+    pub(super) fn laid_out(&mut self, whiskers: usize) {
+        self.next_whiskers += whiskers;
     }
 
     pub(super) fn push(&mut self, number: i64, now: Micros, name: &Name) {
@@ -44,6 +52,11 @@ impl Waiting {
 
     pub(super) fn is_next_empty(&self) -> bool {
         self.next.is_empty()
+    }
+
+    /// Whiskers whose states the next transaction writes, at the most.
+    pub(super) fn next_whiskers(&self) -> usize {
+        self.next_whiskers
     }
 }
 
@@ -107,6 +120,7 @@ impl Shard {
 
     /// The states that the transaction must write, because something was decided.
     pub(super) fn snapshot_decided(&mut self, pace: &mut Pace) {
+        self.gathering.waiting.next_whiskers = 0;
         for name in std::mem::take(&mut self.gathering.waiting.next) {
             if let Some(known) = self.robots.get_mut(&name) {
                 pace.take(write(known, self.gathering.number, &mut self.gathering.batch));

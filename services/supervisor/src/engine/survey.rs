@@ -179,7 +179,7 @@ impl Engine {
     /// Closes minutes and hours that are over, those of silent whiskers too; of a large fleet some at a time.
     pub(super) fn close_history(&mut self, now: Micros) {
         let mut left = CLOSED_AT_ONCE;
-        for Shard { robots, gathering } in &mut self.shards {
+        for Shard { robots, gathering, .. } in &mut self.shards {
             for known in robots.values_mut() {
                 if known.history.close(now, &known.whisker_ids, &mut left, &mut gathering.batch) {
                     gathering.store_next(known);

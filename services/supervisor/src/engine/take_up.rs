@@ -122,7 +122,7 @@ impl Journey {
 
     /// All are as they were at the last commit: they are taken up from here, and what came from the journal is written.
     fn arrive(&self, epoch: u64, shards: &mut [Shard]) {
-        for Shard { robots, gathering } in shards {
+        for Shard { robots, gathering, .. } in shards {
             for known in robots.values_mut() {
                 known.begin(epoch, &gathering.params);
                 if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {

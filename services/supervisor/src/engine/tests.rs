@@ -115,7 +115,8 @@ fn shard(robots: i64) -> Shard {
     let params = Arc::new(Params::nguyen_2021(Formulation::default()));
     let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
     let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
-    let mut shard = Shard { robots: BTreeMap::new(), gathering: Gathering::new(fleet, boot, params, metrics) };
+    let gathering = Gathering::new(fleet, boot, params, metrics);
+    let mut shard = Shard { robots: BTreeMap::new(), gathering, told_until: None };
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
         let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
@@ -143,7 +144,8 @@ impl World {
         self.now = Micros(self.now.0 + 20_000);
         let robot_id = 1 + self.random.below(shard.robots.len()) as i64;
         match self.random.below(40) {
-            0 => shard.tick(self.now),
+            // Whiskers of one robot at a time: where much comes of it, it goes on with the next tick.
+            0 => drop(shard.tick(self.now, 1)),
             1..=3 => self.status(shard, robot_id),
             4 if self.now.0 > 40_000_000 => {
                 let whisker = self.random.below(usize::from(WHISKERS)) as u16;
@@ -289,4 +291,46 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
         assert!(decided > 10, "and things were decided: {decided}");
         assert!(tables.closed.len() >= 15, "and minutes were over");
     }
+}
+
+#[test]
+fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
+    let mut shard = shard(5);
+    let silent = shard.gathering.params.health.stale_after.0 + 2;
+    let mut pace = Pace::new(Micros(1));
+    seal(&mut shard, Micros(1), &mut pace);
+    let mut written = Vec::new();
+    for round in 0.. {
+        let now = Micros(silent + round);
+        let is_done = shard.tick(now, usize::from(WHISKERS) + 1);
+        let sealed = seal(&mut shard, now, &mut pace);
+        assert!(sealed.batch.robots.len() <= 2, "two robots are enough for a transaction");
+        assert_eq!(sealed.batch.records.is_empty(), sealed.batch.robots.is_empty(), "a silent whisker is a fault");
+        written.extend(sealed.batch.robots.iter().map(|row| row.robot_id));
+        if is_done {
+            break;
+        }
+    }
+    assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in their order");
+}
+
+#[test]
+fn receipts_of_many_robots_go_out_in_turn() {
+    let mut shard = shard(12);
+    for known in shard.robots.values_mut() {
+        shard.gathering.receipt(known, "b");
+    }
+    let mut sent = |most| {
+        shard.receipts(most);
+        shard.gathering.publications.drain(..).map(|one| one.topic).collect::<Vec<_>>()
+    };
+    let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
+    assert_eq!(
+        [first.len(), second.len(), rest.len()],
+        [3, 4, 5],
+        "at least a quarter, as many as there is room for, all"
+    );
+    let all: std::collections::BTreeSet<_> = [first, second, rest].concat().into_iter().collect();
+    assert_eq!(all.len(), 12, "each robot once");
+    assert!(sent(usize::MAX).is_empty());
 }
