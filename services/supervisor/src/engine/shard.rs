@@ -2,8 +2,8 @@
 //! time on as many cores as there are.
 
 use std::collections::BTreeMap;
-use std::ops::Bound;
 
+use indexmap::IndexMap;
 use tracing::error;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
 use vibrissa_core::units::Micros;
@@ -116,10 +116,11 @@ impl Known {
 
 /// A part of a fleet's robots, and what came of them since the last transaction was closed.
 pub(super) struct Shard {
-    pub(super) robots: BTreeMap<Name, Known>,
+    /// In the order in which they became known: never removed, so that their places stay.
+    pub(super) robots: IndexMap<Name, Known>,
     pub(super) gathering: Gathering,
-    /// The robot that heard last what time it is, as long as others are still to hear it.
-    pub(super) told_until: Option<Name>,
+    /// How many have heard what time it is, as long as others are still to hear it.
+    pub(super) told_until: Option<usize>,
 }
 
 impl Shard {
@@ -127,11 +128,11 @@ impl Shard {
     /// to be written for it: what befalls a whole fleet at once is not to hold up everything else in one long transaction.
     /// False if others are still to hear it.
     pub(super) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
-        let from = self.told_until.take().map_or(Bound::Unbounded, Bound::Excluded);
-        for (name, known) in self.robots.range_mut::<Name, _>((from, Bound::Unbounded)) {
+        let told = self.told_until.take().unwrap_or_default();
+        for (index, known) in self.robots.values_mut().enumerate().skip(told) {
             self.gathering.step(known, now, &Event::Tick, None);
             if self.gathering.waiting.next_whiskers() >= whiskers_max {
-                self.told_until = Some(name.clone());
+                self.told_until = Some(index + 1);
                 return false;
             }
         }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use indexmap::IndexMap;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
@@ -116,7 +117,7 @@ fn shard(robots: i64) -> Shard {
     let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
     let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
     let gathering = Gathering::new(fleet, boot, params, metrics);
-    let mut shard = Shard { robots: BTreeMap::new(), gathering, told_until: None };
+    let mut shard = Shard { robots: IndexMap::new(), gathering, told_until: None };
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
         let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
