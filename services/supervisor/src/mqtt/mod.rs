@@ -45,7 +45,7 @@ pub use tls::{PrepareError, Prepared, prepare};
 const PACKET_MAX: u32 = 2 * 1024 * 1024;
 /// Publications of ours without an acknowledgement at a time. The client keeps a table of this size; its default
 /// is the protocol's 65,535.
-const IN_FLIGHT: u16 = 512;
+const IN_FLIGHT: u16 = 64;
 
 /// What both connections need to know.
 #[derive(Debug, Clone)]

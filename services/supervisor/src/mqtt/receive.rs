@@ -16,6 +16,10 @@ use super::problem::{Cause, Problem};
 use super::{Connection, stopped};
 use crate::metrics::FleetMetrics;
 
+/// Publications of ours without an acknowledgement: there are none here, and the client goes through a table of this size
+/// with each write.
+const IN_FLIGHT: u16 = 8;
+
 /// Receives until `stop`: everything that robots say goes into the inbox. In a thread of its own, which can sleep
 /// between two looks at the network ([`super::pace`]): in a shared one each message would wake it all the same.
 pub fn receive(
@@ -66,7 +70,8 @@ impl Receiver {
     /// One connection, from the attempt to its end. The client is a new one each time: nothing that waited
     /// for the last connection goes to the next.
     async fn listen(&mut self) -> Problem {
-        let (options, reached) = self.connection.options("in");
+        let (mut options, reached) = self.connection.options("in");
+        options.set_outgoing_inflight_upper_limit(IN_FLIGHT);
         let (client, events) = AsyncClient::builder(options).capacity(64).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut pace = Pace::new(Instant::now());
