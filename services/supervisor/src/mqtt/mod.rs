@@ -46,6 +46,8 @@ const PACKET_MAX: u32 = 2 * 1024 * 1024;
 /// Publications of ours without an acknowledgement at a time. The client keeps a table of this size; its default
 /// is the protocol's 65,535.
 const IN_FLIGHT: u16 = 64;
+/// Publications that go out in one write, if so many wait: some 8 KiB of receipts. By itself the client makes a write for each.
+const WRITE_BATCH: usize = 64;
 
 /// What both connections need to know.
 #[derive(Debug, Clone)]
@@ -76,6 +78,7 @@ impl Connection {
             .set_max_packet_size(Some(PACKET_MAX))
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_read_batch_size(pace::LOOK_MAX)
+            .set_max_request_batch(WRITE_BATCH)
             .set_connect_timeout(dial::CONNECT_TIMEOUT);
         if let Some(credentials) = &self.broker.credentials {
             options.set_credentials(&credentials.username, credentials.password.reveal().to_owned());

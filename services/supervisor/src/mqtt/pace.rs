@@ -2,8 +2,9 @@
 //!
 //! A broker writes each message by itself. Whoever looks at once finds one or two, and pays a wake-up, a read and the
 //! write of an acknowledgement for them: several times what the messages themselves cost. So while many come, the
-//! receiving thread sleeps for half a millisecond between two looks. That must not slow a burst down: a broker that lets few
-//! messages be without acknowledgement waits for each look, and is left alone again.
+//! receiving thread sleeps for half a millisecond between two looks. That must not slow a burst down, as it does where a broker
+//! lets few messages be without acknowledgement, and waits for each look. So it is tried: in turns with pauses and without, because
+//! robots that wait for receipts send by fits and starts, and one turn says little.
 
 use std::time::{Duration, Instant};
 
@@ -11,57 +12,86 @@ use std::time::{Duration, Instant};
 pub(super) const PAUSE: Duration = Duration::from_micros(500);
 /// Messages that one look brings at the most; after so many there are more, and it is looked again at once.
 pub(super) const LOOK_MAX: usize = 128;
-/// How long messages are counted for their rate.
-const WINDOW: Duration = Duration::from_millis(10);
-/// From this rate on it is paused, in messages a second; below half of it no longer.
+/// From this rate on it is a burst, in messages a second; below half of it no longer.
 const BUSY_PER_S: f64 = 8_000.0;
-/// Pauses are given up when less than this part of the rate is left.
-const LEFT_MIN: f64 = 0.85;
-/// Until it is tried again.
-const CALM: Duration = Duration::from_secs(1);
+/// How long messages are counted for their rate, outside of a burst ...
+const WINDOW: Duration = Duration::from_millis(10);
+/// ... and in one, and each turn of a trial: as often as robots are sent receipts.
+const TURN: Duration = Duration::from_millis(100);
+/// Turns of a trial: half of them with pauses, the first one among them.
+const TURNS: u32 = 10;
+/// With pauses at least this part of the messages must come that come without.
+const LEFT_MIN: f64 = 0.8;
+/// How long a trial's verdict holds.
+const VERDICT: Duration = Duration::from_secs(30);
 
 /// Decides on the pauses of one connection.
 #[derive(Debug)]
 pub(super) struct Pace {
     since: Instant,
-    messages: u32,
+    messages: u64,
     state: State,
+    verdict: Option<Verdict>,
+}
+
+/// What the last trial has shown, and until when it holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Verdict {
+    pauses: bool,
+    until: Instant,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
-    /// Without pauses, until there are many messages, but not before that time.
-    Prompt(Instant),
-    /// With pauses; so many messages a second came without.
-    Paced(f64),
+    /// Few messages: each is looked for at once.
+    Calm,
+    /// A burst in which pauses are tried: the turns so far, and what came with pauses and without.
+    Trial(u32, [u64; 2]),
+    /// A burst, with pauses or without.
+    Burst(bool),
 }
 
 impl Pace {
     pub(super) fn new(now: Instant) -> Self {
-        Self { since: now, messages: 0, state: State::Prompt(now) }
+        Self { since: now, messages: 0, state: State::Calm, verdict: None }
     }
 
     /// Whether to pause before the next look, after one that has brought so many messages.
     pub(super) fn pauses(&mut self, now: Instant, messages: usize) -> bool {
-        self.messages = self.messages.saturating_add(u32::try_from(messages).unwrap_or(u32::MAX));
+        self.messages += messages as u64;
         let elapsed = now.saturating_duration_since(self.since);
-        if elapsed >= WINDOW {
-            let per_s = f64::from(self.messages) / elapsed.as_secs_f64();
-            self.state = self.state.after(per_s, now);
+        if elapsed >= if self.state == State::Calm { WINDOW } else { TURN } {
+            self.state = self.after(now, self.messages as f64 / elapsed.as_secs_f64());
             (self.since, self.messages) = (now, 0);
         }
-        messages < LOOK_MAX && matches!(self.state, State::Paced(_))
+        let pauses = match self.state {
+            State::Calm => false,
+            State::Trial(turns, _) => turns.is_multiple_of(2),
+            State::Burst(pauses) => pauses,
+        };
+        pauses && messages < LOOK_MAX
     }
-}
 
-impl State {
-    fn after(self, per_s: f64, now: Instant) -> Self {
-        match self {
-            Self::Prompt(not_before) if per_s >= BUSY_PER_S && now >= not_before => Self::Paced(per_s),
-            Self::Prompt(_) => self,
-            Self::Paced(_) if per_s < BUSY_PER_S / 2.0 => Self::Prompt(now),
-            Self::Paced(without) if per_s < LEFT_MIN * without => Self::Prompt(now + CALM),
-            Self::Paced(_) => self,
+    /// What follows a time with so many messages a second.
+    fn after(&mut self, now: Instant, per_s: f64) -> State {
+        let is_burst = per_s >= if self.state == State::Calm { BUSY_PER_S } else { BUSY_PER_S / 2.0 };
+        if !is_burst {
+            return State::Calm;
+        }
+        match self.state {
+            State::Trial(turns, mut came) => {
+                came[turns as usize % 2] += self.messages;
+                if turns + 1 < TURNS {
+                    return State::Trial(turns + 1, came);
+                }
+                let pauses = came[0] as f64 >= LEFT_MIN * came[1] as f64;
+                self.verdict = Some(Verdict { pauses, until: now + VERDICT });
+                State::Burst(pauses)
+            }
+            State::Calm | State::Burst(_) => match self.verdict {
+                Some(verdict) if now < verdict.until => State::Burst(verdict.pauses),
+                Some(_) | None => State::Trial(0, [0; 2]),
+            },
         }
     }
 }
@@ -70,11 +100,15 @@ impl State {
 mod tests {
     use super::*;
 
-    /// Looks once a millisecond, for so many; gives how many pauses there were.
-    fn looks(pace: &mut Pace, now: &mut Instant, count: usize, messages: usize) -> usize {
+    const MS: Duration = Duration::from_millis(1);
+
+    /// Looks once a millisecond, for so many; gives how many pauses there were. What a look brings depends on whether a pause was before it.
+    fn looks(pace: &mut Pace, now: &mut Instant, count: usize, mut brings: impl FnMut(bool) -> usize) -> usize {
+        let mut is_paused = false;
         let look = |_: &usize| {
-            *now += Duration::from_millis(1);
-            pace.pauses(*now, messages)
+            *now += MS;
+            is_paused = pace.pauses(*now, brings(is_paused));
+            is_paused
         };
         (0..count).filter(look).count()
     }
@@ -83,28 +117,40 @@ mod tests {
     fn pauses_begin_with_a_burst_and_end_with_it() {
         let mut now = Instant::now();
         let mut pace = Pace::new(now);
-        assert_eq!(looks(&mut pace, &mut now, 1_000, 7), 0, "7,000 a second");
-        assert!(looks(&mut pace, &mut now, 100, 50) >= 90);
-        assert!(looks(&mut pace, &mut now, 100, 1) <= 10);
-        assert!(looks(&mut pace, &mut now, 100, 50) >= 90, "the next burst at once");
+        assert_eq!(looks(&mut pace, &mut now, 1_000, |_| 7), 0, "7,000 a second");
+        let trial = looks(&mut pace, &mut now, 1_010, |_| 50);
+        assert!((490..=510).contains(&trial), "{trial}");
+        assert!(looks(&mut pace, &mut now, 1_000, |_| 50) >= 990);
+        assert!(looks(&mut pace, &mut now, 500, |_| 1) <= 110);
+        assert_eq!(looks(&mut pace, &mut now, 500, |_| 1), 0);
+        assert!(looks(&mut pace, &mut now, 100, |_| 50) >= 90, "the next burst at once");
     }
 
     #[test]
-    fn a_broker_that_waits_for_acknowledgements_is_left_alone_for_a_second() {
+    fn robots_that_send_by_fits_and_starts_are_paused() {
         let mut now = Instant::now();
         let mut pace = Pace::new(now);
-        let pauses = looks(&mut pace, &mut now, 20, 50);
-        assert!((1..=11).contains(&pauses));
-        // Slower now.
-        assert!(looks(&mut pace, &mut now, 20, 20) <= 11);
-        assert_eq!(looks(&mut pace, &mut now, 900, 50), 0);
-        assert!(looks(&mut pace, &mut now, 1_100, 50) > 900);
+        let mut at = 0;
+        let mut wave = |_| {
+            at += 1;
+            if at % 130 < 60 { 127 } else { 1 }
+        };
+        looks(&mut pace, &mut now, 2_000, &mut wave);
+        assert!(looks(&mut pace, &mut now, 20_000, &mut wave) >= 19_990);
+    }
+
+    #[test]
+    fn a_broker_that_waits_for_acknowledgements_is_left_alone_but_for_trials() {
+        let mut now = Instant::now();
+        let mut pace = Pace::new(now);
+        let paused = looks(&mut pace, &mut now, 100_000, |is_paused| if is_paused { 20 } else { 50 });
+        assert!((1_400..=2_100).contains(&paused), "{paused} in 100 s");
     }
 
     #[test]
     fn while_more_is_there_it_is_looked_at_once() {
         let mut now = Instant::now();
         let mut pace = Pace::new(now);
-        assert_eq!(looks(&mut pace, &mut now, 100, LOOK_MAX), 0);
+        assert_eq!(looks(&mut pace, &mut now, 2_000, |_| LOOK_MAX), 0);
     }
 }
