@@ -226,7 +226,7 @@ impl Line {
             Some((at_us, _)) => at_us <= now_us as f64,
             None => {
                 let has_window = plan.qos == Quality::AtMostOnce || (!self.is_full && self.in_flight < plan.window);
-                has_window && (plan.no_receipts || self.uncovered < plan.unreceipted.div_ceil(plan.connections))
+                has_window && (plan.no_receipts || self.uncovered < plan.unreceipted().div_ceil(plan.connections))
             }
         }
     }

@@ -53,9 +53,10 @@ pub struct LoadPlan {
     /// Messages of QoS 1 that the broker has not acknowledged, of each connection
     #[arg(long, default_value_t = 1000)]
     pub window: usize,
-    /// Messages without a receipt, of all robots together: beyond it a robot waits before it sends a new one
-    #[arg(long, default_value_t = 16_000)]
-    pub unreceipted: usize,
+    /// Messages without a receipt, of all robots together: beyond it a robot waits before it sends a new one. 16 for each
+    /// robot if left out, but at least 16000
+    #[arg(long)]
+    pub unreceipted: Option<usize>,
     /// Nobody receipts: ends when the broker has got everything
     #[arg(long)]
     pub no_receipts: bool,
@@ -95,7 +96,7 @@ impl LoadPlan {
         within("--contacts", self.contacts, CONTACTS_MAX)?;
         within("--connections", self.connections, self.robots)?;
         within("--window", self.window, usize::from(u16::MAX) / 2)?;
-        within("--unreceipted", self.unreceipted, 100_000_000)?;
+        within("--unreceipted", self.unreceipted(), 100_000_000)?;
         if self.rate.is_some_and(|rate| rate.is_nan() || rate <= 0.0) {
             return Err(BadPlan("--rate must be above 0".to_owned()));
         }
@@ -109,6 +110,12 @@ impl LoadPlan {
             return Err(BadPlan(needs.to_owned()));
         }
         Ok(())
+    }
+
+    /// Messages without a receipt, of all robots together.
+    #[must_use]
+    pub fn unreceipted(&self) -> usize {
+        self.unreceipted.unwrap_or_else(|| (16 * self.robots).max(16_000))
     }
 
     /// A robot's name.

@@ -21,7 +21,7 @@ const KEPT_MAX: usize = 16;
 const KEPT_CONTACTS_MAX: usize = 2000;
 
 /// Robots that are sent receipts at a time, ten times a second: of more each one's comes a bit less often.
-const RECEIPTS_AT_ONCE: usize = 1000;
+const RECEIPTS_AT_ONCE: usize = 500;
 /// How often receipts may come with the next one instead, one after the other.
 const PASSED_OVER_MAX: u32 = 8;
 
