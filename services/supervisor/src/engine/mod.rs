@@ -57,10 +57,8 @@ use snapshot::Pace;
 
 /// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
 const GATHER: Duration = Duration::from_millis(20);
-/// As long as there are no more than so many, it waits for the receipts, which are not sent sooner either ...
-const FEW: usize = 16;
-/// ... and no longer than that.
-const GATHER_FEW: Duration = Duration::from_millis(100);
+/// As long as there are no more than so many, it waits for the receipts, which are then sent at each tick only.
+const FEW: usize = 40;
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Contacts of one commit at the most: then no more messages are taken in before it is done.
@@ -71,11 +69,11 @@ const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 const DECIDED_MAX: usize = 2500;
 /// How often time is told to the core.
 const TICK: Duration = Duration::from_millis(250);
-/// How often all robots are counted for the metrics ...
-const SURVEY: Duration = Duration::from_secs(1);
+/// Ticks until what was asked of the fleet at other supervisors is looked at again, and all robots are counted for the metrics ...
+const TICKS_A_LOOK: u32 = 4;
 /// ... or less often, where it would take more than this part of the time.
 const SURVEY_SHARE: u32 = 50;
-/// How often receipts are sent, and states written that have waited.
+/// How often receipts are sent, and states written that have waited, if there are more than a few messages.
 const RECEIPTS: Duration = Duration::from_millis(100);
 /// Shards of one fleet at the most.
 const SHARDS_MAX: usize = 16;
@@ -124,6 +122,12 @@ pub struct Engine {
     /// Since when it is gathered, and how many messages it is.
     gathered: (Option<Instant>, usize),
     receipts_due: bool,
+    /// Messages since the last tick, and between the last two.
+    messages: [usize; 2],
+    /// Ticks so far.
+    ticks: u32,
+    /// Robots are not counted before then.
+    survey_from: Instant,
     /// No more messages come: all receipts are sent at once.
     is_ending: bool,
     /// How often they came with the next transaction instead.
@@ -214,6 +218,9 @@ impl Engine {
             due: Some(Instant::now()),
             gathered: (None, 0),
             receipts_due: false,
+            messages: [0; 2],
+            ticks: 0,
+            survey_from: Instant::now(),
             is_ending: false,
             receipts_passed_over: 0,
             number: last,
@@ -275,10 +282,9 @@ impl Engine {
             ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
             ticks
         };
-        let (mut ticks, mut receipts, mut surveys) = (every(TICK), every(RECEIPTS), every(SURVEY));
+        let (mut ticks, mut receipts) = (every(TICK), every(RECEIPTS));
         let bell = self.bell.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
-        let mut survey_from = Instant::now();
         let mut is_ticking = false;
         loop {
             let has_room = self.has_room();
@@ -293,23 +299,11 @@ impl Engine {
                     self.take_in(&mut messages).await?;
                 }
                 _ = ticks.tick() => {
-                    self.settle().await?;
-                    self.listen_anew_if_deaf();
+                    self.at_tick(&inbox).await?;
                     is_ticking = true;
-                    // Asked at another supervisor, perhaps.
-                    self.open_mail(self.now(&inbox)).await?;
                 }
                 () = bell.notified() => self.open_mail(self.now(&inbox)).await?,
-                _ = receipts.tick() => self.look_at_receipts(),
-                _ = surveys.tick() => {
-                    self.survey_queues(&inbox);
-                    if survey_from <= Instant::now() {
-                        let begun = Instant::now();
-                        self.survey_robots();
-                        survey_from = begun + begun.elapsed() * SURVEY_SHARE;
-                    }
-                    self.close_history(self.now(&inbox));
-                }
+                _ = receipts.tick(), if !self.are_few() => self.look_at_receipts(),
             }
             if is_ticking && self.has_room() {
                 is_ticking = !self.tick(self.now(&inbox));
@@ -319,6 +313,28 @@ impl Engine {
             }
         }
         self.finish().await
+    }
+
+    /// What is done at each tick, beside telling the core what time it is. All of it together: each wake-up costs far more than a
+    /// message, because it finds everything cold.
+    async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        self.listen_anew_if_deaf();
+        self.look_at_receipts();
+        self.messages = [0, self.messages[0]];
+        if self.ticks.is_multiple_of(TICKS_A_LOOK) {
+            // Asked at another supervisor, perhaps.
+            self.open_mail(self.now(inbox)).await?;
+            self.survey_queues(inbox);
+            if self.survey_from <= Instant::now() {
+                let begun = Instant::now();
+                self.survey_robots();
+                self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
+            }
+            self.close_history(self.now(inbox));
+        }
+        self.ticks = self.ticks.wrapping_add(1);
+        Ok(())
     }
 
     /// Commits what is left, and receipts it. States are written, too, so that whoever takes the fleet up has nothing to go
@@ -345,9 +361,10 @@ impl Engine {
     /// Something has been gathered, from so many messages: it is committed soon.
     fn gathered(&mut self, messages: usize) {
         let (now, is_urgent) = (Instant::now(), self.is_urgent());
+        self.messages[0] += messages;
         let (since, count) = &mut self.gathered;
         *count += messages;
-        let window = if *count > FEW { GATHER } else { GATHER_FEW };
+        let window = if *count > FEW { GATHER } else { TICK };
         let due = if is_urgent {
             now
         } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
@@ -356,6 +373,11 @@ impl Engine {
             return;
         };
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
+    }
+
+    /// Whether few messages come, so that they wait for the next tick.
+    fn are_few(&self) -> bool {
+        self.messages.iter().all(|&messages| messages <= FEW)
     }
 
     fn is_due(&self) -> bool {
