@@ -220,17 +220,17 @@ async fn sign_in(
     .bind(fleets.join(","))
     .fetch_all(&mut *link)
     .await?;
-    let mut rows = lease_rows(&mut *link, &fleets).await?;
-    if rows.len() < fleets.len() {
+    let mut rows = rows_of(&mut *link, &fleets).await?;
+    if rows.iter().filter(|row| is_lease(row)).count() < fleets.len() {
         sqlx::query(
             "INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING",
         )
         .bind(&fleets)
         .execute(&mut *link)
         .await?;
-        rows = lease_rows(&mut *link, &fleets).await?;
+        rows = rows_of(&mut *link, &fleets).await?;
     }
-    let leases = rows.iter().filter_map(|row| {
+    let leases = rows.iter().filter(|row| is_lease(row)).filter_map(|row| {
         Some(FleetLease {
             fleet: Name::new(row.get("fleet")).ok()?,
             epoch: row.get::<i64, _>("epoch") as u64,
@@ -240,12 +240,9 @@ async fn sign_in(
             free_in: u64::try_from(row.get::<i64, _>("left_us")).ok().map(Duration::from_micros),
         })
     });
-    let present = sqlx::query("SELECT supervisor, fleets FROM supervisors WHERE alive_us > clock_us()")
-        .fetch_all(&mut *link)
-        .await?;
-    let present = present.iter().map(|row| {
+    let present = rows.iter().filter(|row| !is_lease(row)).map(|row| {
         let fleets = row.get::<&str, _>("fleets").split(',').filter_map(|fleet| Name::new(fleet).ok()).collect();
-        (row.get("supervisor"), fleets)
+        (row.get("owner"), fleets)
     });
     Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
 }
@@ -255,11 +252,18 @@ async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
     sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(tx).await.map(drop)
 }
 
-async fn lease_rows(tx: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
+/// The leases of fleets, and whoever is there: the rows without a fleet. Asked for in one go, several times a second.
+async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
     sqlx::query(
-        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us FROM leases WHERE fleet = ANY($1)",
+        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us, NULL::text AS fleets \
+         FROM leases WHERE fleet = ANY($1) \
+         UNION ALL SELECT NULL, NULL, supervisor, NULL, NULL, fleets FROM supervisors WHERE alive_us > clock_us()",
     )
     .bind(fleets)
-    .fetch_all(tx)
+    .fetch_all(link)
     .await
+}
+
+fn is_lease(row: &PgRow) -> bool {
+    row.get::<Option<&str>, _>("fleet").is_some()
 }
