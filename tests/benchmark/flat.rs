@@ -12,7 +12,10 @@ const WHISKERS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 const OF_ROBOT: usize = 50;
 const OF_ARRAY: usize = 25;
 const PART: &str = "flat";
-const FIRST_RATE: f64 = 10_000.0;
+/// So that the first round is a burst, too, and not its beginning.
+const FIRST_RATE: f64 = 50_000.0;
+/// Times as long as bursts are elsewhere: of what was just born states are still being written in the first second.
+const LONGER: f64 = 2.0;
 /// Numbering so many whiskers may take its time, which is told.
 const PATIENCE_S: u32 = 150;
 
@@ -51,7 +54,8 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
             if round > 0 {
                 scale.ready_s.push(subject.supervisor.ready_s);
             }
-            let burst = subject.burst(&broker, &arguments(scale.whiskers, messages(&bench.pace, scale.rate))).await?;
+            let burst =
+                subject.burst(&broker, &arguments(scale.whiskers, messages(&bench.pace, LONGER * scale.rate))).await?;
             bench.report.line(PART, round, burst.json(&format!("{} whiskers", scale.whiskers)))?;
             subject.supervisor.stop().await?;
             scale.take(&burst);
