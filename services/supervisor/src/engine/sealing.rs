@@ -5,6 +5,7 @@
 //! transactions were sealed.
 
 use std::future::pending;
+use std::time::SystemTime;
 
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
@@ -194,10 +195,12 @@ impl Engine {
                 lives.committed(untold, committed.took);
             }
         }
+        // Taken before: a robot's answer can be there before this is through.
+        let now = SystemTime::now();
         let all = self.publish(std::mem::take(&mut sealed.publications));
         for (shard, untold) in self.shards.iter_mut().zip(untold) {
             if let Some(lives) = &mut shard.gathering.lives {
-                lives.published(untold, all);
+                lives.published(untold, now, all);
             }
         }
     }

@@ -243,9 +243,8 @@ impl Lives {
         self.untold.sending.push(command_uuid(&self.fleet, name, command.key));
     }
 
-    /// The publications were given to the connection, or some of them could not be.
-    pub(crate) fn published(&mut self, untold: Untold, all: bool) {
-        let now = SystemTime::now();
+    /// The publications were given to the connection then, or some of them could not be.
+    pub(crate) fn published(&mut self, untold: Untold, now: SystemTime, all: bool) {
         for id in untold.sending {
             let Some(life) = self.open.get(&id) else { continue };
             let draft = Draft::new("send setpoint", SpanKind::Producer, (now, now));
