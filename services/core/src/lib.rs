@@ -6,6 +6,7 @@
 //! `step(state, params, now, event)` puts them together.
 
 mod counts;
+pub mod text;
 pub mod units;
 
 pub mod mechanics;

@@ -65,8 +65,10 @@ impl Robot {
         // Few wait for approval, and none where nobody has to approve: then this is empty.
         let waiting: Vec<WhiskerIndex> =
             self.compensations.iter().filter(|one| one.proposed).map(|one| one.target()).collect();
-        self.touched.sort_unstable();
-        for index in self.touched.drain(..).map(|index| index as usize) {
+        // A long list is not kept: what is about all whiskers is seldom.
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.sort_unstable();
+        for index in touched.into_iter().map(|index| index as usize) {
             let whisker = &mut self.whiskers[index];
             whisker.touched = false;
             let due = whisker.due(waiting.contains(&index));

@@ -110,7 +110,7 @@ impl Robot {
         let command = Command {
             key,
             whisker: index,
-            robot_boot_id: boot_id.clone(),
+            robot_boot_id: boot_id.as_str().to_owned(),
             pressure,
             slew_mpa_per_s: params.command.slew_mpa_per_s,
             issued: now,

@@ -9,6 +9,7 @@ use super::params::Params;
 use super::sheet::{Sheet, share_models};
 use super::whisker::{Air, Desired, Whisker};
 use super::{Array, Compensation, Robot};
+use crate::text::ShortText;
 
 /// Where the whiskers of a new layout come from, and where those of the old one go.
 struct Moves {
@@ -38,7 +39,7 @@ impl Robot {
         arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind)))
             && self.whiskers.len() == told().count()
             && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
-                self.arrays[usize::from(one.array)].name == *array && one.sheet.is_as_told(sheet)
+                self.arrays[usize::from(one.array)].name == **array && one.sheet.is_as_told(sheet)
             })
     }
 
@@ -48,7 +49,7 @@ impl Robot {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
         let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
-        let names: Vec<String> = self.arrays.drain(..).map(|array| array.name).collect();
+        let names: Vec<ShortText> = self.arrays.drain(..).map(|array| array.name).collect();
         self.whiskers.reserve_exact(moves.from.len());
         for array in &factsheet.arrays {
             self.add_array(params, array, &moves, &mut old, effects);
@@ -57,7 +58,7 @@ impl Robot {
             effects.extend(gone.gone(&names));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
-        share_models(&mut self.whiskers);
+        share_models(&mut self.whiskers, params.model_names());
         self.index_places();
         for one in &mut self.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
@@ -116,7 +117,7 @@ impl Robot {
             return true;
         }
         let name = &self.arrays[usize::from(target.array)].name;
-        factsheet.arrays.iter().find(|array| array.name == *name).is_some_and(|array| {
+        factsheet.arrays.iter().find(|array| *name == *array.name).is_some_and(|array| {
             let sheet = array.whiskers.iter().find(|sheet| sheet.number == target.sheet.number);
             array.kind == ArrayKind::Type1
                 && sheet.is_some_and(|sheet| sheet.neighbours.contains(&compensator.sheet.number))
@@ -151,7 +152,7 @@ impl Robot {
             whisker.changed = true;
             self.whiskers.push(whisker);
         }
-        self.arrays.push(Array { name: array.name.clone(), kind: array.kind });
+        self.arrays.push(Array { name: array.name.as_str().into(), kind: array.kind, first: (0, 0) });
     }
 
     /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it
@@ -187,9 +188,9 @@ impl Whisker {
     }
 
     /// The alarms that stood for it, when it is on the robot no more; `names` are those of the arrays it was on.
-    fn gone(&self, names: &[String]) -> Option<Effect> {
+    fn gone(&self, names: &[ShortText]) -> Option<Effect> {
         let alarms: Vec<AlarmKind> = self.standing.kinds().collect();
-        let array = names.get(usize::from(self.array))?.clone();
+        let array = names.get(usize::from(self.array))?.as_str().to_owned();
         (!alarms.is_empty()).then_some(Effect::Gone { array, number: self.sheet.number, alarms })
     }
 

@@ -42,6 +42,7 @@ mod what_if;
 pub mod whisker;
 
 use borsh::{BorshDeserialize, BorshSerialize};
+use smallvec::SmallVec;
 
 pub use action::{ActionProblem, OperatorAction, Place, Scope};
 pub use compensation::Compensation;
@@ -55,6 +56,7 @@ pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
 pub use whisker::Whisker;
 
+use crate::text::ShortText;
 use crate::units::Micros;
 use event::{ArrayKind, Factsheet, Link};
 use moment::Moment;
@@ -67,7 +69,7 @@ pub struct Robot {
     epoch: u64,
     link: Link,
     /// The newest boot, as its birth said.
-    boot_id: Option<String>,
+    boot_id: Option<ShortText>,
     /// The newest time heard from the robot, by its own clock.
     robot_time: Option<Micros>,
     sequences: Sequences,
@@ -98,7 +100,7 @@ pub struct Robot {
     places: Places,
     /// Those whose alarms are to be looked at, at the end of this step.
     #[borsh(skip)]
-    touched: Vec<u32>,
+    touched: SmallVec<[u32; TOUCHED]>,
     /// What a tick would find out anyway.
     #[borsh(skip)]
     quiet: Quiet,
@@ -108,9 +110,12 @@ pub struct Robot {
 #[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub struct Array {
     /// Name.
-    pub name: String,
+    pub name: ShortText,
     /// Kind.
     pub kind: ArrayKind,
+    /// Index and number of its first whisker; they follow from the layout.
+    #[borsh(skip)]
+    first: (u32, u16),
 }
 
 /// The first free numbers of a robot's trims and compensations.
@@ -122,6 +127,8 @@ pub struct Numbers {
     pub next_compensation: u32,
 }
 
+/// Whiskers that an ordinary message is about, at the most: of more the list lies elsewhere.
+const TOUCHED: usize = 24;
 /// A factsheet that does not come by itself is asked for after this, and again.
 const FACTSHEET_PATIENCE: Micros = Micros(2_000_000);
 
@@ -176,7 +183,7 @@ impl Robot {
             changed: true,
             whiskers: Vec::new(),
             places: Places::default(),
-            touched: Vec::new(),
+            touched: SmallVec::new(),
             quiet: Quiet::default(),
         }
     }
@@ -244,7 +251,7 @@ impl Robot {
     }
 
     fn is_old(&self, boot_id: &str) -> bool {
-        self.boot_id.as_deref() != Some(boot_id)
+        self.boot_id.as_ref().is_none_or(|newest| *newest != *boot_id)
     }
 
     fn heard_time(&mut self, robot_time: Micros) {
@@ -270,7 +277,7 @@ impl Robot {
             self.abandon_commands(effects);
             // Those who were given up may serve again.
             self.undecided = true;
-            self.boot_id = Some(boot_id.to_owned());
+            self.boot_id = Some(boot_id.into());
             self.robot_time = None;
         }
         self.link = link;
@@ -291,7 +298,7 @@ impl Robot {
     /// Asks for a factsheet that has not followed its birth.
     fn await_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
         let Awaited::Since(since) = self.awaited else { return };
-        let is_missing = self.boot_id.as_ref().is_some_and(|boot_id| self.sequences.of(boot_id).is_none());
+        let is_missing = self.boot_id.as_ref().is_some_and(|boot_id| self.sequences.of(boot_id.as_str()).is_none());
         if !is_missing {
             self.awaited = Awaited::Not;
         } else if self.link == Link::Online && now.since(since) >= FACTSHEET_PATIENCE {

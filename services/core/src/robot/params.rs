@@ -1,5 +1,7 @@
 //! Everything that the core is told once: models, noise, limits.
 
+use std::sync::Arc;
+
 use super::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
@@ -11,8 +13,8 @@ use crate::units::Micros;
 /// The parameters of [`super::Robot::step`].
 #[derive(Debug, Clone)]
 pub struct Params {
-    /// The whisker models that factsheets may name.
-    pub models: Vec<(String, Model)>,
+    /// The whisker models that factsheets may name; robots share their names.
+    pub models: Vec<(Arc<String>, Model)>,
     /// Stated noise of the robots' readings.
     pub noise: SensorNoise,
     /// Prior and process noise of the length filter.
@@ -81,7 +83,7 @@ impl Params {
     #[must_use]
     pub fn nguyen_2021(formulation: Formulation) -> Self {
         Self {
-            models: vec![("nguyen-2021".to_owned(), Model::nguyen_2021(formulation))],
+            models: vec![(Arc::new("nguyen-2021".to_owned()), Model::nguyen_2021(formulation))],
             noise: SensorNoise::default(),
             filter: FilterParams::default(),
             detection: DetectionParams::default(),
@@ -94,10 +96,15 @@ impl Params {
         }
     }
 
+    /// The names of its models, to be shared.
+    pub(super) fn model_names(&self) -> Vec<Arc<String>> {
+        self.models.iter().map(|(name, _)| Arc::clone(name)).collect()
+    }
+
     /// The model of that name.
     #[must_use]
     pub fn model(&self, name: &str) -> Option<&Model> {
-        self.models.iter().find(|(known, _)| known == name).map(|(_, model)| model)
+        self.models.iter().find(|(known, _)| known.as_str() == name).map(|(_, model)| model)
     }
 }
 

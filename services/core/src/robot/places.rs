@@ -1,37 +1,36 @@
-//! Where a robot's whiskers are among its indices: at hand for every contact, without a look at the whiskers themselves.
+//! Where a robot's whiskers are among its indices.
 
 use super::Robot;
 use super::effect::WhiskerIndex;
 
-/// The whiskers' arrays and numbers, by index.
+/// The whiskers' arrays and numbers, by index: searched where numbers do not follow one another, without a look at the
+/// whiskers themselves.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Places {
-    of: Vec<(u16, u16)>,
-    /// The first index of each array.
-    firsts: Vec<u32>,
-}
+pub(super) struct Places(Vec<(u16, u16)>);
 
 impl Robot {
     /// Index of a whisker.
     pub(super) fn place(&self, array: u16, number: u16) -> Option<WhiskerIndex> {
-        let Places { of, firsts } = &self.places;
-        let first = *firsts.get(usize::from(array))? as usize;
-        // Mostly they are numbered one after another.
-        let guess = first + usize::from(number.wrapping_sub(of.get(first)?.1));
-        if of.get(guess) == Some(&(array, number)) {
+        let (first, first_number) = self.arrays.get(usize::from(array))?.first;
+        let first = first as usize;
+        // Mostly they are numbered one after another. Then it is the whisker that is looked at next anyway.
+        let guess = first + usize::from(number.wrapping_sub(first_number));
+        if self.whiskers.get(guess).is_some_and(|one| (one.array, one.sheet.number) == (array, number)) {
             return Some(guess);
         }
-        of[first..].iter().position(|&one| one == (array, number)).map(|at| first + at)
+        let rest = self.places.0.get(first..)?;
+        rest.iter().position(|&one| one == (array, number)).map(|at| first + at)
     }
 
     /// After the layout has become another.
     pub(super) fn index_places(&mut self) {
-        self.places.of = self.whiskers.iter().map(|one| (one.array, one.sheet.number)).collect();
-        let first = |array: usize| self.whiskers.iter().position(|one| usize::from(one.array) == array);
-        let firsts = (0..self.arrays.len()).map(|array| first(array).unwrap_or(self.whiskers.len()) as u32);
-        self.places.firsts = firsts.collect();
-        // No contact shall have to make room.
-        self.touched = Vec::with_capacity(self.whiskers.len());
+        self.places.0 = self.whiskers.iter().map(|one| (one.array, one.sheet.number)).collect();
+        for (index, array) in self.arrays.iter_mut().enumerate() {
+            let first = self.places.0.iter().position(|&(of, _)| usize::from(of) == index);
+            let first = first.unwrap_or(self.whiskers.len());
+            array.first = (first as u32, self.places.0.get(first).map_or(0, |&(_, number)| number));
+        }
+        self.touched.clear();
         self.whiskers.iter_mut().for_each(|one| one.touched = false);
     }
 }

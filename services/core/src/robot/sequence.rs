@@ -2,6 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::text::ShortText;
 use crate::units::Micros;
 
 /// Gaps that are remembered; a message that would open one more is not taken, so the robot sends it again.
@@ -31,7 +32,7 @@ pub enum Admission {
 /// The `contacts` numbers of one boot.
 #[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub struct Sequence {
-    boot_id: String,
+    boot_id: ShortText,
     next: u64,
     /// Inclusive ranges beyond `next`, ascending, not touching.
     held: Vec<(u64, u64)>,
@@ -46,7 +47,7 @@ pub struct Sequence {
 impl Sequence {
     fn new(boot_id: &str) -> Self {
         Self {
-            boot_id: boot_id.to_owned(),
+            boot_id: boot_id.into(),
             next: 0,
             held: Vec::new(),
             blocked_since: None,
@@ -58,7 +59,7 @@ impl Sequence {
     /// Whose numbers they are.
     #[must_use]
     pub fn boot_id(&self) -> &str {
-        &self.boot_id
+        self.boot_id.as_str()
     }
 
     /// Every number below is accounted for.
@@ -168,7 +169,7 @@ pub struct Sequences {
 impl Sequences {
     /// A boot whose factsheet is known; the oldest beyond the limit is forgotten.
     pub fn begin(&mut self, boot_id: &str) {
-        if self.boots.iter().all(|sequence| sequence.boot_id != boot_id) {
+        if self.boots.iter().all(|sequence| sequence.boot_id != *boot_id) {
             if self.boots.len() >= BOOTS_MAX {
                 self.boots.remove(0);
             }
@@ -178,7 +179,7 @@ impl Sequences {
 
     /// Takes a number in; also whether anything has changed by that.
     pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> (Admission, bool) {
-        let Some(sequence) = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == boot_id) else {
+        let Some(sequence) = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == *boot_id) else {
             return (Admission::UnknownBoot, false);
         };
         let before = sequence.waits();
@@ -196,7 +197,7 @@ impl Sequences {
     /// The numbers of that boot.
     #[must_use]
     pub fn of(&self, boot_id: &str) -> Option<&Sequence> {
-        self.boots.iter().find(|sequence| sequence.boot_id == boot_id)
+        self.boots.iter().find(|sequence| sequence.boot_id == *boot_id)
     }
 }
 

@@ -79,9 +79,8 @@ impl Sheet {
     }
 }
 
-/// Whiskers of the same model share its name.
-pub(super) fn share_models(whiskers: &mut [Whisker]) {
-    let mut names: Vec<Arc<String>> = Vec::new();
+/// Whiskers of the same model share its name, if it can be with `names`.
+pub(super) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Arc<String>>) {
     for model in whiskers.iter_mut().map(|one| &mut one.sheet.model) {
         match names.iter().find(|known| *known == model) {
             Some(known) => *model = Arc::clone(known),

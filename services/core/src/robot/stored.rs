@@ -2,6 +2,7 @@
 
 use super::Robot;
 use super::effect::WhiskerIndex;
+use super::params::Params;
 use super::sheet::share_models;
 use super::whisker::Holds;
 use crate::units::Micros;
@@ -54,9 +55,15 @@ impl Robot {
         if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
             return Err(RestoreError::Layout);
         }
-        share_models(&mut robot.whiskers);
+        share_models(&mut robot.whiskers, Vec::new());
         robot.index_places();
         Ok(robot)
+    }
+
+    /// Has its whiskers share the names of their models with the parameters, as they do where a factsheet came: with
+    /// thousands of robots each name of its own would be one more that is in no cache.
+    pub fn share_models(&mut self, params: &Params) {
+        share_models(&mut self.whiskers, params.model_names());
     }
 
     /// Goes on under a new epoch, listening from `now` on: nothing is known of what was said meanwhile. It marks nothing as

@@ -6,13 +6,14 @@ use super::event::{ArrayKind, Link};
 use super::{Compensation, Robot, Sequence, Sheet};
 use crate::estimation::{Erosion, Interval, LengthEstimate};
 use crate::mechanics::Offset;
+use crate::text::ShortText;
 use crate::units::{Megapascal, Micros};
 
 impl Robot {
     /// Index of a whisker.
     #[must_use]
     pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
-        let array = self.arrays.iter().position(|known| known.name == array)?;
+        let array = self.arrays.iter().position(|known| known.name == *array)?;
         self.place(array as u16, number)
     }
 
@@ -22,7 +23,7 @@ impl Robot {
         let whisker = self.whiskers.get(index)?;
         let array = &self.arrays[usize::from(whisker.array)];
         Some(WhiskerView {
-            array: &array.name,
+            array: array.name.as_str(),
             kind: array.kind,
             sheet: &whisker.sheet,
             length: whisker.filter.length(),
@@ -68,7 +69,7 @@ impl Robot {
     /// The newest boot and its connection.
     #[must_use]
     pub fn connection_state(&self) -> (Option<&str>, Link) {
-        (self.boot_id.as_deref(), self.link)
+        (self.boot_id.as_ref().map(ShortText::as_str), self.link)
     }
 
     /// What a receipt says: the numbers of that boot.

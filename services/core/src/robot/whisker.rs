@@ -293,7 +293,7 @@ impl Whisker {
             }
             return;
         }
-        let Some(model) = params.model(&self.sheet.model) else { return };
+        let Some(model) = self.model(params) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
         let watch = self.rare.erosion.get_or_insert_with(|| {
             let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
@@ -338,7 +338,8 @@ impl Whisker {
 
     /// The model of the factsheet; factsheets with unknown models are refused, so it is there.
     pub(super) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
-        params.model(&self.sheet.model)
+        // Where the name is the parameters' own, it need not be looked at.
+        params.models.iter().find(|(name, _)| *name == self.sheet.model).map(|(_, model)| model)
     }
 }
 

@@ -20,6 +20,7 @@ mod traces;
 use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use tracing_subscriber::EnvFilter;
@@ -198,8 +199,8 @@ fn fleets(reader: &mut Reader) -> Option<Vec<Name>> {
 }
 
 fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, Model)>> {
-    let mut models = Params::nguyen_2021(formulation).models;
-    let built_in = models.len();
+    let built_in = Params::nguyen_2021(formulation).models;
+    let mut models: Vec<(String, Model)> = Vec::new();
     for text in reader.texts(Key::Calibrations)? {
         let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
             // The whole would show a line of a file that may be another than was meant.
@@ -209,7 +210,7 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
             | CalibrationFileError::Model { .. }) => problem.to_string(),
         });
         let unique = loaded.and_then(|(name, model)| {
-            if models.iter().any(|(taken, _)| *taken == name) {
+            if built_in.iter().any(|(taken, _)| **taken == name) || models.iter().any(|(taken, _)| *taken == name) {
                 return Err(format!(
                     "calibration file {text}: there is a model {name:?} already; give it another name"
                 ));
@@ -221,7 +222,7 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
             Err(problem) => reader.refuse(Key::Calibrations, problem),
         }
     }
-    Some(models.split_off(built_in))
+    Some(models)
 }
 
 impl Config {
@@ -229,7 +230,7 @@ impl Config {
     #[must_use]
     pub fn params(&self) -> Params {
         let mut params = Params::nguyen_2021(self.formulation);
-        params.models.extend(self.models.iter().cloned());
+        params.models.extend(self.models.iter().map(|(name, model)| (Arc::new(name.clone()), model.clone())));
         params.policy.mode = self.mode;
         params.policy.objective = self.objective;
         params.policy.longer_for_shorter = self.longer_for_shorter;

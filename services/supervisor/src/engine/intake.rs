@@ -168,9 +168,9 @@ impl Gathering {
         };
         let boot_id = told.boot_id.as_str();
         let Committer { lease, writer, .. } = committer;
-        if !known.boots.contains_key(boot_id) {
+        if known.boots.get(boot_id).is_none() {
             let boot = writer.boot(lease, known.robot_id, boot_id, now.0 as i64).await?;
-            known.boots.insert(boot_id.to_owned(), boot);
+            known.boots.insert(boot_id, boot);
         }
         let is_numbered = known.robot.is_as_known(&factsheet) && known.whisker_ids.len() == known.robot.whisker_count();
         if !is_numbered {

@@ -222,8 +222,6 @@ impl KeptStatus {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use vibrissa_core::robot::Numbers;
     use vibrissa_protocol::{self as protocol, BootId, Name};
 
@@ -234,7 +232,7 @@ mod tests {
     #[test]
     fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         let mut known = Known::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()), Keep::All);
-        known.boots = BTreeMap::from([("b".to_owned(), 3)]);
+        known.boots.insert("b", 3);
         let contact = Contact {
             array: "nowhere",
             whisker: 5,

@@ -229,9 +229,9 @@ fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, St
     let formulation = params.models.first().map_or_else(Formulation::default, |(_, model)| model.formulation());
     let model = Model::new(file.geometry(), file.calibration(), formulation).map_err(|problem| problem.to_string())?;
     let mut params = params.clone();
-    match params.models.iter_mut().find(|(name, _)| *name == file.name) {
+    match params.models.iter_mut().find(|(name, _)| **name == file.name) {
         Some((_, known)) => *known = model,
-        None => params.models.push((file.name.clone(), model)),
+        None => params.models.push((Arc::new(file.name.clone()), model)),
     }
     Ok(Arc::new(params))
 }

@@ -4,6 +4,7 @@
 //! becomes one transaction ([`committer`]), while the next messages are stepped already; then setpoints and receipts
 //! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
 
+mod boots;
 mod committer;
 mod gathering;
 mod history;

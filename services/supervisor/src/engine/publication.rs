@@ -162,8 +162,8 @@ impl Gathering {
         if known.receipts_due.is_empty() {
             self.receipts_due.push(known.name.clone());
         }
-        if !known.receipts_due.iter().any(|due| due == boot_id) {
-            known.receipts_due.push(boot_id.to_owned());
+        if !known.receipts_due.iter().any(|due| *due == *boot_id) {
+            known.receipts_due.push(boot_id.into());
         }
     }
 
@@ -194,7 +194,7 @@ impl Shard {
         for name in std::mem::replace(due, later) {
             let Some(known) = self.robots.get_mut(&name) else { continue };
             for boot_id in std::mem::take(&mut known.receipts_due) {
-                self.gathering.publish_receipt(known, &boot_id);
+                self.gathering.publish_receipt(known, boot_id.as_str());
             }
         }
     }

@@ -1,14 +1,15 @@
 //! A part of a fleet's robots: each has one owner, which moves it on. Shards share nothing, so that they work at the same
 //! time on as many cores as there are.
 
-use std::collections::BTreeMap;
-
 use indexmap::IndexMap;
+use smallvec::SmallVec;
 use tracing::error;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
+use vibrissa_core::text::ShortText;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
+use super::boots::Boots;
 use super::gathering::Gathering;
 use super::history::History;
 use super::keep::Keep;
@@ -22,7 +23,7 @@ pub(super) struct Known {
     pub(super) robot_id: i64,
     pub(super) robot: Robot,
     pub(super) whisker_ids: Vec<i64>,
-    pub(super) boots: BTreeMap<String, i64>,
+    pub(super) boots: Boots,
     /// Next `seq` of each topic to this robot.
     pub(super) seqs: publication::Seqs,
     /// What was measured last of each compensation.
@@ -32,7 +33,7 @@ pub(super) struct Known {
     /// What of it is stored.
     pub(super) stored: Stored,
     /// Boots whose contacts are to be receipted.
-    pub(super) receipts_due: Vec<String>,
+    pub(super) receipts_due: SmallVec<[ShortText; 1]>,
 }
 
 /// What of a robot is stored, or will be by the transaction that is gathered for.
@@ -56,12 +57,12 @@ impl Known {
             robot_id,
             robot,
             whisker_ids: Vec::new(),
-            boots: BTreeMap::new(),
+            boots: Boots::default(),
             seqs: publication::Seqs::default(),
             stated: survey::Stated::default(),
             history: History::new(keep),
             stored: Stored::State,
-            receipts_due: Vec::new(),
+            receipts_due: SmallVec::new(),
         }
     }
 
@@ -76,7 +77,10 @@ impl Known {
     ) -> Self {
         let restored = stored.state.as_ref().map(|state| Robot::restore(state, &stored.whisker_states));
         let (robot, whisker_ids) = match restored {
-            Some(Ok(robot)) => (robot, stored.whisker_ids),
+            Some(Ok(mut robot)) => {
+                robot.share_models(params);
+                (robot, stored.whisker_ids)
+            }
             Some(Err(problem)) => {
                 error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
                 let now = wall_clock();
@@ -94,7 +98,7 @@ impl Known {
         let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
         let keep = gathering.keep;
         let history = History::taken_up(keep, rollups, wall_clock());
-        Self { whisker_ids, boots: stored.boots, history, ..Self::new(name, stored.robot_id, robot, keep) }
+        Self { whisker_ids, boots: stored.boots.into(), history, ..Self::new(name, stored.robot_id, robot, keep) }
     }
 
     /// From here on it is supervised under a new epoch.
@@ -106,7 +110,7 @@ impl Known {
 
     /// The number of a boot, 0 if it has none.
     pub(super) fn boot(&self, boot_id: &str) -> i64 {
-        self.boots.get(boot_id).copied().unwrap_or_default()
+        self.boots.get(boot_id).unwrap_or_default()
     }
 
     pub(super) fn whisker_id(&self, index: usize) -> i64 {

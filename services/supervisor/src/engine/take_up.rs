@@ -93,7 +93,7 @@ impl Journey {
                 shard: at,
                 journal_number,
                 arrays: known.robot.arrays().map(str::to_owned).collect(),
-                boots: known.boots.iter().map(|(boot_id, &boot)| (boot, boot_id.clone())).collect(),
+                boots: known.boots.by_number(),
                 has_gone_on: false,
             };
             self.followers.insert(robot_id, follower);

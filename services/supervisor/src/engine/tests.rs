@@ -122,7 +122,7 @@ fn shard(robots: i64) -> Shard {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
         let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
         known.whisker_ids = whisker_ids(robot_id);
-        known.boots = BTreeMap::from([("b".to_owned(), robot_id)]);
+        known.boots.insert("b", robot_id);
         let birth = Event::Connection { boot_id: "b", link: Link::Online };
         shard.gathering.step(&mut known, Micros(1), &birth, None);
         shard.gathering.step(&mut known, Micros(1), &Event::Factsheet { boot_id: "b", factsheet: &factsheet() }, None);

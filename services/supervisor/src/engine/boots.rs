@@ -1,0 +1,64 @@
+//! The numbers of a robot's boots in the database.
+
+use std::collections::BTreeMap;
+
+use vibrissa_core::text::ShortText;
+
+/// Numbers of a robot's boots. That of the newest lies in place: nearly every message is of that one.
+#[derive(Debug, Default)]
+pub(super) struct Boots {
+    newest: Option<(ShortText, i64)>,
+    older: BTreeMap<String, i64>,
+}
+
+impl Boots {
+    /// The number of a boot, if it has one.
+    pub(super) fn get(&self, boot_id: &str) -> Option<i64> {
+        match &self.newest {
+            Some((newest, boot)) if *newest == *boot_id => Some(*boot),
+            Some(_) | None => self.older.get(boot_id).copied(),
+        }
+    }
+
+    /// Adds a boot, which is the newest from now on.
+    pub(super) fn insert(&mut self, boot_id: &str, boot: i64) {
+        if let Some((before, boot)) = self.newest.replace((boot_id.into(), boot)) {
+            self.older.insert(before.as_str().to_owned(), boot);
+        }
+    }
+
+    /// All of them, by their numbers.
+    pub(super) fn by_number(&self) -> BTreeMap<i64, String> {
+        let newest = self.newest.iter().map(|(boot_id, boot)| (*boot, boot_id.as_str().to_owned()));
+        newest.chain(self.older.iter().map(|(boot_id, &boot)| (boot, boot_id.clone()))).collect()
+    }
+}
+
+/// Numbers rise: the highest is the newest's.
+impl From<BTreeMap<String, i64>> for Boots {
+    fn from(numbers: BTreeMap<String, i64>) -> Self {
+        let mut ascending: Vec<(String, i64)> = numbers.into_iter().collect();
+        ascending.sort_unstable_by_key(|&(_, boot)| boot);
+        let mut boots = Self::default();
+        for (boot_id, boot) in &ascending {
+            boots.insert(boot_id, *boot);
+        }
+        boots
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_boot_has_its_number_wherever_it_lies() {
+        let stored = BTreeMap::from([("new".to_owned(), 9), ("old".to_owned(), 7), ("older".to_owned(), 3)]);
+        let mut boots = Boots::from(stored);
+        assert_eq!(boots.newest, Some(("new".into(), 9)));
+        boots.insert("newest", 12);
+        let known = ["newest", "new", "old", "older", "never"].map(|boot_id| boots.get(boot_id));
+        assert_eq!(known, [Some(12), Some(9), Some(7), Some(3), None]);
+        assert_eq!(boots.by_number().into_keys().collect::<Vec<_>>(), [3, 7, 9, 12]);
+    }
+}
