@@ -12,8 +12,9 @@ use super::lock::FileLock;
 use super::{StoreError, database};
 use crate::engine::Resolution;
 
-/// Rows of one statement: 15 or 17 values each, SQLite takes 32,766. Few sizes, so that each statement is read once.
-const ROWS_A_STATEMENT: [usize; 4] = [512, 64, 8, 1];
+/// Rows of one statement: up to 22 values each, SQLite takes 32,766. Few sizes, so that each statement is read once, but such
+/// that a commit is few statements: each goes to SQLite's thread and back.
+const ROWS_A_STATEMENT: [usize; 8] = [512, 128, 32, 16, 8, 4, 2, 1];
 
 /// Rows in pieces of few sizes.
 fn pieces<T>(mut rows: &[T]) -> impl Iterator<Item = &[T]> {
@@ -59,58 +60,64 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
 
 /// Brings robots up to date.
 pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
-    for robot in robots {
-        sqlx::query(
-            "UPDATE robots SET boot_id = ?, connection = ?, held = ?, updated_us = ?, journal_number = ?, state = ? \
-             WHERE robot_id = ?",
-        )
-        .bind(&robot.boot_id)
-        .bind(robot.connection)
-        .bind(robot.held)
-        .bind(robot.updated_us)
-        .bind(robot.journal_number)
-        .bind(&robot.state)
-        .bind(robot.robot_id)
-        .execute(&mut *tx)
-        .await?;
+    for robots in pieces(robots) {
+        let mut update = QueryBuilder::<Sqlite>::new(
+            "UPDATE robots SET boot_id = v.column2, connection = v.column3, held = v.column4, updated_us = v.column5, \
+             journal_number = v.column6, state = v.column7 FROM (",
+        );
+        update.push_values(robots, |mut row, robot| {
+            row.push_bind(robot.robot_id)
+                .push_bind(&robot.boot_id)
+                .push_bind(robot.connection)
+                .push_bind(robot.held)
+                .push_bind(robot.updated_us)
+                .push_bind(robot.journal_number)
+                .push_bind(&robot.state);
+        });
+        update.push(") AS v WHERE robot_id = v.column1");
+        update.build().execute(&mut *tx).await?;
     }
     Ok(())
 }
 
 /// Brings whiskers up to date.
 pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[WhiskerRow]) -> sqlx::Result<()> {
-    for whisker in whiskers {
-        sqlx::query(
-            "UPDATE whiskers SET position = ?, length_mm = ?, length_sd_mm = ?, condition = ?, fault = ?, \
-             pressure_mpa = ?, setpoint_mpa = ?, contacts = ?, heard_us = ?, held = ?, leak_per_s = ?, leak_low_per_s = ?, \
-             leak_high_per_s = ?, erosion_mm_per_contact = ?, erosion_low_mm_per_contact = ?, \
-             erosion_high_mm_per_contact = ?, contacts_left = ?, contacts_left_low = ?, contacts_left_high = ?, \
-             state = ?, rollup = ? WHERE whisker_id = ?",
-        )
-        .bind(whisker.position)
-        .bind(whisker.length_mm)
-        .bind(whisker.length_sd_mm)
-        .bind(whisker.condition)
-        .bind(whisker.fault)
-        .bind(whisker.pressure_mpa)
-        .bind(whisker.setpoint_mpa)
-        .bind(whisker.contacts)
-        .bind(whisker.heard_us)
-        .bind(whisker.held)
-        .bind(whisker.leak_per_s.map(|one| one.mean))
-        .bind(whisker.leak_per_s.map(|one| one.low))
-        .bind(whisker.leak_per_s.map(|one| one.high))
-        .bind(whisker.erosion_mm_per_contact.map(|one| one.mean))
-        .bind(whisker.erosion_mm_per_contact.map(|one| one.low))
-        .bind(whisker.erosion_mm_per_contact.map(|one| one.high))
-        .bind(whisker.contacts_left[0])
-        .bind(whisker.contacts_left[1])
-        .bind(whisker.contacts_left[2])
-        .bind(&whisker.state)
-        .bind(&whisker.rollup)
-        .bind(whisker.whisker_id)
-        .execute(&mut *tx)
-        .await?;
+    for whiskers in pieces(whiskers) {
+        let mut update = QueryBuilder::<Sqlite>::new(
+            "UPDATE whiskers SET position = v.column2, length_mm = v.column3, length_sd_mm = v.column4, \
+             condition = v.column5, fault = v.column6, pressure_mpa = v.column7, setpoint_mpa = v.column8, \
+             contacts = v.column9, heard_us = v.column10, held = v.column11, leak_per_s = v.column12, \
+             leak_low_per_s = v.column13, leak_high_per_s = v.column14, erosion_mm_per_contact = v.column15, \
+             erosion_low_mm_per_contact = v.column16, erosion_high_mm_per_contact = v.column17, \
+             contacts_left = v.column18, contacts_left_low = v.column19, contacts_left_high = v.column20, \
+             state = v.column21, rollup = v.column22 FROM (",
+        );
+        update.push_values(whiskers, |mut row, whisker| {
+            row.push_bind(whisker.whisker_id)
+                .push_bind(whisker.position)
+                .push_bind(whisker.length_mm)
+                .push_bind(whisker.length_sd_mm)
+                .push_bind(whisker.condition)
+                .push_bind(whisker.fault)
+                .push_bind(whisker.pressure_mpa)
+                .push_bind(whisker.setpoint_mpa)
+                .push_bind(whisker.contacts)
+                .push_bind(whisker.heard_us)
+                .push_bind(whisker.held)
+                .push_bind(whisker.leak_per_s.map(|one| one.mean))
+                .push_bind(whisker.leak_per_s.map(|one| one.low))
+                .push_bind(whisker.leak_per_s.map(|one| one.high))
+                .push_bind(whisker.erosion_mm_per_contact.map(|one| one.mean))
+                .push_bind(whisker.erosion_mm_per_contact.map(|one| one.low))
+                .push_bind(whisker.erosion_mm_per_contact.map(|one| one.high))
+                .push_bind(whisker.contacts_left[0])
+                .push_bind(whisker.contacts_left[1])
+                .push_bind(whisker.contacts_left[2])
+                .push_bind(&whisker.state)
+                .push_bind(&whisker.rollup);
+        });
+        update.push(") AS v WHERE whisker_id = v.column1");
+        update.build().execute(&mut *tx).await?;
     }
     Ok(())
 }
