@@ -21,6 +21,8 @@ use crate::fleet::now_us;
 const OUT_BYTES: usize = 64 * 1024;
 /// How often it is looked what is to be sent again, and whose status is due.
 const ROUND_US: u64 = 20_000;
+/// Between two looks at what came back, in a burst.
+const PAUSE: Duration = Duration::from_micros(500);
 
 /// What a connection shares with the others.
 #[derive(Debug, Clone)]
@@ -182,6 +184,10 @@ impl Line {
                 tokio::task::yield_now().await;
                 self.read()?;
                 continue;
+            }
+            if task.schedule.is_none() {
+                // Not awaited: each acknowledgement would wake it, and interrupt the broker on the same core.
+                std::thread::sleep(PAUSE);
             }
             let next_us = task.due_at_us().map_or(self.round_at_us, |at_us| at_us.min(self.round_at_us));
             self.wait(Duration::from_micros(next_us.saturating_sub(now_us)), is_unwritten).await?;
