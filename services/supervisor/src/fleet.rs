@@ -15,6 +15,7 @@ use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
 use crate::store::{Lease, Store, StoreError};
+use crate::thread;
 use crate::trace::Traces;
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
@@ -153,24 +154,32 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
 /// Runs until told to stop, or until the fleet is somebody else's.
 async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mut stop: watch::Receiver<bool>) {
     let (hang_up, hanging_up) = watch::channel(false);
-    let (inbox, mut receiver) = mqtt::receive(connection, metrics.clone(), hanging_up);
+    let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
     let mut publisher = mqtt::publish(connection, publications);
-    let mut engine = tokio::spawn(engine.run(inbox, outbox));
+    let (cut_off, cutting_off) = watch::channel(false);
+    // Together: a message of a fleet that does little wakes one thread then.
+    let working = async move {
+        let receiver = tokio::spawn(receiving);
+        let ending = engine.run(inbox, outbox).await;
+        receiver.abort();
+        ending
+    };
+    let mut engine = thread::spawn("fleet", working, cutting_off);
     tokio::select! {
         () = stopped(&mut stop) => {}
         ended = &mut engine => {
-            if let Ok(Ending::LeaseLost) = ended {
+            if let Ok(Some(Ending::LeaseLost)) = ended {
                 warn!(fleet = %connection.fleet, epoch = connection.epoch, "taken over by another supervisor");
             }
         }
     }
     let _ = hang_up.send(true);
     let deadline = Instant::now() + STOP_PATIENCE;
-    // In the order in which they end: each of the first two lets go of what the next one waits for.
-    end_by(deadline, "receiver", &mut receiver).await;
+    // In the order in which they end: the receiver first, and each lets go of what the next one waits for.
     if !engine.is_finished() {
         end_by(deadline, "engine", &mut engine).await;
+        let _ = cut_off.send(true);
     }
     end_by(deadline, "publisher", &mut publisher).await;
 }

@@ -11,6 +11,7 @@ pub mod mailroom;
 mod ownership;
 pub mod readiness;
 mod sharing;
+mod thread;
 mod upkeep;
 
 pub mod broker;

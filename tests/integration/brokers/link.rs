@@ -62,7 +62,7 @@ impl Link {
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);
         let publishing = mqtt::publish(&connection, publications);
-        Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [receiving, publishing] }
+        Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [tokio::spawn(receiving), publishing] }
     }
 
     /// Why there is no connection.

@@ -32,8 +32,9 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
+use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, yield_now};
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
 use tracing::info;
 use vibrissa_core::robot::Params;
@@ -111,6 +112,8 @@ pub struct Engine {
     /// Transactions that are kept, and whose rows are to be written, in order.
     kept: VecDeque<Sealed>,
     outbox: Option<mpsc::Sender<Publication>>,
+    /// Where work is done that would hold up the engine's own thread.
+    workers: Handle,
     /// What all fleets count together.
     program: Metrics,
     metrics: FleetMetrics,
@@ -212,6 +215,7 @@ impl Engine {
             committing: None,
             kept: VecDeque::new(),
             outbox: None,
+            workers: Handle::current(),
             shed: metrics.messages_shed.get(),
             program,
             metrics,
@@ -298,6 +302,10 @@ impl Engine {
                         break;
                     }
                     self.take_in(&mut messages).await?;
+                    if self.committing.is_some() {
+                        // It may be in this thread, too.
+                        yield_now().await;
+                    }
                 }
                 _ = ticks.tick() => {
                     self.at_tick(&inbox).await?;

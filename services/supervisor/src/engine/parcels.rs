@@ -66,7 +66,7 @@ impl Engine {
         let mut tasks = Vec::with_capacity(self.shards.len());
         for (mut shard, parcels) in self.shards.drain(..).zip(parcels) {
             let mut parcels = std::mem::take(parcels);
-            tasks.push(tokio::spawn(async move {
+            tasks.push(self.workers.spawn(async move {
                 shard.handle_all(&mut parcels);
                 shard
             }));

@@ -18,6 +18,8 @@ use crate::store::batch::JournalRow;
 
 /// Transactions that may be kept before the rows of the first must be written.
 const KEPT_MAX: usize = 16;
+/// Contacts and states of whiskers in a transaction that holds nothing up.
+const SMALL: usize = 200;
 /// With more contacts a transaction is not worth writing twice, in bytes and in rows.
 const KEPT_CONTACTS_MAX: usize = 2000;
 
@@ -46,14 +48,18 @@ impl Engine {
             self.committer = Some(committer);
             return;
         };
-        self.committing = Some(tokio::spawn(async move {
+        let rows = sealed.batch.contacts.len() + sealed.batch.whiskers.len();
+        // What is small is written in this thread, without waking another.
+        let is_small = sealed.bytes.is_some() || rows <= SMALL;
+        let commit = async move {
             let work = match &sealed.bytes {
                 Some(bytes) => Work::Bytes(sealed.number, bytes),
                 None => Work::Rows(&sealed.batch),
             };
             let committed = committer.commit(work).await;
             (committer, sealed, part, committed)
-        }));
+        };
+        self.committing = Some(if is_small { tokio::spawn(commit) } else { self.workers.spawn(commit) });
     }
 
     /// What is to be written now: what has a setpoint before the rows of what was kept, these before all else.

@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use rumqttc::{AsyncClient, Event, Packet, QoS, SubAck, SubscribeFilterInput, SubscribeReasonCode};
 use tokio::sync::watch;
-use tokio::task::JoinHandle;
-use tracing::error;
+use tokio::task::yield_now;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::inbox::{Inbox, Intake, inbox};
@@ -20,33 +19,24 @@ use crate::metrics::FleetMetrics;
 /// with each write.
 const IN_FLIGHT: u16 = 8;
 
-/// Receives until `stop`: everything that robots say goes into the inbox. In a thread of its own, which can sleep
-/// between two looks at the network ([`super::pace`]): in a shared one each message would wake it all the same.
+/// The inbox, and what fills it with everything that robots say, until `stop`: in a thread that has nothing to do but this and
+/// what comes of it, for it sleeps between two looks at the network ([`super::pace`]).
 pub fn receive(
     connection: &Connection,
     metrics: FleetMetrics,
     mut stop: watch::Receiver<bool>,
-) -> (Inbox, JoinHandle<()>) {
+) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
     let mut receiver =
         Receiver { connection: connection.clone(), metrics: metrics.clone(), intake, backoff: Backoff::new() };
-    let task = tokio::task::spawn_blocking(move || {
-        match tokio::runtime::Builder::new_current_thread().enable_all().build() {
-            Ok(runtime) => {
-                runtime.block_on(async {
-                    tokio::select! {
-                        () = receiver.run() => {}
-                        () = stopped(&mut stop) => {}
-                    }
-                });
-                // Whoever looks a host's address up is not waited for.
-                runtime.shutdown_background();
-            }
-            Err(problem) => error!(%problem, "robots cannot be heard"),
+    let receiving = async move {
+        tokio::select! {
+            () = receiver.run() => {}
+            () = stopped(&mut stop) => {}
         }
         metrics.broker_connected.set(0);
-    });
-    (inbox, task)
+    };
+    (inbox, receiving)
 }
 
 struct Receiver {
@@ -80,6 +70,10 @@ impl Receiver {
                 Some(event) => event,
                 None => {
                     let messages = self.intake.hand_over();
+                    if messages > 0 {
+                        // It is worked on before the next look.
+                        yield_now().await;
+                    }
                     // A new subscription brings what is retained once more.
                     if self.intake.take_missed()
                         && let Err(problem) = client.try_subscribe_many(self.filters(RobotTopic::is_retained))
