@@ -13,7 +13,7 @@ use crate::store::Batch;
 use crate::store::batch::{Interval, RobotRow, WhiskerRow};
 
 /// A state is written this long after the first entry of the journal that it does not contain, or later if there are many.
-const AFTER: Micros = Micros(1_000_000);
+const AFTER: Micros = Micros(2_000_000);
 /// Whiskers whose states are written in a second, beside those where something was decided ...
 const WHISKERS_PER_S: f64 = 2_000.0;
 /// ... and as many more for each contact that waits in the journal, so that it cannot outgrow what is gone through again in
