@@ -115,13 +115,14 @@ struct Pace {
 }
 
 impl Part {
-    /// How long it may take before it begins no other round, seconds; all of them together are nine minutes.
+    /// How long it may take before it begins no other round, seconds; all of them together are nine minutes and a half.
     fn budget_s(self) -> f64 {
         match self {
-            Self::Burst | Self::BurstQos0 | Self::Batch => 90.0,
+            Self::Burst | Self::BurstQos0 | Self::Batch => 80.0,
             Self::Flat => 150.0,
             Self::Latency => 90.0,
-            Self::Idle | Self::Core => 30.0,
+            Self::Idle => 75.0,
+            Self::Core => 15.0,
         }
     }
 }
