@@ -48,6 +48,8 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
         .journal_mode(SqliteJournalMode::Wal)
         // A commit that was receipted must survive a loss of power.
         .synchronous(SqliteSynchronous::Full)
+        // So many pages (16 MB) wait in the log before they are written to the file: the same ones come again and again.
+        .pragma("wal_autocheckpoint", "4000")
         .busy_timeout(Duration::from_secs(10));
     let pool = SqlitePoolOptions::new()
         .max_connections(4)
