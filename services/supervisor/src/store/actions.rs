@@ -209,11 +209,13 @@ impl Writer {
     /// The database cannot be read.
     pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Vec<Action>, StoreError> {
         const WHAT: &str = "read what operators ask";
-        let sql =
-            format!("SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' ORDER BY action_id LIMIT $2");
+        // Not as a parameter: on its account SQLite would read the statement anew each time.
+        let sql = format!(
+            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' ORDER BY action_id LIMIT {most}"
+        );
         let fleet = lease.fleet().as_str();
         self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).bind(most).fetch_all(link).await)
+            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_all(link).await)
                 .map_err(failed(WHAT))
         })
         .await

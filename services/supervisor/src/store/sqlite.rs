@@ -1,5 +1,6 @@
 //! What is SQLite's own: the file, and how many rows go into a statement.
 
+use std::iter::repeat_n;
 use std::path::Path;
 use std::time::Duration;
 
@@ -12,17 +13,18 @@ use super::lock::FileLock;
 use super::{StoreError, database};
 use crate::engine::Resolution;
 
-/// Rows of one statement: up to 22 values each, SQLite takes 32,766. Few sizes, so that each statement is read once, but such
-/// that a commit is few statements: each goes to SQLite's thread and back.
-const ROWS_A_STATEMENT: [usize; 8] = [512, 128, 32, 16, 8, 4, 2, 1];
+/// Rows of one statement at the most: up to 22 values each, SQLite takes 32,766.
+const ROWS_A_STATEMENT: usize = 512;
 
-/// Rows in pieces of few sizes.
-fn pieces<T>(mut rows: &[T]) -> impl Iterator<Item = &[T]> {
-    std::iter::from_fn(move || {
-        let size = ROWS_A_STATEMENT.into_iter().find(|&size| size <= rows.len())?;
-        let (piece, rest) = rows.split_at(size);
-        rows = rest;
-        Some(piece)
+/// Rows for one statement after the other, each filled up to a power of two with its last row, of which it is said that it does not
+/// count: few sizes, so that each statement is read once, and few statements, because each goes to SQLite's thread and back.
+fn pieces<T>(rows: &[T]) -> impl Iterator<Item = impl Iterator<Item = (&T, bool)>> {
+    rows.chunks(ROWS_A_STATEMENT).map(|piece| {
+        let filling = piece.len().next_power_of_two() - piece.len();
+        piece
+            .iter()
+            .map(|row| (row, true))
+            .chain(piece.last().into_iter().flat_map(move |last| repeat_n((last, false), filling)))
     })
 }
 
@@ -67,8 +69,8 @@ pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow])
             "UPDATE robots SET boot_id = v.column2, connection = v.column3, held = v.column4, updated_us = v.column5, \
              journal_number = v.column6, state = v.column7 FROM (",
         );
-        update.push_values(robots, |mut row, robot| {
-            row.push_bind(robot.robot_id)
+        update.push_values(robots, |mut row, (robot, counts)| {
+            row.push_bind(counts.then_some(robot.robot_id))
                 .push_bind(&robot.boot_id)
                 .push_bind(robot.connection)
                 .push_bind(robot.held)
@@ -94,8 +96,8 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
              contacts_left = v.column18, contacts_left_low = v.column19, contacts_left_high = v.column20, \
              state = v.column21, rollup = v.column22 FROM (",
         );
-        update.push_values(whiskers, |mut row, whisker| {
-            row.push_bind(whisker.whisker_id)
+        update.push_values(whiskers, |mut row, (whisker, counts)| {
+            row.push_bind(counts.then_some(whisker.whisker_id))
                 .push_bind(whisker.position)
                 .push_bind(whisker.length_mm)
                 .push_bind(whisker.length_sd_mm)
@@ -129,10 +131,11 @@ pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[Conta
     for contacts in pieces(contacts) {
         let mut insert = QueryBuilder::<Sqlite>::new(
             "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
-             pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) ",
+             pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) \
+             SELECT * FROM (",
         );
-        insert.push_values(contacts, |mut row, contact| {
-            row.push_bind(contact.whisker_id)
+        insert.push_values(contacts, |mut row, (contact, counts)| {
+            row.push_bind(counts.then_some(contact.whisker_id))
                 .push_bind(contact.boot)
                 .push_bind(contact.seq)
                 .push_bind(contact.position)
@@ -148,6 +151,7 @@ pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[Conta
                 .push_bind(contact.length_mm)
                 .push_bind(contact.length_sd_mm);
         });
+        insert.push(") WHERE column1 IS NOT NULL");
         insert.build().execute(&mut *tx).await?;
     }
     Ok(())
@@ -158,10 +162,11 @@ pub(super) async fn append_responses(tx: &mut SqliteConnection, responses: &[Res
     for responses in pieces(responses) {
         let mut insert = QueryBuilder::<Sqlite>::new(
             "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, \
-             before_strain, before_origin, target_strain, target_origin) ",
+             before_strain, before_origin, target_strain, target_origin) \
+             SELECT * FROM (",
         );
-        insert.push_values(responses, |mut row, response| {
-            row.push_bind(response.compensation_id)
+        insert.push_values(responses, |mut row, (response, counts)| {
+            row.push_bind(counts.then_some(response.compensation_id))
                 .push_bind(response.t_us)
                 .push_bind(response.ratio)
                 .push_bind(response.deflection_mm)
@@ -171,6 +176,7 @@ pub(super) async fn append_responses(tx: &mut SqliteConnection, responses: &[Res
                 .push_bind(response.target_strain)
                 .push_bind(response.target_origin);
         });
+        insert.push(") WHERE column1 IS NOT NULL");
         insert.build().execute(&mut *tx).await?;
     }
     Ok(())
@@ -192,10 +198,11 @@ pub(super) async fn append_rollups(
         insert.push(table).push(
             " (whisker_id, start_us, contacts_used, contacts_learning, contacts_unused, residual_mean, residual_sd, \
              residual_min, residual_max, sensitivity_per_mm, ratio, length_mm, length_sd_mm, length_mean_mm, \
-             pressure_mpa, temperature_c, compensation_error) ",
+             pressure_mpa, temperature_c, compensation_error) \
+             SELECT * FROM (",
         );
-        insert.push_values(rows, |mut values, row| {
-            values.push_bind(row.whisker_id).push_bind(row.start_us);
+        insert.push_values(rows, |mut values, (row, counts)| {
+            values.push_bind(counts.then_some(row.whisker_id)).push_bind(row.start_us);
             for count in row.contacts {
                 values.push_bind(count);
             }
@@ -212,7 +219,7 @@ pub(super) async fn append_rollups(
                 .push_bind(row.temperature_c)
                 .push_bind(row.compensation_error);
         });
-        insert.push(" ON CONFLICT DO NOTHING");
+        insert.push(") WHERE column1 IS NOT NULL ON CONFLICT DO NOTHING");
         written += insert.build().execute(&mut *tx).await?.rows_affected();
     }
     Ok(written)
@@ -226,9 +233,11 @@ mod tests {
     fn pieces_are_all_rows_in_order_and_of_few_sizes() {
         for count in [0, 1, 7, 8, 9, 63, 64, 511, 512, 1100] {
             let rows: Vec<usize> = (0..count).collect();
-            let pieces: Vec<&[usize]> = pieces(&rows).collect();
-            assert!(pieces.iter().all(|piece| ROWS_A_STATEMENT.contains(&piece.len())));
-            assert_eq!(pieces.concat(), rows);
+            let pieces: Vec<Vec<(&usize, bool)>> = pieces(&rows).map(Iterator::collect).collect();
+            assert_eq!(pieces.len(), count.div_ceil(512));
+            assert!(pieces.iter().all(|piece| piece.len().is_power_of_two() && piece.len() <= 512));
+            let counting = pieces.iter().flatten().filter(|(_, counts)| *counts).map(|(row, _)| **row);
+            assert_eq!(counting.collect::<Vec<_>>(), rows);
         }
     }
 }
