@@ -77,7 +77,9 @@ impl Ownership {
     }
 
     fn pause(&self) -> Duration {
-        self.supervisor.time_to_live / TURNS_A_TIME_TO_LIVE
+        // What is not shared has no lease to keep, and nobody to give way to.
+        let turns = if self.shared.store.is_shared() { TURNS_A_TIME_TO_LIVE } else { 1 };
+        self.supervisor.time_to_live / turns
     }
 
     /// One turn: renew, look, give back, take. Tells when the next one is due: at the latest when a lease of
