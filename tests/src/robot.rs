@@ -51,6 +51,9 @@ struct State {
     pressure_mpa: f64,
 }
 
+/// How long it waits for a receipt before it sends again: the supervisor sends them twice a second, if there are few messages.
+const SEND_AGAIN: Duration = Duration::from_millis(600);
+
 /// A neighbour of each beside it, at 0.1 MPa.
 #[must_use]
 pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
@@ -285,7 +288,7 @@ impl HandRobot {
         let message = self.message(Vec::new());
         wait::until("a receipt for an empty message", async || {
             self.tell(RobotTopic::Contacts, &message).await;
-            while let Some(heard) = self.mqtt.next(Duration::from_millis(500)).await {
+            while let Some(heard) = self.mqtt.next(SEND_AGAIN).await {
                 if let Message::Receipt(receipt) = &heard.message
                     && receipt.robot_boot_id == message.boot_id
                     && receipt.covers(message.seq)

@@ -81,8 +81,12 @@ impl Obedient {
         }
     }
 
-    /// Answers one setpoint; none for one that it was told before.
+    /// Answers one setpoint; none for one that it was told before, or that was on its way when it restarted.
     async fn judge(&mut self, setpoint: &Setpoint) -> Option<SetpointOutcome> {
+        if setpoint.robot_boot_id != self.robot.boot_id {
+            self.robot.answer(setpoint, SetpointOutcome::Rejected, Some(SetpointError::WrongBoot)).await;
+            return None;
+        }
         if let Some(told) = self.told.get(&setpoint.command_id) {
             let (one, other) = (unaddressed(told), unaddressed(setpoint));
             assert_eq!(one, other, "two commands of one name");
