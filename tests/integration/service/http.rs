@@ -75,6 +75,31 @@ async fn what_happens_is_counted() {
     running.service.stop().await;
 }
 
+/// Each commit waits for the disk, and each receipt wakes a robot.
+#[tokio::test]
+async fn few_messages_are_committed_and_receipted_together() {
+    const MESSAGES: usize = 60;
+    let running = Running::start().await;
+    let mut robot = HandRobot::born(running.port(), "r", array(ArrayType::Type2, &[70.0, 70.0])).await;
+    robot.touch(0, 1).await;
+    robot.receipted().await;
+    let before = running.metrics().await;
+    for _ in 0..MESSAGES {
+        // As far apart as many would be gathered.
+        tokio::time::sleep(Duration::from_millis(20)).await;
+        robot.touch(0, 1).await;
+    }
+    robot.receipted().await;
+    let after = running.metrics().await;
+    let rise = |name: &str| after.get(name) - before.get(name);
+    assert_eq!(rise("vibrissa_received_to_commit_seconds_count{fleet=\"f\"}"), MESSAGES as f64);
+    for what in ["vibrissa_database_commit_seconds_count", "vibrissa_receipts_sent_total"] {
+        let count = rise(&format!("{what}{{fleet=\"f\"}}"));
+        assert!((1.0..=MESSAGES as f64 / 3.0).contains(&count), "{what}: {count}");
+    }
+    running.service.stop().await;
+}
+
 const SCENARIO: &str = r#"
 fleet = "f"
 seed = 3

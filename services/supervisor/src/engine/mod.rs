@@ -59,8 +59,11 @@ use snapshot::Pace;
 
 /// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
 const GATHER: Duration = Duration::from_millis(20);
-/// As long as there are no more than so many, it waits for the receipts, which are then sent at each tick only.
+/// As long as no more than so many come from one tick to the next, they wait for the receipts, which are then sent in rounds of
+/// some ticks only: half of what a robot waits before it sends again.
 const FEW: usize = 40;
+/// Ticks of such a round.
+const TICKS_A_ROUND: u32 = 2;
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Contacts of one commit at the most: then no more messages are taken in before it is done.
@@ -329,7 +332,9 @@ impl Engine {
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.listen_anew_if_deaf();
-        self.look_at_receipts();
+        if self.ticks.is_multiple_of(TICKS_A_ROUND) || !self.are_few() {
+            self.look_at_receipts();
+        }
         self.messages = [0, self.messages[0]];
         if self.ticks.is_multiple_of(TICKS_A_LOOK) {
             // Asked at another supervisor, perhaps.
@@ -373,7 +378,7 @@ impl Engine {
         self.messages[0] += messages;
         let (since, count) = &mut self.gathered;
         *count += messages;
-        let window = if *count > FEW { GATHER } else { TICK };
+        let window = if *count > FEW * TICKS_A_ROUND as usize { GATHER } else { TICK * TICKS_A_ROUND };
         let due = if is_urgent {
             now
         } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
@@ -384,7 +389,7 @@ impl Engine {
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
     }
 
-    /// Whether few messages come, so that they wait for the next tick.
+    /// Whether few messages come, so that they wait for the next round.
     fn are_few(&self) -> bool {
         self.messages.iter().all(|&messages| messages <= FEW)
     }
