@@ -68,7 +68,7 @@ impl Engine {
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
             self.record(Record::Answer { action_id, state, problem, done_us });
             self.answered.push(action_id);
-            self.due = Some(Instant::now());
+            self.rounds.due_by(Instant::now());
         }
         self.gathered(0);
         Ok(())

@@ -16,6 +16,7 @@ mod parcels;
 mod publication;
 mod record;
 pub mod rollup;
+mod rounds;
 mod sealing;
 mod shard;
 mod snapshot;
@@ -29,7 +30,7 @@ pub use rollup::Resolution;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use bytes::Bytes;
 use tokio::runtime::Handle;
@@ -53,17 +54,11 @@ pub use publication::{Publication, Stopwatch};
 
 use committer::{Committer, LeaseLost};
 use gathering::{Gathering, Sealed};
+use rounds::{RECEIPTS, Rounds, TICK};
 use sealing::{Done, done};
 use shard::Shard;
 use snapshot::Pace;
 
-/// How long messages are gathered for one commit, unless a setpoint is among what comes of them.
-const GATHER: Duration = Duration::from_millis(20);
-/// As long as no more than so many come from one tick to the next, they wait for the receipts, which are then sent in rounds of
-/// some ticks only: half of what a robot waits before it sends again.
-const FEW: usize = 40;
-/// Ticks of such a round.
-const TICKS_A_ROUND: u32 = 2;
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Contacts of one commit at the most: then no more messages are taken in before it is done.
@@ -72,14 +67,10 @@ const CONTACTS_MAX: usize = 32_768;
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 /// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
 const DECIDED_MAX: usize = 2500;
-/// How often time is told to the core.
-const TICK: Duration = Duration::from_millis(250);
 /// Ticks until what was asked of the fleet at other supervisors is looked at again, and all robots are counted for the metrics ...
 const TICKS_A_LOOK: u32 = 4;
 /// ... or less often, where it would take more than this part of the time.
 const SURVEY_SHARE: u32 = 50;
-/// How often receipts are sent, and states written that have waited, if there are more than a few messages.
-const RECEIPTS: Duration = Duration::from_millis(100);
 /// Shards of one fleet at the most.
 const SHARDS_MAX: usize = 16;
 
@@ -124,21 +115,12 @@ pub struct Engine {
     handled: Micros,
     /// Messages that had been shed at the last look.
     shed: u64,
-    /// When what is gathered must be committed.
-    due: Option<Instant>,
-    /// Since when it is gathered, and how many messages it is.
-    gathered: (Option<Instant>, usize),
-    receipts_due: bool,
-    /// Messages since the last tick, and between the last two.
-    messages: [usize; 2],
-    /// Ticks so far.
-    ticks: u32,
+    /// When what is gathered is committed.
+    rounds: Rounds,
     /// Robots are not counted before then.
     survey_from: Instant,
     /// No more messages come: all receipts are sent at once.
     is_ending: bool,
-    /// How often they came with the next transaction instead.
-    receipts_passed_over: u32,
     /// The number of the transaction that is gathered for.
     number: i64,
     /// Transactions whose entries are still in the journal, with their contacts.
@@ -223,14 +205,9 @@ impl Engine {
             program,
             metrics,
             handled: Micros::default(),
-            due: Some(Instant::now()),
-            gathered: (None, 0),
-            receipts_due: false,
-            messages: [0; 2],
-            ticks: 0,
+            rounds: Rounds::new(Instant::now()),
             survey_from: Instant::now(),
             is_ending: false,
-            receipts_passed_over: 0,
             number: last,
             // What is there was gone through: it is forgotten with the states that are written first.
             journal: (last > 0).then_some((last, 0)).into_iter().collect(),
@@ -296,7 +273,7 @@ impl Engine {
         let mut is_ticking = false;
         loop {
             let has_room = self.has_room();
-            let due = self.due.filter(|_| self.committing.is_none());
+            let due = self.rounds.due().filter(|_| self.committing.is_none());
             tokio::select! {
                 done = done(&mut self.committing) => self.committed(done)?,
                 () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => {}
@@ -315,7 +292,7 @@ impl Engine {
                     is_ticking = true;
                 }
                 () = bell.notified() => self.open_mail(self.now(&inbox)).await?,
-                _ = receipts.tick(), if !self.are_few() => self.look_at_receipts(),
+                _ = receipts.tick(), if !self.rounds.are_few() => self.look_at_receipts(),
             }
             if is_ticking && self.has_room() {
                 is_ticking = !self.tick(self.now(&inbox));
@@ -332,11 +309,11 @@ impl Engine {
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.listen_anew_if_deaf();
-        if self.ticks.is_multiple_of(TICKS_A_ROUND) || !self.are_few() {
+        let (number, is_round) = self.rounds.tick();
+        if is_round {
             self.look_at_receipts();
         }
-        self.messages = [0, self.messages[0]];
-        if self.ticks.is_multiple_of(TICKS_A_LOOK) {
+        if number.is_multiple_of(TICKS_A_LOOK) {
             // Asked at another supervisor, perhaps.
             self.open_mail(self.now(inbox)).await?;
             self.survey_queues(inbox);
@@ -347,7 +324,6 @@ impl Engine {
             }
             self.close_history(self.now(inbox));
         }
-        self.ticks = self.ticks.wrapping_add(1);
         Ok(())
     }
 
@@ -355,7 +331,8 @@ impl Engine {
     /// through; of very many only some, for there is little time.
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
-        (self.receipts_due, self.is_ending) = (true, true);
+        self.rounds.receipts_are_due(Instant::now());
+        self.is_ending = true;
         self.pace = Pace::at_the_end(wall_clock());
         for shard in &mut self.shards {
             shard.no_longer_wait();
@@ -372,31 +349,21 @@ impl Engine {
             && gatherings().map(|one| one.waiting.next_whiskers()).sum::<usize>() < DECIDED_MAX
     }
 
-    /// Something has been gathered, from so many messages: it is committed soon.
+    /// So many messages were handled, or something else was done: what has come of it is committed soon.
     fn gathered(&mut self, messages: usize) {
-        let (now, is_urgent) = (Instant::now(), self.is_urgent());
-        self.messages[0] += messages;
-        let (since, count) = &mut self.gathered;
-        *count += messages;
-        let window = if *count > FEW * TICKS_A_ROUND as usize { GATHER } else { TICK * TICKS_A_ROUND };
-        let due = if is_urgent {
-            now
+        self.rounds.heard(messages);
+        let now = Instant::now();
+        if self.is_urgent() {
+            self.rounds.due_by(now);
         } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
-            *since.get_or_insert(now) + window
-        } else {
-            return;
-        };
-        self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
-    }
-
-    /// Whether few messages come, so that they wait for the next round.
-    fn are_few(&self) -> bool {
-        self.messages.iter().all(|&messages| messages <= FEW)
+            self.rounds.has_gathered(now);
+        }
     }
 
     fn is_due(&self) -> bool {
         let is_now = |due: Instant| due <= Instant::now();
-        self.committing.is_none() && (self.due.is_some_and(is_now) || !self.has_room() || !self.kept.is_empty())
+        self.committing.is_none()
+            && (self.rounds.due().is_some_and(is_now) || !self.has_room() || !self.kept.is_empty())
     }
 
     /// Receipts are sent with the next transaction, or alone if there is none; states that have waited are written.
@@ -404,12 +371,11 @@ impl Engine {
         let now = wall_clock();
         let is_state_due = self.shards.iter_mut().any(|shard| shard.is_state_due(now));
         let is_receipt_due = self.shards.iter().any(|shard| !shard.gathering.receipts_due.is_empty());
-        self.receipts_due |= is_receipt_due || is_state_due;
         if fault::is(Fault::ReceiptBeforeCommit) {
             self.receipt_at_once();
         }
-        if self.receipts_due {
-            self.due = Some(Instant::now());
+        if is_receipt_due || is_state_due {
+            self.rounds.receipts_are_due(Instant::now());
         }
     }
 

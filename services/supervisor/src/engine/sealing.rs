@@ -68,7 +68,6 @@ impl Engine {
         if !is_kept && let Some(sealed) = self.kept.pop_front() {
             return Some((sealed, Part::Rows));
         }
-        (self.due, self.gathered) = (None, (None, 0));
         let mut sealed = self.seal(is_kept);
         if sealed.batch.is_empty() && sealed.publications.is_empty() {
             return None;
@@ -93,7 +92,7 @@ impl Engine {
         let contacts = || self.shards.iter().map(|shard| shard.gathering.batch.contacts.len()).sum::<usize>();
         self.is_urgent()
             && self.kept.len() < KEPT_MAX
-            && self.receipts_passed_over < PASSED_OVER_MAX
+            && self.rounds.passed_over() < PASSED_OVER_MAX
             && contacts() < KEPT_CONTACTS_MAX
     }
 
@@ -102,11 +101,7 @@ impl Engine {
     /// What is kept first is short: receipts, and states that may wait, come with the next one.
     fn seal(&mut self, is_kept: bool) -> Sealed {
         let now = wall_clock();
-        let receipts = !is_kept && std::mem::take(&mut self.receipts_due);
-        self.receipts_passed_over = if self.receipts_due { self.receipts_passed_over + 1 } else { 0 };
-        if self.receipts_due {
-            self.due = Some(Instant::now());
-        }
+        let receipts = self.rounds.begin(is_kept, Instant::now());
         self.pace.go_on(now, self.journal_contacts);
         let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
         let (mut entries, mut contacts) = (Vec::new(), 0);

@@ -1,0 +1,197 @@
+//! When what was gathered is committed, and receipts with it: what many messages bring after some milliseconds, what few bring in
+//! rounds, what has a setpoint at once. Each commit waits for the disk, each receipt wakes a robot, and each wake-up of a fleet that
+//! does little finds everything cold.
+
+use std::time::Duration;
+
+use tokio::time::Instant;
+
+/// How often time is told to the core.
+pub(super) const TICK: Duration = Duration::from_millis(250);
+/// How often receipts are looked at if there are more than a few messages.
+pub(super) const RECEIPTS: Duration = Duration::from_millis(100);
+/// How long many messages are gathered for one commit.
+const GATHER: Duration = Duration::from_millis(20);
+/// Up to so many from one tick to the next are few.
+const FEW: usize = 40;
+/// Ticks of a round: half of what a robot waits before it sends again.
+const TICKS_A_ROUND: u32 = 2;
+
+/// Decides on the commits of one fleet.
+#[derive(Debug)]
+pub(super) struct Rounds {
+    /// When what is gathered must be committed.
+    due: Option<Instant>,
+    /// Since when there is anything.
+    since: Option<Instant>,
+    /// Messages since the last commit was begun.
+    gathered: usize,
+    /// Messages since the last tick, and between the last two.
+    messages: [usize; 2],
+    /// Ticks so far.
+    ticks: u32,
+    /// Receipts, and states that have waited, go with the next commit.
+    receipts_due: bool,
+    /// How often they have been passed over since.
+    passed_over: u32,
+}
+
+impl Rounds {
+    /// The first commit is due at once.
+    pub(super) fn new(now: Instant) -> Self {
+        Self {
+            due: Some(now),
+            since: None,
+            gathered: 0,
+            messages: [0; 2],
+            ticks: 0,
+            receipts_due: false,
+            passed_over: 0,
+        }
+    }
+
+    /// So many messages were handled.
+    pub(super) fn heard(&mut self, messages: usize) {
+        self.messages[0] += messages;
+        self.gathered += messages;
+    }
+
+    /// There is something to commit: at the next round, or as soon as it comes of more messages than are few, after some
+    /// milliseconds.
+    pub(super) fn has_gathered(&mut self, now: Instant) {
+        let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
+        let window = if are_few { TICK * TICKS_A_ROUND } else { GATHER };
+        let since = *self.since.get_or_insert(now);
+        self.due_by(since + window);
+    }
+
+    /// What is gathered is committed by then.
+    pub(super) fn due_by(&mut self, due: Instant) {
+        self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
+    }
+
+    /// When the next commit is due, if there is one.
+    pub(super) fn due(&self) -> Option<Instant> {
+        self.due
+    }
+
+    /// Whether few messages come, so that they wait for the next round.
+    pub(super) fn are_few(&self) -> bool {
+        self.messages.iter().all(|&messages| messages <= FEW)
+    }
+
+    /// A tick: its number, and whether receipts are to be looked at now.
+    pub(super) fn tick(&mut self) -> (u32, bool) {
+        let number = self.ticks;
+        let is_round = number.is_multiple_of(TICKS_A_ROUND) || !self.are_few();
+        self.messages = [0, self.messages[0]];
+        self.ticks = number.wrapping_add(1);
+        (number, is_round)
+    }
+
+    /// Receipts go with the next commit, which is due now.
+    pub(super) fn receipts_are_due(&mut self, now: Instant) {
+        self.receipts_due = true;
+        self.due_by(now);
+    }
+
+    /// How often receipts were passed over, one time after the other.
+    pub(super) fn passed_over(&self) -> u32 {
+        self.passed_over
+    }
+
+    /// What was gathered is committed now: says whether receipts go with it. What `passes_over` them leaves them to the next commit,
+    /// which is due at once.
+    pub(super) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
+        (self.due, self.since, self.gathered) = (None, None, 0);
+        let receipts = self.receipts_due && !passes_over;
+        self.receipts_due &= !receipts;
+        self.passed_over = if self.receipts_due { self.passed_over + 1 } else { 0 };
+        if self.receipts_due {
+            self.due_by(now);
+        }
+        receipts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: Duration = Duration::from_millis(1);
+
+    /// Nothing is left of the start.
+    fn begun(now: Instant) -> Rounds {
+        let mut rounds = Rounds::new(now);
+        rounds.begin(false, now);
+        rounds
+    }
+
+    /// So many messages at a time, `gap_ms` apart, for ten seconds; gives how many commits that makes, and the longest wait, ms.
+    fn commits(messages: usize, gap_ms: u64) -> (u32, u64) {
+        let begin = Instant::now();
+        let mut rounds = begun(begin);
+        let (mut commits, mut longest_ms, mut oldest_ms) = (0, 0, None);
+        for ms in 0..10_000 {
+            let now = begin + Duration::from_millis(ms);
+            if ms.is_multiple_of(gap_ms) {
+                rounds.heard(messages);
+                rounds.has_gathered(now);
+                oldest_ms.get_or_insert(ms);
+            }
+            let is_round = ms.is_multiple_of(250) && rounds.tick().1;
+            let is_look = is_round || ms.is_multiple_of(100) && !rounds.are_few();
+            if is_look && oldest_ms.is_some() {
+                rounds.receipts_are_due(now);
+            }
+            if rounds.due().is_some_and(|due| due <= now) {
+                assert_eq!(rounds.begin(false, now), is_look);
+                longest_ms = longest_ms.max(oldest_ms.take().map_or(0, |oldest_ms| ms - oldest_ms));
+                commits += 1;
+            }
+        }
+        (commits, longest_ms)
+    }
+
+    #[test]
+    fn few_messages_are_committed_in_rounds_and_many_after_some_milliseconds() {
+        for (messages, gap_ms, expected, wait_ms) in
+            [(1, 100, 19..=21, 500), (1, 10, 19..=21, 500), (1, 1, 190..=210, 100), (100, 1, 450..=550, 20)]
+        {
+            let (count, longest_ms) = commits(messages, gap_ms);
+            assert!(expected.contains(&count), "{messages} each {gap_ms} ms: {count}");
+            assert!(longest_ms <= wait_ms, "{messages} each {gap_ms} ms: {longest_ms}");
+        }
+    }
+
+    #[test]
+    fn many_messages_wait_for_20_ms_from_the_first_and_a_setpoint_for_nothing() {
+        let now = Instant::now();
+        let mut rounds = begun(now);
+        assert_eq!(rounds.due(), None);
+        rounds.heard(1);
+        rounds.has_gathered(now);
+        assert_eq!(rounds.due(), Some(now + TICK * TICKS_A_ROUND));
+        rounds.heard(100);
+        rounds.has_gathered(now + MS);
+        assert_eq!(rounds.due(), Some(now + GATHER));
+        rounds.due_by(now + 2 * MS);
+        assert_eq!(rounds.due(), Some(now + 2 * MS));
+        rounds.begin(false, now + 2 * MS);
+        assert_eq!(rounds.due(), None, "the next one gathers anew");
+    }
+
+    #[test]
+    fn receipts_that_are_passed_over_are_due_at_once() {
+        let now = Instant::now();
+        let mut rounds = begun(now);
+        rounds.receipts_are_due(now);
+        for passed_over in 1..=3 {
+            assert!(!rounds.begin(true, now), "not with this one");
+            assert_eq!((rounds.due(), rounds.passed_over()), (Some(now), passed_over));
+        }
+        assert!(rounds.begin(false, now));
+        assert_eq!((rounds.due(), rounds.passed_over()), (None, 0));
+        assert!(!rounds.begin(false, now), "once");
+    }
+}
