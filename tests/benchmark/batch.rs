@@ -55,14 +55,19 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         round += 1;
     }
     let ceiling = median(plain.iter().copied());
-    let least = Target::AtLeast(LEAST_PER_S.min(LEAST_SHARE * ceiling));
     for (subject, _, rates, wrong) in &subjects {
         let (name, is_judged) = (subject.store.name(), subject.store.pid().is_some());
         let ratio = median(rates.iter().zip(&plain).map(|(rate, plain)| rate / plain));
-        let beside = format!("{:.0} % of UNNEST's {}", 100.0 * ratio, Figure(ceiling, ""));
-        let target = if is_judged { least } else { Target::None };
-        let what = format!("{name}: contacts recorded");
-        bench.row(PART, &what, target, Figure(median(rates.iter().copied()), "/s"), beside)?;
+        let rate = median(rates.iter().copied());
+        // Either is enough: the share is judged where the rate is not reached.
+        let [of_rate, of_share] = match rate >= LEAST_PER_S {
+            _ if !is_judged => [Target::None; 2],
+            true => [Target::AtLeast(LEAST_PER_S), Target::None],
+            false => [Target::None, Target::AtLeast(LEAST_SHARE)],
+        };
+        let beside = format!("UNNEST {}", Figure(ceiling, "/s"));
+        bench.row(PART, &format!("{name}: contacts recorded"), of_rate, Figure(rate, "/s"), String::new())?;
+        bench.row(PART, &format!("{name}: share of UNNEST's rows"), of_share, Figure(ratio, ""), beside)?;
         bench.row(
             PART,
             &format!("{name}: lost or twice"),
