@@ -60,10 +60,12 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         let ratio = median(rates.iter().zip(&plain).map(|(rate, plain)| rate / plain));
         let rate = median(rates.iter().copied());
         // Either is enough: the share is judged where the rate is not reached.
-        let [of_rate, of_share] = match rate >= LEAST_PER_S {
-            _ if !is_judged => [Target::None; 2],
-            true => [Target::AtLeast(LEAST_PER_S), Target::None],
-            false => [Target::None, Target::AtLeast(LEAST_SHARE)],
+        let [of_rate, of_share] = if !is_judged {
+            [Target::None; 2]
+        } else if rate >= LEAST_PER_S {
+            [Target::AtLeast(LEAST_PER_S), Target::None]
+        } else {
+            [Target::None, Target::AtLeast(LEAST_SHARE)]
         };
         let beside = format!("UNNEST {}", Figure(ceiling, "/s"));
         bench.row(PART, &format!("{name}: contacts recorded"), of_rate, Figure(rate, "/s"), String::new())?;

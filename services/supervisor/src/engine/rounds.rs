@@ -1,5 +1,5 @@
-//! When what was gathered is committed, and receipts with it: what many messages bring after some milliseconds, what few bring in
-//! rounds, what has a setpoint at once. Each commit waits for the disk, each receipt wakes a robot, and each wake-up of a fleet that
+//! When what was gathered is committed, and receipts with it: what few messages bring in rounds, what has a setpoint at once, and all
+//! else as soon as it comes of more than a few messages and of some milliseconds, or with the next receipts. Each commit waits for the disk, each receipt wakes a robot, and each wake-up of a fleet that
 //! does little finds everything cold.
 
 use std::time::Duration;
@@ -10,7 +10,7 @@ use tokio::time::Instant;
 pub(super) const TICK: Duration = Duration::from_millis(250);
 /// How often receipts are looked at if there are more than a few messages.
 pub(super) const RECEIPTS: Duration = Duration::from_millis(100);
-/// How long many messages are gathered for one commit.
+/// How long messages are gathered for one commit, once they are more than a few.
 const GATHER: Duration = Duration::from_millis(20);
 /// Up to so many from one tick to the next are few.
 const FEW: usize = 40;
