@@ -1,1 +1,7 @@
 //! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead a fleet.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod planted;
+mod refused_rows;
+mod stage;

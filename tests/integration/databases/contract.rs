@@ -20,8 +20,9 @@ use crate::rows::{self, Numbered, contacts};
 use crate::{Fresh, fleet, supervisor};
 
 /// One of everything that can happen.
-fn records(numbered: &Numbered) -> Vec<Record> {
+pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
     let (robot_id, whisker_id) = (numbered.robot_id, numbered.whisker_ids[0]);
+    let command_id = format!("c{robot_id}");
     let compensation_id = robot_id << 32;
     let candidate = |index: usize, chosen, refused| CandidateRow {
         whisker_id: numbered.whisker_ids[index],
@@ -51,7 +52,8 @@ fn records(numbered: &Numbered) -> Vec<Record> {
     let health = |kind, was, becomes| Record::Health(HealthRow { whisker_id, recorded_us: 5, kind, was, becomes });
     let setpoint_state = |state, error, pressure_mpa| {
         Record::SetpointState(SetpointStateRow {
-            command_id: "c1".to_owned(),
+            command_id: command_id.clone(),
+            robot_id: 0,
             recorded_us: 9,
             state,
             error,
@@ -69,7 +71,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
         candidates: vec![candidate(0, true, None), candidate(1, false, Some("COSTS_MORE"))],
     };
     let setpoint = SetpointRow {
-        command_id: "c1".to_owned(),
+        command_id: command_id.clone(),
         robot_id,
         whisker_id,
         compensation_id: Some(compensation_id),
@@ -139,7 +141,7 @@ fn records(numbered: &Numbered) -> Vec<Record> {
 }
 
 /// What was felt at a contact of the one that serves.
-fn response(numbered: &Numbered) -> ResponseRow {
+pub(crate) fn response(numbered: &Numbered) -> ResponseRow {
     ResponseRow {
         compensation_id: numbered.robot_id << 32,
         t_us: 11,
@@ -186,7 +188,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     };
     let problem = Some("HELD: released first".to_owned());
     let records = vec![
-        Record::Answer { action_id: 1, state: "REFUSED", problem, done_us: 17 },
+        Record::Answer { action_id: 1, robot_id: 0, state: "REFUSED", problem, done_us: 17 },
         Record::Policy(Box::new(version(1))),
         Record::Policy(Box::new(version(2))),
     ];

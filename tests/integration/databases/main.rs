@@ -8,6 +8,7 @@ mod contract;
 mod history;
 mod leases;
 mod redo;
+mod refused;
 mod restore;
 mod retention;
 mod rows;

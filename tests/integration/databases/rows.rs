@@ -42,15 +42,20 @@ fn known(epoch: u64) -> Robot {
 
 /// Makes the robot known to the database, with its layout and states.
 pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
+    let numbered = numbered(writer, lease, "r").await;
+    writer.commit(lease, &states(&numbered)).await.unwrap();
+    numbered
+}
+
+/// Gives a robot its numbers in the database, and writes nothing else of it.
+pub(crate) async fn numbered(writer: &mut Writer, lease: &Lease, name: &str) -> Numbered {
     // Not the lease's epoch, so that the bytes of the state are the same on any database.
     let robot = known(1);
-    let robot_id = writer.robot_id(lease, "r").await.unwrap();
+    let robot_id = writer.robot_id(lease, name).await.unwrap();
     let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
     let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
     let whisker_ids = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();
-    let numbered = Numbered { robot, robot_id, boot, whisker_ids };
-    writer.commit(lease, &states(&numbered)).await.unwrap();
-    numbered
+    Numbered { robot, robot_id, boot, whisker_ids }
 }
 
 /// The layout, and the states as the core has them.

@@ -294,6 +294,7 @@ impl<'a> Decided<'a> {
             })),
             Record::SetpointState(SetpointStateRow {
                 command_id,
+                robot_id: 0,
                 recorded_us: decided_us + 1,
                 state: "APPLIED",
                 error: None,

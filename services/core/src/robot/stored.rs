@@ -75,6 +75,13 @@ impl Robot {
         self.listen_from(now);
     }
 
+    /// Gives no number again that the same robot in a later state has given to a setpoint: robots take no number twice, and what
+    /// was sent under it is not known here.
+    pub fn go_on_numbering_after(&mut self, later: &Self) {
+        self.next_version = self.next_version.max(later.next_version);
+        self.changed = true;
+    }
+
     /// The robot as one that was supervised before, by a state that may be older than what its whiskers hold, or by one
     /// that cannot be read any more.
     #[must_use]

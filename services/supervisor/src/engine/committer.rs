@@ -8,7 +8,11 @@ use vibrissa_protocol::Name;
 use crate::backoff::Backoff;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::readiness::Readiness;
-use crate::store::{Batch, Lease, StoreError, Writer};
+use crate::store::batch::Owner;
+use crate::store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
+
+use super::journal;
+use super::take_up::ROWS_AT_A_TIME;
 
 /// The part of readiness that is kept here.
 const PART: &str = "database";
@@ -23,31 +27,28 @@ pub(super) struct Committer {
     pub(super) readiness: Readiness,
 }
 
-/// What is to be written in a transaction.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Work<'a> {
-    /// A batch.
-    Rows(&'a Batch),
-    /// The bytes of one, with its number: it is committed then, and only its rows are still to be written.
-    Bytes(i64, &'a [u8]),
-}
-
-impl Work<'_> {
-    fn is_empty(self) -> bool {
-        match self {
-            Self::Rows(batch) => batch.is_empty(),
-            Self::Bytes(..) => false,
-        }
-    }
-}
-
 /// What is known of a commit.
 pub(super) struct Committed {
     /// How long it took, with all attempts.
     pub(super) took: Duration,
     /// Whether the database was away.
     pub(super) was_away: bool,
+    /// Robots whose rows the database refuses for good: these rows were left out.
+    pub(super) offenders: Vec<Offender>,
 }
+
+/// A robot whose rows the database refuses, as it was committed last.
+pub(super) struct Offender {
+    pub(super) robot_id: i64,
+    pub(super) rejection: Rejection,
+    pub(super) stored: Option<StoredRobot>,
+    /// Rows of the journal with its entries, with their numbers, in order.
+    pub(super) journal: Vec<(i64, Vec<u8>)>,
+}
+
+/// The database refuses bytes for good.
+#[derive(Debug)]
+pub(super) struct BytesRefused;
 
 /// An outage of the database, if there is one.
 #[derive(Debug, Default)]
@@ -61,26 +62,94 @@ pub(super) struct Outage {
 pub(super) struct LeaseLost;
 
 impl Committer {
-    /// Writes something; a database that is away is waited for, while the inbox fills and then sheds.
-    pub(super) async fn commit(&mut self, work: Work<'_>) -> Result<Committed, LeaseLost> {
+    /// Writes a batch; a database that is away is waited for, while the inbox fills and then sheds. If the database refuses
+    /// rows for good, the batch is written without the rows of the robots that they belong to.
+    pub(super) async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
-        while !work.is_empty() {
+        let (mut refused, mut is_apart) = (Vec::new(), false);
+        while !batch.is_empty() {
             let begun = Instant::now();
-            let written = match work {
-                Work::Rows(batch) => self.writer.commit(&self.lease, batch).await,
-                Work::Bytes(number, bytes) => self.writer.keep(&self.lease, number, bytes).await,
+            let written = if is_apart {
+                self.writer.commit_apart(&self.lease, batch, journal::by_robot, &mut refused).await
+            } else {
+                self.writer.commit(&self.lease, batch).await
             };
             match written {
                 Ok(()) => {
                     self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
                     break;
                 }
+                Err(problem) if !is_apart && problem.rejection().is_some() => {
+                    error!(%problem, fleet = %self.fleet, "the database refuses rows: writing robot by robot");
+                    is_apart = true;
+                }
+                Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
+            }
+        }
+        let offenders = self.offenders(&mut outage, refused).await?;
+        let was_away = self.end_of(&outage);
+        Ok(Committed { took: first.elapsed(), was_away, offenders })
+    }
+
+    /// Writes a batch's bytes under its number: it is committed then, and only its rows are still to be written. A database
+    /// that is away is waited for.
+    pub(super) async fn keep(
+        &mut self,
+        number: i64,
+        bytes: &[u8],
+    ) -> Result<Result<Committed, BytesRefused>, LeaseLost> {
+        let mut outage = Outage::default();
+        let first = Instant::now();
+        loop {
+            let begun = Instant::now();
+            match self.writer.keep(&self.lease, number, bytes).await {
+                Ok(()) => {
+                    self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
+                    break;
+                }
+                Err(problem) if problem.rejection().is_some() => {
+                    error!(%problem, fleet = %self.fleet, "the database refuses a transaction's bytes: writing its rows first");
+                    return Ok(Err(BytesRefused));
+                }
                 Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
             }
         }
         let was_away = self.end_of(&outage);
-        Ok(Committed { took: first.elapsed(), was_away })
+        Ok(Ok(Committed { took: first.elapsed(), was_away, offenders: Vec::new() }))
+    }
+
+    /// The robots whose rows were refused, as they were committed last.
+    async fn offenders(&mut self, outage: &mut Outage, refused: Vec<Refused>) -> Result<Vec<Offender>, LeaseLost> {
+        let mut offenders = Vec::new();
+        for Refused { owner, rejection } in refused {
+            let (code, text) = (&rejection.code, &rejection.text);
+            error!(fleet = %self.fleet, ?owner, code, text, "the database refuses these rows for good: they are left out");
+            let Owner::Robot(robot_id) = owner else { continue };
+            let (stored, journal) = loop {
+                match self.load(robot_id).await {
+                    Ok(loaded) => break loaded,
+                    Err(problem) => self.wait_out(outage, problem, "a robot cannot be loaded").await?,
+                }
+            };
+            offenders.push(Offender { robot_id, rejection, stored, journal });
+        }
+        Ok(offenders)
+    }
+
+    async fn load(&mut self, robot_id: i64) -> Result<(Option<StoredRobot>, Vec<(i64, Vec<u8>)>), StoreError> {
+        let stored = self.writer.robot(&self.lease, robot_id).await?;
+        let mut after = stored.as_ref().map_or(i64::MAX, |stored| stored.journal_number);
+        let mut journal = Vec::new();
+        loop {
+            let rows = self.writer.journal(&self.lease, after, ROWS_AT_A_TIME).await?;
+            let Some((last, _)) = rows.last() else { return Ok((stored, journal)) };
+            after = *last;
+            for (number, entries) in &rows {
+                let own = journal::by_robot(entries).into_iter().find(|(robot, _)| *robot == robot_id);
+                journal.extend(own.map(|(_, entries)| (*number, entries)));
+            }
+        }
     }
 
     /// Waits before the next attempt, and says why; a lost lease is not waited for.

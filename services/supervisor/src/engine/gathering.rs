@@ -7,6 +7,7 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
+use super::intake::Parcel;
 use super::journal::Journal;
 use super::keep::Keep;
 use super::publication::Publication;
@@ -39,6 +40,10 @@ pub(super) struct Gathering {
     pub(super) publications: Vec<Publication>,
     /// A setpoint is among the publications: the transaction is not to wait for more.
     pub(super) is_urgent: bool,
+    /// Messages that led to what is gathered, in case that the database refuses it.
+    pub(super) messages: Vec<Parcel>,
+    /// The message in hand has changed a robot.
+    pub(super) has_stepped: bool,
     /// Times of the contacts messages in the batch.
     pub(super) taken: Vec<survey::Taken>,
     /// Robots whose states are to be written.
@@ -59,6 +64,8 @@ pub(super) struct Gathering {
 pub(super) struct Sealed {
     pub(super) batch: Batch,
     pub(super) publications: Vec<Publication>,
+    /// Messages that led to it.
+    pub(super) messages: Vec<Parcel>,
     pub(super) taken: Vec<survey::Taken>,
     /// By shard.
     pub(super) untold: Vec<Untold>,
@@ -84,6 +91,8 @@ impl Gathering {
             batch: Batch::default(),
             journal: Journal::default(),
             publications: Vec::new(),
+            messages: Vec::new(),
+            has_stepped: false,
             is_urgent: false,
             taken: Vec::new(),
             waiting: Waiting::default(),
@@ -105,6 +114,7 @@ impl Gathering {
     ) -> Outcome {
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(&self.params, now, event, &mut effects);
+        self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
         if let Some(lives) = &mut self.lives
             && is_told(&effects)
         {
@@ -184,6 +194,7 @@ impl Gathering {
     pub(super) fn seal_into(&mut self, sealed: &mut Sealed, entries: &mut Vec<u8>) -> usize {
         sealed.batch.append(&mut self.batch);
         sealed.publications.append(&mut self.publications);
+        sealed.messages.append(&mut self.messages);
         sealed.taken.append(&mut self.taken);
         sealed.untold.push(self.lives.as_mut().map(Lives::seal).unwrap_or_default());
         self.is_urgent = false;

@@ -20,7 +20,7 @@ use vibrissa_edge as edge;
 pub(super) const ROBOTS_MAX: usize = 10_000;
 
 /// A message of a robot of the fleet.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Parcel {
     pub(super) topic: Topic,
     pub(super) robot: Name,
@@ -130,6 +130,11 @@ impl Shard {
     /// again, for ever, before everything that comes after it.
     fn refused(&mut self, parcel: &Parcel, refusal: &Refusal) {
         self.gathering.metrics.refuse(refusal.label(), refusal, &parcel.topic.to_string());
+        self.receipt_alone(parcel);
+    }
+
+    /// Takes the number of a `contacts` message, and nothing else of it.
+    pub(super) fn receipt_alone(&mut self, parcel: &Parcel) {
         if parcel.kind != RobotTopic::Contacts {
             return;
         }

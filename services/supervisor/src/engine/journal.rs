@@ -4,6 +4,8 @@
 //! The same events give the same state (the core has no clock and no randomness), so nothing is stored but the events. Only
 //! those are kept here that lead to nothing but contact rows; where anything is decided, the state is written at once.
 
+use std::collections::BTreeMap;
+
 use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::robot::effect::ContactRecord;
 use vibrissa_core::robot::event::{Contact, GaugeState, RegulatorState, WhiskerStatus};
@@ -86,6 +88,18 @@ impl Journal {
         (std::mem::replace(&mut self.bytes, kept), contacts)
     }
 
+    /// Removes one robot's entries.
+    pub(super) fn remove(&mut self, robot_id: i64) {
+        let kept = by_robot(&self.bytes).into_iter().filter(|(other, _)| *other != robot_id);
+        let bytes: Vec<u8> = kept.flat_map(|(_, entries)| entries).collect();
+        let contacts = read(&bytes).filter_map(Result::ok).map(|entry| match entry.told {
+            Told::Contacts { contacts, .. } => contacts.len(),
+            Told::Tick | Told::Status { .. } => 0,
+        });
+        self.contacts = contacts.sum();
+        self.bytes = bytes;
+    }
+
     pub(super) fn tick(&mut self, known: &Known, now: Micros) {
         self.write(&Entry { robot_id: known.robot_id, now, told: Told::Tick });
     }
@@ -130,6 +144,17 @@ pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Ent
         }
         Some(entry)
     })
+}
+
+/// The entries of one row by robot, each robot's in their order, as bytes. What cannot be read is left out.
+pub(super) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
+    let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
+    while !bytes.is_empty() {
+        let before = bytes;
+        let Ok(entry) = Entry::deserialize(&mut bytes) else { break };
+        robots.entry(entry.robot_id).or_default().extend_from_slice(&before[..before.len() - bytes.len()]);
+    }
+    robots.into_iter().collect()
 }
 
 fn array_index(robot: &Robot, name: &str) -> u16 {

@@ -51,6 +51,12 @@ impl Engine {
         }
         for action in pending {
             let is_expired = wall_clock().0 as i64 >= action.expires_us;
+            let robot = self.robot_of(&action).ok();
+            if !is_expired && robot.as_ref().is_some_and(|name| self.suspects.contains_key(name)) {
+                // Its effects might be refused: it waits until the robot is an ordinary one again, or until it expires.
+                continue;
+            }
+            let robot_id = robot.and_then(|name| self.known(&name)).map_or(0, |known| known.robot_id);
             self.asked(Some(&action));
             let (state, problem) = match (!is_expired).then(|| self.carry_out(&action, now)) {
                 None => ("EXPIRED", None),
@@ -66,7 +72,7 @@ impl Engine {
             self.metrics.actions.count([kind, state]);
             info!(fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor, "asked");
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
-            self.record(Record::Answer { action_id, state, problem, done_us });
+            self.record(Record::Answer { action_id, robot_id, state, problem, done_us });
             self.answered.push(action_id);
             self.rounds.due_by(Instant::now());
         }
@@ -82,7 +88,7 @@ impl Engine {
     }
 
     /// A row of no robot in particular: after what all shards have so far.
-    fn record(&mut self, record: Record) {
+    pub(super) fn record(&mut self, record: Record) {
         if let Some(last) = self.shards.last_mut() {
             last.gathering.batch.records.push(record);
         }

@@ -6,6 +6,7 @@
 
 mod boots;
 mod committer;
+mod convict;
 mod gathering;
 mod history;
 mod intake;
@@ -21,6 +22,7 @@ mod sealing;
 mod shard;
 mod snapshot;
 mod survey;
+mod suspects;
 mod take_up;
 
 pub use keep::Keep;
@@ -28,7 +30,7 @@ pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
 pub use rollup::Resolution;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::SystemTime;
 
@@ -58,6 +60,7 @@ use rounds::{RECEIPTS, Rounds, TICK};
 use sealing::{Done, done};
 use shard::Shard;
 use snapshot::Pace;
+use suspects::Suspect;
 
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
@@ -65,6 +68,8 @@ const MESSAGES_AT_A_TIME: usize = 1024;
 const CONTACTS_MAX: usize = 32_768;
 /// Bytes of its journal row at the most, likewise.
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
+/// Messages that it comes of at the most, likewise: they are kept until it is committed, in case that the database refuses it.
+const MESSAGES_MAX: usize = 65_536;
 /// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
 const DECIDED_MAX: usize = 2500;
 /// Ticks until what was asked of the fleet at other supervisors is looked at again, and all robots are counted for the metrics ...
@@ -135,6 +140,9 @@ pub struct Engine {
     answered: Vec<i64>,
     /// The version of the policy in force; 0 while it is the configuration's.
     policy_version: i64,
+    /// Robots whose rows the database has refused.
+    suspects: BTreeMap<Name, Suspect>,
+    readiness: Readiness,
 }
 
 /// The time now, by the supervisor's clock.
@@ -185,13 +193,15 @@ impl Engine {
             writer,
             program: program.clone(),
             metrics: metrics.clone(),
-            readiness,
+            readiness: readiness.clone(),
         };
         let mut engine = Self {
             bell: mailroom.bell(&fleet),
             mailroom,
             answered: Vec::new(),
             policy_version: policy.map_or(0, |policy| policy.version),
+            suspects: BTreeMap::new(),
+            readiness,
             fleet,
             lease,
             params,
@@ -294,6 +304,9 @@ impl Engine {
                 () = bell.notified() => self.open_mail(self.now(&inbox)).await?,
                 _ = receipts.tick(), if !self.rounds.are_few() => self.look_at_receipts(),
             }
+            if !self.suspects.is_empty() {
+                self.go_on_with_suspects().await?;
+            }
             if is_ticking && self.has_room() {
                 is_ticking = !self.tick(self.now(&inbox));
             }
@@ -346,6 +359,7 @@ impl Engine {
         let gatherings = || self.shards.iter().map(|shard| &shard.gathering);
         gatherings().map(|one| one.batch.contacts.len()).sum::<usize>() < CONTACTS_MAX
             && gatherings().map(|one| one.journal.bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
+            && gatherings().map(|one| one.messages.len()).sum::<usize>() < MESSAGES_MAX
             && gatherings().map(|one| one.waiting.next_whiskers()).sum::<usize>() < DECIDED_MAX
     }
 

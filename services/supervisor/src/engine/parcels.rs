@@ -1,12 +1,13 @@
 //! Messages on their way to the shards: what needs numbers from the database first is handled by itself, in its turn;
 //! everything else by all shards at the same time.
 
+use tracing::error;
 use vibrissa_protocol::{RobotTopic, Topic};
 
 use super::committer::{LeaseLost, Outage};
 use super::intake::{Parcel, ROBOTS_MAX};
 use super::shard::{Shard, shard_of};
-use super::{Engine, Incoming};
+use super::{Engine, Incoming, suspects};
 
 /// Parcels of one round that are worth several tasks.
 const WORTH_TASKS: usize = 128;
@@ -19,9 +20,10 @@ impl Engine {
         for incoming in messages.drain(..) {
             self.handled = incoming.received;
             let Some((shard, parcel)) = self.address(incoming) else { continue };
+            let Some(parcel) = self.unless_suspect(parcel) else { continue };
             if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) {
                 self.handle_parcels(&mut parcels).await;
-                self.handle_until_numbered(shard, &parcel).await?;
+                self.handle_until_numbered(shard, parcel).await?;
             } else {
                 parcels[shard].push(parcel);
             }
@@ -79,22 +81,29 @@ impl Engine {
     }
 
     /// Handles a message after which new robots, boots or whiskers have numbers from the database; one that is away is
-    /// waited for. Nothing is stepped before its numbers are there.
-    async fn handle_until_numbered(&mut self, shard: usize, parcel: &Parcel) -> Result<(), LeaseLost> {
+    /// waited for. Nothing is stepped before its numbers are there. A message whose numbers the database refuses for good is put
+    /// into quarantine.
+    pub(super) async fn handle_until_numbered(&mut self, shard: usize, parcel: Parcel) -> Result<(), LeaseLost> {
         let mut outage = Outage::default();
         loop {
             self.settle().await?;
             let is_full = self.shards.iter().map(|shard| shard.robots.len()).sum::<usize>() >= ROBOTS_MAX;
             let Some(committer) = &mut self.committer else { return Ok(()) };
-            let Err(problem) = self.shards[shard].handle_numbered(parcel, committer, is_full).await else {
+            let Err(problem) = self.shards[shard].handle_numbered(&parcel, committer, is_full).await else {
                 if committer.end_of(&outage) {
                     self.listen_anew();
                 }
+                self.shards[shard].gathering.messages.push(parcel);
                 if !self.has_room() {
                     self.begin_commit();
                 }
                 return Ok(());
             };
+            if let Some(rejection) = problem.rejection() {
+                error!(%problem, fleet = %self.fleet, robot = %parcel.robot, "the database refuses this message for good");
+                self.quarantine(suspects::quarantined(&parcel, &rejection));
+                return Ok(());
+            }
             committer.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
         }
     }
@@ -103,7 +112,11 @@ impl Engine {
 impl Shard {
     fn handle_all(&mut self, parcels: &mut Vec<Parcel>) {
         for parcel in parcels.drain(..) {
+            self.gathering.has_stepped = false;
             self.handle(&parcel);
+            if self.gathering.has_stepped {
+                self.gathering.messages.push(parcel);
+            }
         }
     }
 }

@@ -135,6 +135,7 @@ impl Gathering {
                 }
                 self.batch.records.push(Record::SetpointState(SetpointStateRow {
                     command_id: command_id(&self.fleet, &name, command),
+                    robot_id,
                     recorded_us,
                     state: state.word(),
                     error: rejection.map(Word::word),

@@ -10,7 +10,7 @@ use std::time::SystemTime;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use super::committer::{Committed, Committer, LeaseLost, Work};
+use super::committer::{BytesRefused, Committed, Committer, LeaseLost};
 use super::gathering::Sealed;
 use super::publication::Publication;
 use super::{Engine, wall_clock};
@@ -23,6 +23,8 @@ const SMALL: usize = 200;
 /// With more contacts a transaction is not worth writing twice, in bytes and in rows.
 const KEPT_CONTACTS_MAX: usize = 2000;
 
+/// Contacts that the journal holds at the most because of robots whose rows the database has refused: some 20 MB.
+const HELD_FOR_SUSPECTS_MAX: usize = 200_000;
 /// Robots that are sent receipts at a time, ten times a second: of more each one's comes a bit less often.
 const RECEIPTS_AT_ONCE: usize = 500;
 /// How often receipts may come with the next one instead, one after the other.
@@ -44,7 +46,7 @@ impl Engine {
     /// Closes what was gathered, or takes the next one whose rows are to be written, and has it committed while more is gathered.
     pub(super) fn begin_commit(&mut self) {
         let Some(mut committer) = self.committer.take() else { return };
-        let Some((sealed, part)) = self.next_commit() else {
+        let Some((mut sealed, mut part)) = self.next_commit() else {
             self.committer = Some(committer);
             return;
         };
@@ -52,11 +54,19 @@ impl Engine {
         // What is small is written in this thread, without waking another.
         let is_small = sealed.bytes.is_some() || rows <= SMALL;
         let commit = async move {
-            let work = match &sealed.bytes {
-                Some(bytes) => Work::Bytes(sealed.number, bytes),
-                None => Work::Rows(&sealed.batch),
+            let kept = match &sealed.bytes {
+                Some(bytes) => committer.keep(sealed.number, bytes).await,
+                None => Ok(Err(BytesRefused)),
             };
-            let committed = committer.commit(work).await;
+            let committed = match kept {
+                Ok(Ok(committed)) => Ok(committed),
+                Ok(Err(BytesRefused)) => {
+                    (sealed.bytes, sealed.batch.redo_done, part) =
+                        (None, sealed.batch.redo_done.filter(|_| sealed.is_out), Part::Rows);
+                    committer.commit(&mut sealed.batch).await
+                }
+                Err(LeaseLost) => Err(LeaseLost),
+            };
             (committer, sealed, part, committed)
         };
         self.committing = Some(if is_small { tokio::spawn(commit) } else { self.workers.spawn(commit) });
@@ -134,8 +144,10 @@ impl Engine {
         if needed_from > self.number && sealed.batch.journal.take().is_some() {
             self.journal_contacts -= self.journal.pop_back().map_or(0, |(_, contacts)| contacts);
         }
+        // A suspect's state may be refused, and then its entries are needed longer than its state says.
+        let is_held = !self.suspects.is_empty() && self.journal_contacts < HELD_FOR_SUSPECTS_MAX;
         while let Some((number, contacts)) =
-            self.journal.front().copied().filter(|(number, _)| is_round && *number < needed_from)
+            self.journal.front().copied().filter(|(number, _)| is_round && !is_held && *number < needed_from)
         {
             self.journal.pop_front();
             self.journal_contacts -= contacts;
@@ -166,12 +178,17 @@ impl Engine {
 
     /// A commit has ended: now what waited for it goes out.
     pub(super) fn committed(&mut self, (committer, mut sealed, part, committed): Done) -> Result<(), LeaseLost> {
-        let committed = committed?;
+        let mut committed = committed?;
         self.committer = Some(committer);
         if committed.was_away {
             self.listen_anew();
         }
+        let number = sealed.number;
+        if !committed.offenders.is_empty() {
+            self.convict(committed.offenders.drain(..).collect(), &mut sealed);
+        }
         if part == Part::Rows {
+            self.suspects_committed(number);
             self.mailroom.answered(sealed.answered.drain(..));
             if !sealed.batch.records.is_empty() {
                 self.mailroom.changed();

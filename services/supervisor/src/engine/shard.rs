@@ -34,6 +34,8 @@ pub(super) struct Known {
     pub(super) stored: Stored,
     /// Boots whose contacts are to be receipted.
     pub(super) receipts_due: SmallVec<[ShortText; 1]>,
+    /// The database has refused its rows again and again: nothing happens to it for a while.
+    pub(super) rests: bool,
 }
 
 /// What of a robot is stored, or will be by the transaction that is gathered for.
@@ -63,6 +65,7 @@ impl Known {
             history: History::new(keep),
             stored: Stored::State,
             receipts_due: SmallVec::new(),
+            rests: false,
         }
     }
 
@@ -134,6 +137,9 @@ impl Shard {
     pub(super) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
         let told = self.told_until.take().unwrap_or_default();
         for (index, known) in self.robots.values_mut().enumerate().skip(told) {
+            if known.rests {
+                continue;
+            }
             self.gathering.step(known, now, &Event::Tick, None);
             if self.gathering.waiting.next_whiskers() >= whiskers_max {
                 self.told_until = Some(index + 1);

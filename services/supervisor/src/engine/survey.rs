@@ -180,7 +180,7 @@ impl Engine {
     pub(super) fn close_history(&mut self, now: Micros) {
         let mut left = CLOSED_AT_ONCE;
         for Shard { robots, gathering, .. } in &mut self.shards {
-            for known in robots.values_mut() {
+            for known in robots.values_mut().filter(|known| !known.rests) {
                 if known.history.close(now, &known.whisker_ids, &mut left, &mut gathering.batch) {
                     gathering.store_next(known);
                     left = left.saturating_sub(known.whisker_ids.len());

@@ -10,14 +10,14 @@ use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_protocol::Name;
 
 use super::gathering::{Gathering, is_ordinary};
-use super::journal::{Entry, Told, read};
+use super::journal::{Entry, Told, by_robot, read};
 use super::shard::{Known, Shard, shard_of};
 use crate::store::StoredRobot;
 use crate::store::batch::Batch;
-use crate::store::{Lease, StoreError, Writer};
+use crate::store::{Lease, Refused, StoreError, Writer};
 
 /// Rows of the journal that are read at a time.
-const ROWS_AT_A_TIME: i64 = 256;
+pub(super) const ROWS_AT_A_TIME: i64 = 256;
 
 /// What going through the journal needs to know of a robot.
 struct Follower {
@@ -38,8 +38,23 @@ async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError
             error!(%fleet, number, bytes, %problem, "a transaction that was kept cannot be read: what it says is lost");
             Batch::default()
         });
-        writer.commit(lease, &Batch { redo_done: Some(number), ..batch }).await?;
+        write_rows(writer, lease, Batch { redo_done: Some(number), ..batch }).await?;
         info!(fleet = %lease.fleet(), number, "wrote the rows of a transaction that was kept");
+    }
+    Ok(())
+}
+
+/// Writes a batch; what the database refuses of it for good is said, and given up, so that the fleet can be taken up.
+async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Result<(), StoreError> {
+    match writer.commit(lease, &batch).await {
+        Err(problem) if problem.rejection().is_some() => {}
+        written => return written,
+    }
+    let mut refused = Vec::new();
+    writer.commit_apart(lease, &mut batch, by_robot, &mut refused).await?;
+    for Refused { owner, rejection } in refused {
+        let (code, text) = (rejection.code, rejection.text);
+        error!(fleet = %lease.fleet(), ?owner, code, text, "the database refuses rows of a transaction that was kept: they are lost");
     }
     Ok(())
 }
@@ -124,11 +139,16 @@ impl Journey {
     fn arrive(&self, epoch: u64, shards: &mut [Shard]) {
         for Shard { robots, gathering, .. } in shards {
             for known in robots.values_mut() {
-                known.begin(epoch, &gathering.params);
-                if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
-                    gathering.store_next(known);
-                }
+                self.arrive_at(known, epoch, gathering);
             }
+        }
+    }
+
+    /// The same for one robot.
+    pub(super) fn arrive_at(&self, known: &mut Known, epoch: u64, gathering: &mut Gathering) {
+        known.begin(epoch, &gathering.params);
+        if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
+            gathering.store_next(known);
         }
     }
 }

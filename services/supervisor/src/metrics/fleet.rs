@@ -57,6 +57,12 @@ of_fleet! {
     /// Contacts messages that are not waited for any more: their robot does not send them again.
     messages_given_up: IntCounter = "vibrissa_messages_given_up_total",
         "Contacts messages not waited for any more: lost.";
+    /// Messages that the database refuses for good, by cause.
+    messages_quarantined: Counters = "vibrissa_messages_quarantined_total",
+        "Messages put into quarantine because the database refuses the rows that they lead to.", labels::REJECTION_CAUSE;
+    /// Robots whose messages are tried few at a time, because the database has refused rows of theirs in the last minute.
+    robots_suspect: IntGauge = "vibrissa_robots_suspect",
+        "Robots of which the database has refused rows within the last minute: their messages are committed few at a time.";
     /// Contacts taken, by what they were used for.
     contacts: Counters = "vibrissa_contacts_total", "Contacts taken, by what they were used for.", labels::USED;
     /// Receipts sent.
@@ -198,7 +204,7 @@ impl FleetMetrics {
         for quantities in self.quantities() {
             quantities.set_all(|_| None);
         }
-        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected] {
+        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect] {
             gauge.set(0);
         }
         for gauge in [&self.last_contact_timestamp_seconds, &self.compensation_error_limit_ratio] {

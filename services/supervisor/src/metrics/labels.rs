@@ -11,6 +11,7 @@ use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
 use crate::engine::mail::CALIBRATION;
+use crate::store::RejectionCause;
 
 /// The case of a decision that found nobody.
 pub const NO_CASE: Word = "NONE";
@@ -145,6 +146,8 @@ pub(super) const STATE: Labels<1> = by_one(
         CommandState::Abandoned
     ),
 );
+pub(super) const REJECTION_CAUSE: Labels<1> =
+    by_one("cause", || RejectionCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const REJECTION: Labels<1> = by_one(
     "error",
     words!(

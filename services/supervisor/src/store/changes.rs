@@ -123,6 +123,7 @@ impl<'a> NewChange<'a> {
             Record::Answer { action_id, done_us, .. } => number("ACTION", *action_id, *done_us),
             Record::Activation(row) => Self { kind: "POLICY", recorded_us: row.activated_us, ..Self::default() },
             Record::Policy(row) => Self { kind: "POLICY", recorded_us: row.changed_us, ..Self::default() },
+            Record::Quarantined(row) => Self { kind: "ALARM", recorded_us: row.quarantined_us, ..Self::default() },
         }
     }
 }

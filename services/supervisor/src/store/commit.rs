@@ -3,7 +3,7 @@
 use tokio::time::Instant;
 use tracing::warn;
 
-use super::batch::RollupRow;
+use super::batch::{ContactRow, JournalRow, RollupRow, Rows};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo, sqlite};
@@ -33,61 +33,88 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
 /// the fleet from others.
 async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i64) -> Result<bool, StoreError> {
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
-    if !batch.contacts.is_empty() {
-        match &mut tx {
-            Either::Sqlite(tx) => sqlite::append_contacts(tx, &batch.contacts).await,
-            Either::Postgres(tx) => postgres::append_contacts(tx, &batch.contacts).await,
-        }
-        .map_err(failed("append contacts"))?;
-    }
+    write_contacts(&mut tx, &batch.contacts).await?;
     if !lease.begin(&mut tx).await? {
         // These contacts, too, were written before.
         tx.rollback().await.map_err(failed("roll back"))?;
         return Ok(false);
     }
-    for layout in &batch.layouts {
-        records::write_layout(&mut tx, layout).await.map_err(failed("write a layout"))?;
+    let fleet = lease.fleet().as_str();
+    write_rest(&mut tx, fleet, &batch.rows()).await?;
+    if let Some(row) = &batch.journal {
+        write_journal(&mut tx, fleet, row).await.map_err(failed("write the journal"))?;
     }
-    write_rows(&mut tx, batch).await?;
-    write_journal(&mut tx, lease.fleet().as_str(), batch).await.map_err(failed("write the journal"))?;
-    for record in &batch.records {
-        records::write_record(&mut tx, record).await?;
-    }
-    if !batch.responses.is_empty() {
-        match &mut tx {
-            Either::Sqlite(tx) => sqlite::append_responses(tx, &batch.responses).await,
-            Either::Postgres(tx) => postgres::append_responses(tx, &batch.responses).await,
-        }
-        .map_err(failed("append responses"))?;
-    }
-    if let Some(number) = batch.redo_done {
-        redo::forget(&mut tx, lease.fleet().as_str(), number).await.map_err(failed("write what was kept"))?;
-    }
-    changes::write_of(&mut tx, lease.fleet().as_str(), &batch.records, now_us)
-        .await
-        .map_err(failed("tell of changes"))?;
+    write_done(&mut tx, fleet, batch, true).await?;
+    changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("tell of changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
     Ok(true)
 }
 
-/// The many rows of few kinds.
-async fn write_rows(tx: &mut Tx<'_>, batch: &Batch) -> Result<(), StoreError> {
-    if !batch.robots.is_empty() {
+/// The contacts that are kept one by one.
+pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
+    if contacts.is_empty() {
+        return Ok(());
+    }
+    match tx {
+        Either::Sqlite(tx) => sqlite::append_contacts(tx, contacts).await,
+        Either::Postgres(tx) => postgres::append_contacts(tx, contacts).await,
+    }
+    .map_err(failed("append contacts"))
+}
+
+/// Rows of all other tables that belong to robots.
+pub(super) async fn write_rest(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) -> Result<(), StoreError> {
+    for layout in rows.layouts {
+        records::write_layout(tx, layout).await.map_err(failed("write a layout"))?;
+    }
+    write_rows(tx, rows).await?;
+    for record in rows.records {
+        records::write_record(tx, fleet, record).await?;
+    }
+    if !rows.responses.is_empty() {
         match tx {
-            Either::Sqlite(tx) => sqlite::write_robots(tx, &batch.robots).await,
-            Either::Postgres(tx) => postgres::write_robots(tx, &batch.robots).await,
+            Either::Sqlite(tx) => sqlite::append_responses(tx, rows.responses).await,
+            Either::Postgres(tx) => postgres::append_responses(tx, rows.responses).await,
+        }
+        .map_err(failed("append responses"))?;
+    }
+    Ok(())
+}
+
+/// Removes what is not needed any more once all rows of this batch are committed; if some are left out, the journal stays.
+pub(super) async fn write_done(
+    tx: &mut Tx<'_>,
+    fleet: &str,
+    batch: &Batch,
+    is_complete: bool,
+) -> Result<(), StoreError> {
+    if let Some(number) = batch.journal_done.filter(|_| is_complete) {
+        forget_journal(tx, fleet, number).await.map_err(failed("write the journal"))?;
+    }
+    if let Some(number) = batch.redo_done {
+        redo::forget(tx, fleet, number).await.map_err(failed("write what was kept"))?;
+    }
+    Ok(())
+}
+
+/// The many rows of few kinds.
+async fn write_rows(tx: &mut Tx<'_>, rows: &Rows<'_>) -> Result<(), StoreError> {
+    if !rows.robots.is_empty() {
+        match tx {
+            Either::Sqlite(tx) => sqlite::write_robots(tx, rows.robots).await,
+            Either::Postgres(tx) => postgres::write_robots(tx, rows.robots).await,
         }
         .map_err(failed("write robots"))?;
     }
-    if !batch.whiskers.is_empty() {
+    if !rows.whiskers.is_empty() {
         match tx {
-            Either::Sqlite(tx) => sqlite::write_whiskers(tx, &batch.whiskers).await,
-            Either::Postgres(tx) => postgres::write_whiskers(tx, &batch.whiskers).await,
+            Either::Sqlite(tx) => sqlite::write_whiskers(tx, rows.whiskers).await,
+            Either::Postgres(tx) => postgres::write_whiskers(tx, rows.whiskers).await,
         }
         .map_err(failed("write whiskers"))?;
     }
-    if !batch.rollups.is_empty() {
-        write_rollups(tx, &batch.rollups).await.map_err(failed("append minutes and hours"))?;
+    if !rows.rollups.is_empty() {
+        write_rollups(tx, rows.rollups).await.map_err(failed("append minutes and hours"))?;
     }
     Ok(())
 }
@@ -115,30 +142,23 @@ pub(super) fn tell_of_rollups(resolution: Resolution, rows: usize, written: u64)
     }
 }
 
-/// What happened since robots' states were written, and what is in them now.
-async fn write_journal(tx: &mut Tx<'_>, fleet: &str, batch: &Batch) -> sqlx::Result<()> {
-    if let Some(row) = &batch.journal {
-        // Two owners at once would write the same numbers, and keep each other from the harm that a test waits for.
-        let sql = if fault::is(Fault::NoFence) {
-            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING"
-        } else {
-            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3)"
-        };
-        on!(&mut *tx, |tx| sqlx::query(sql)
-            .bind(fleet)
-            .bind(row.number)
-            .bind(&row.entries)
-            .execute(&mut **tx)
-            .await
-            .map(drop))?;
-    }
-    if let Some(number) = batch.journal_done {
-        on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
-            .bind(fleet)
-            .bind(number)
-            .execute(&mut **tx)
-            .await
-            .map(drop))?;
-    }
-    Ok(())
+/// What happened since robots' states were written.
+async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::Result<()> {
+    // Two owners at once would write the same numbers, and keep each other from the harm that a test waits for.
+    let sql = if fault::is(Fault::NoFence) {
+        "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING"
+    } else {
+        "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3)"
+    };
+    on!(tx, |tx| sqlx::query(sql).bind(fleet).bind(row.number).bind(&row.entries).execute(&mut **tx).await.map(drop))
+}
+
+/// Removes the journal's rows that are in robots' states now.
+async fn forget_journal(tx: &mut Tx<'_>, fleet: &str, number: i64) -> sqlx::Result<()> {
+    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
+        .bind(fleet)
+        .bind(number)
+        .execute(&mut **tx)
+        .await
+        .map(drop))
 }

@@ -116,6 +116,79 @@ impl StoreError {
     }
 }
 
+/// Why the database refuses rows for good: the same rows are refused again, whenever they come.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rejection {
+    /// The class of the error.
+    pub cause: RejectionCause,
+    /// The database's own code: an SQLSTATE, or SQLite's extended result code.
+    pub code: String,
+    /// The database's own text, for the log. It can quote values that a robot has sent.
+    pub text: String,
+}
+
+/// The class of an error that rows cause by themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RejectionCause {
+    /// A value has no form in the database: SQLSTATE class 22, SQLite's MISMATCH and RANGE, or it cannot be encoded.
+    Data,
+    /// A constraint or a trigger refuses the row: SQLSTATE classes 23, 44 and P0, SQLite's CONSTRAINT.
+    Constraint,
+    /// The row or a value is larger than the database takes: SQLSTATE class 54, SQLite's TOOBIG.
+    Size,
+}
+
+impl RejectionCause {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Data, Self::Constraint, Self::Size];
+
+    /// In the words of the table `quarantine`, of REST and of the metric.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Data => "DATA",
+            Self::Constraint => "CONSTRAINT",
+            Self::Size => "SIZE",
+        }
+    }
+
+    fn of_sqlstate(code: &str) -> Option<Self> {
+        match code.get(..2)? {
+            "22" => Some(Self::Data),
+            "23" | "44" | "P0" => Some(Self::Constraint),
+            "54" => Some(Self::Size),
+            _ => None,
+        }
+    }
+
+    fn of_sqlite(code: &str) -> Option<Self> {
+        // The low byte of an extended result code is the primary one: sqlite.org/rescode.html.
+        match code.parse::<u32>().ok()? & 0xff {
+            20 | 25 => Some(Self::Data),
+            19 => Some(Self::Constraint),
+            18 => Some(Self::Size),
+            _ => None,
+        }
+    }
+}
+
+impl StoreError {
+    /// Why these rows can never be written; none if another attempt may succeed.
+    #[must_use]
+    pub fn rejection(&self) -> Option<Rejection> {
+        let Self::Query { source, .. } = self else { return None };
+        if let sqlx::Error::Encode(problem) = source {
+            let (code, text) = ("ENCODE".to_owned(), problem.to_string());
+            return Some(Rejection { cause: RejectionCause::Data, code, text });
+        }
+        let sqlx::Error::Database(problem) = source else { return None };
+        let code = problem.code()?.into_owned();
+        let is_sqlite = problem.try_downcast_ref::<sqlx::sqlite::SqliteError>().is_some();
+        let cause = if is_sqlite { RejectionCause::of_sqlite(&code) } else { RejectionCause::of_sqlstate(&code) };
+        Some(Rejection { cause: cause?, code, text: problem.message().to_owned() })
+    }
+}
+
 /// Whether a server that gives this answer may give another one soon.
 fn passes(problem: &sqlx::Error) -> bool {
     if let sqlx::Error::Database(told) = problem {
@@ -129,4 +202,39 @@ fn passes(problem: &sqlx::Error) -> bool {
 /// Names what a query is for, if it fails.
 pub(super) fn failed(what: &'static str) -> impl FnOnce(sqlx::Error) -> StoreError {
     move |source| StoreError::Query { what, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RejectionCause::{self, Constraint, Data, Size};
+
+    #[test]
+    fn only_errors_that_rows_cause_by_themselves_are_rejections() {
+        let postgres = [
+            ("22021", Some(Data)),
+            ("22003", Some(Data)),
+            ("23502", Some(Constraint)),
+            ("23505", Some(Constraint)),
+            ("44000", Some(Constraint)),
+            ("P0001", Some(Constraint)),
+            ("54000", Some(Size)),
+            ("40001", None),
+            ("42P01", None),
+            ("53100", None),
+            ("57P01", None),
+            ("08006", None),
+            ("2", None),
+            ("", None),
+        ];
+        for (code, cause) in postgres {
+            assert_eq!(RejectionCause::of_sqlstate(code), cause, "SQLSTATE {code}");
+        }
+        // NOT NULL, unique, trigger, mismatch, too big; busy, full, read-only, I/O.
+        let sqlite =
+            [("1299", Some(Constraint)), ("2067", Some(Constraint)), ("1811", Some(Constraint)), ("20", Some(Data))];
+        let passing = [("18", Some(Size)), ("5", None), ("13", None), ("8", None), ("778", None), ("x", None)];
+        for (code, cause) in sqlite.into_iter().chain(passing) {
+            assert_eq!(RejectionCause::of_sqlite(code), cause, "SQLite {code}");
+        }
+    }
 }

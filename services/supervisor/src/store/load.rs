@@ -103,7 +103,18 @@ impl Writer {
     pub async fn robots(&mut self, lease: &Lease) -> Result<Vec<StoredRobot>, StoreError> {
         const WHAT: &str = "load the robots";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, fleet).await.map_err(failed(WHAT))).await
+        self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, fleet, None).await.map_err(failed(WHAT))).await
+    }
+
+    /// One robot of the lease's fleet, by its number; none if there is no such robot.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn robot(&mut self, lease: &Lease, robot_id: i64) -> Result<Option<StoredRobot>, StoreError> {
+        const WHAT: &str = "load a robot";
+        let fleet = lease.fleet().as_str();
+        let load = async |link: &mut Link| robots(link, fleet, Some(robot_id)).await.map_err(failed(WHAT));
+        Ok(self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop())
     }
 
     /// The next rows of the fleet's journal after a number, with their numbers, in order.
@@ -199,20 +210,42 @@ async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Resu
     Ok(tx)
 }
 
-async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> {
-    const ROBOTS: &str = "SELECT robot_id, robot, state, journal_number, \
+/// All robots of a fleet, or the one of that number. The statements differ, because the plan for all is no plan for one.
+async fn robots(link: &mut Link, fleet: &str, only: Option<i64>) -> sqlx::Result<Vec<StoredRobot>> {
+    macro_rules! of_all_or_one {
+        ($select:literal, $order:literal) => {
+            if only.is_some() {
+                concat!($select, " WHERE fleet = $1 AND r.robot_id = $2", $order)
+            } else {
+                concat!($select, " WHERE fleet = $1", $order)
+            }
+        };
+    }
+    let robots_sql: &'static str = of_all_or_one!(
+        "SELECT robot_id, robot, state, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
-         FROM robots r WHERE fleet = $1";
-    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
-         JOIN robots r ON r.robot_id = w.robot_id \
-         WHERE fleet = $1 AND position IS NOT NULL AND w.state IS NOT NULL ORDER BY w.robot_id, position";
-    const BOOTS: &str =
-        "SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id WHERE fleet = $1";
+         FROM robots r",
+        ""
+    );
+    let whiskers_sql: &'static str = of_all_or_one!(
+        "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
+         JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL",
+        " ORDER BY w.robot_id, position"
+    );
+    let boots_sql: &'static str =
+        of_all_or_one!("SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id", "");
+    macro_rules! rows {
+        ($link:expr, $sql:expr) => {{
+            let query = sqlx::query($sql).bind(fleet);
+            let query = if let Some(robot_id) = only { query.bind(robot_id) } else { query };
+            query.fetch_all($link).await?
+        }};
+    }
     let mut robots: BTreeMap<i64, StoredRobot> = BTreeMap::new();
-    on!(&mut *link, |link| for row in sqlx::query(ROBOTS).bind(fleet).fetch_all(&mut *link).await? {
+    on!(&mut *link, |link| for row in rows!(&mut *link, robots_sql) {
         let robot = StoredRobot {
             robot_id: row.get("robot_id"),
             robot: row.get("robot"),
@@ -230,14 +263,14 @@ async fn robots(link: &mut Link, fleet: &str) -> sqlx::Result<Vec<StoredRobot>> 
         };
         robots.insert(robot.robot_id, robot);
     });
-    on!(&mut *link, |link| for row in sqlx::query(WHISKERS).bind(fleet).fetch_all(&mut *link).await? {
+    on!(&mut *link, |link| for row in rows!(&mut *link, whiskers_sql) {
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.whisker_ids.push(row.get("whisker_id"));
             robot.whisker_states.push(row.get("state"));
             robot.rollups.push(row.get("rollup"));
         }
     });
-    on!(link, |link| for row in sqlx::query(BOOTS).bind(fleet).fetch_all(link).await? {
+    on!(link, |link| for row in rows!(link, boots_sql) {
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.boots.insert(row.get("boot_id"), row.get("boot"));
         }

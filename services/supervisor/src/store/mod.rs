@@ -7,6 +7,7 @@
 pub mod actions;
 pub mod address;
 pub mod alarms;
+mod apart;
 pub mod backup;
 pub mod batch;
 pub mod calibrations;
@@ -22,6 +23,7 @@ mod load;
 mod lock;
 mod partitions;
 mod postgres;
+mod quarantine;
 pub mod read;
 pub mod readings;
 mod records;
@@ -39,8 +41,9 @@ use std::sync::Arc;
 use tracing::warn;
 
 pub use address::DatabaseAddress;
+pub use apart::Refused;
 pub use batch::Batch;
-pub use error::StoreError;
+pub use error::{Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
 pub use roll::{FleetLease, Roll, Supervisor};

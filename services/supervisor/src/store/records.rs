@@ -4,7 +4,7 @@ use sqlx::QueryBuilder;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow, SetpointStateRow};
 use super::database::{Tx, on};
-use super::{StoreError, actions, calibrations, failed};
+use super::{StoreError, actions, calibrations, failed, quarantine};
 
 /// Takes everything off a robot; what is on it now follows.
 pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
@@ -33,7 +33,7 @@ pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::R
 }
 
 /// One of the rarer rows.
-pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(), StoreError> {
+pub(super) async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(), StoreError> {
     match record {
         Record::Decision(decision) => write_decision(tx, decision).await.map_err(failed("write a decision")),
         Record::Setpoint(setpoint) => write_setpoint(tx, setpoint).await.map_err(failed("write a setpoint")),
@@ -42,7 +42,7 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
         Record::SetpointState(row) => {
             write_setpoint_state(tx, row).await.map_err(failed("write what became of a setpoint"))
         }
-        Record::Answer { action_id, state, problem, done_us } => {
+        Record::Answer { action_id, state, problem, done_us, .. } => {
             actions::write_answer(tx, (*action_id, state, problem.as_deref()), *done_us)
                 .await
                 .map_err(failed("answer an action"))
@@ -51,6 +51,9 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, record: &Record) -> Result<(),
             calibrations::write_activation(tx, row).await.map_err(failed("write which calibration is in force"))
         }
         Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
+        Record::Quarantined(row) => {
+            quarantine::write(tx, fleet, row).await.map_err(failed("put a message into quarantine"))
+        }
         Record::Health(_)
         | Record::Trim(_)
         | Record::Ended(_)
@@ -157,7 +160,8 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
         | Record::Refinement(_)
         | Record::Answer { .. }
         | Record::Activation(_)
-        | Record::Policy(_) => {}
+        | Record::Policy(_)
+        | Record::Quarantined(_) => {}
     }
     Ok(())
 }

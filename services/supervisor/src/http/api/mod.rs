@@ -15,6 +15,7 @@ pub mod model;
 pub mod paths;
 pub mod plots;
 pub mod policy;
+pub mod quarantine;
 pub mod robots;
 pub mod setpoints;
 pub mod what_if;
@@ -36,6 +37,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(events::routes())
         .merge(fleets::routes())
         .merge(robots::routes())
+        .merge(quarantine::routes())
         .merge(contacts::routes())
         .merge(history::routes())
         .merge(model::routes())

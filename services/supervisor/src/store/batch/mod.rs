@@ -1,9 +1,12 @@
 //! What one transaction writes: plain rows, in the order in which they must be written.
 
 mod bytes;
+mod parts;
 mod record;
 mod words;
 
+pub use parts::{Owner, Owners};
+pub(crate) use parts::{Parts, Rows};
 pub use record::*;
 
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -50,6 +53,51 @@ impl Batch {
             && self.journal.is_none()
             && self.journal_done.is_none()
             && self.redo_done.is_none()
+    }
+
+    /// All its rows.
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        Rows {
+            layouts: &self.layouts,
+            robots: &self.robots,
+            whiskers: &self.whiskers,
+            contacts: &self.contacts,
+            rollups: &self.rollups,
+            responses: &self.responses,
+            records: &self.records,
+        }
+    }
+
+    /// The whiskers that its rows are about, some of them often.
+    pub(crate) fn whisker_ids(&self) -> impl Iterator<Item = i64> {
+        let records = self.records.iter().filter_map(|record| match record {
+            Record::Health(row) => Some(row.whisker_id),
+            Record::Alarm(row) => Some(row.whisker_id),
+            Record::AlarmCleared(row) => Some(row.whisker_id),
+            Record::Trim(_)
+            | Record::Decision(_)
+            | Record::Ended(_)
+            | Record::Setpoint(_)
+            | Record::SetpointState(_)
+            | Record::Error(_)
+            | Record::Refinement(_)
+            | Record::Activation(_)
+            | Record::Approved { .. }
+            | Record::Gone { .. }
+            | Record::Answer { .. }
+            | Record::Policy(_)
+            | Record::AlarmsForgotten { .. }
+            | Record::Quarantined(_) => None,
+        });
+        let whiskers = self.whiskers.iter().map(|row| row.whisker_id);
+        let contacts = self.contacts.iter().map(|row| row.whisker_id);
+        let rollups = self.rollups.iter().map(|row| row.whisker_id);
+        whiskers.chain(contacts).chain(rollups).chain(records)
+    }
+
+    /// The same of one that is not used any more.
+    pub fn append_all(&mut self, mut other: Self) {
+        self.append(&mut other);
     }
 
     /// Takes the rows of another one, after its own. The journal is one for all.

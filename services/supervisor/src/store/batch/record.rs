@@ -50,6 +50,9 @@ pub enum Record {
     Answer {
         /// Which.
         action_id: i64,
+        /// The robot that it is about; 0 if it is about the fleet, or not known.
+        #[borsh(skip)]
+        robot_id: i64,
         /// `DONE`, `REFUSED` or `EXPIRED`.
         #[borsh(deserialize_with = "words::word")]
         state: &'static str,
@@ -67,6 +70,40 @@ pub enum Record {
         /// When.
         cleared_us: i64,
     },
+    /// A message that the database refuses, kept for people to look at.
+    Quarantined(Box<QuarantineRow>),
+}
+
+/// A message that the database refuses; see the table for the columns.
+#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
+pub struct QuarantineRow {
+    /// The robot that sent it.
+    pub robot: String,
+    /// Its topic below the robot's level, in the contract's words.
+    #[borsh(deserialize_with = "words::word")]
+    pub topic: &'static str,
+    /// The boot that sent it, if the message says so.
+    pub boot_id: Option<String>,
+    /// Its number, if the message says so.
+    pub seq: Option<i64>,
+    /// When it was received, by the supervisor's clock.
+    pub received_us: i64,
+    /// When it was put into quarantine, by the supervisor's clock.
+    pub quarantined_us: i64,
+    /// Why: a word of [`RejectionCause`](crate::store::RejectionCause).
+    #[borsh(deserialize_with = "words::word")]
+    pub cause: &'static str,
+    /// The database's own code.
+    pub code: String,
+    /// The message, cut off after [`PAYLOAD_BYTES_MAX`](Self::PAYLOAD_BYTES_MAX).
+    pub payload: Vec<u8>,
+}
+
+impl QuarantineRow {
+    /// Bytes of a message that are kept at the most.
+    pub const PAYLOAD_BYTES_MAX: usize = 64 * 1024;
+    /// Messages of a fleet that are kept at the most: the oldest go first.
+    pub const ROWS_MAX: i64 = 1000;
 }
 
 /// A change of condition or fault.
@@ -125,6 +162,9 @@ pub struct EndedRow {
 pub struct SetpointStateRow {
     /// Which.
     pub command_id: String,
+    /// The robot that it was sent to; 0 if it is not known, after it was read back from bytes.
+    #[borsh(skip)]
+    pub robot_id: i64,
     /// When.
     pub recorded_us: i64,
     /// What.

@@ -8,6 +8,7 @@ pub mod errors;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod quarantine;
 pub mod robots;
 pub mod setpoints;
 pub mod whiskers;

@@ -82,6 +82,7 @@ impl<'b> Sorted<'b> {
                 | Record::Gone { .. }
                 | Record::Answer { .. }
                 | Record::Policy(_)
+                | Record::Quarantined(_)
                 | Record::AlarmsForgotten { .. } => false,
             };
             if !is_first {
@@ -129,6 +130,7 @@ impl<'b> Sorted<'b> {
             | Record::Gone { .. }
             | Record::Answer { .. }
             | Record::Policy(_)
+            | Record::Quarantined(_)
             | Record::AlarmsForgotten { .. } => {}
         }
     }

@@ -1,0 +1,228 @@
+//! The database has refused a robot's rows: the robot goes back to its last committed state, and becomes a suspect.
+
+use std::collections::{BTreeSet, HashMap};
+
+use tokio::time::Instant;
+use tracing::{error, info, warn};
+use vibrissa_protocol::{Name, RobotTopic};
+
+use super::Engine;
+use super::committer::{LeaseLost, Offender};
+use super::gathering::Sealed;
+use super::intake::Parcel;
+use super::publication::Publication;
+use super::shard::shard_of;
+use super::suspects::{Suspect, Turn, Verdict};
+use super::take_up::Journey;
+use crate::store::batch::{Owner, Owners, QuarantineRow, Record};
+
+/// More suspects at once than this, and than a quarter of the robots: then the database is at fault rather than messages.
+const SUSPECTS_FEW: usize = 8;
+/// The part of readiness that is kept here.
+const PART: &str = "quarantine";
+
+impl Engine {
+    /// Robots whose rows were left out of a transaction.
+    pub(super) fn convict(&mut self, offenders: Vec<Offender>, sealed: &mut Sealed) {
+        for offender in offenders {
+            let found = self.shards.iter().flat_map(|shard| shard.robots.values());
+            let known = found.filter(|known| known.robot_id == offender.robot_id);
+            let Some(name) = known.map(|known| known.name.clone()).next() else { continue };
+            let mut messages = self.disown(&name, offender.robot_id, sealed);
+            let now = Instant::now();
+            let widespread = self.is_widespread();
+            let suspect = self.suspects.entry(name.clone()).or_insert_with(|| Suspect::new(now));
+            messages.retain(|parcel| parcel.robot == name);
+            let verdict = suspect.refused(now, messages, &offender.rejection, widespread);
+            let rests = suspect.rests(now);
+            warn!(fleet = %self.fleet, robot = %name, code = offender.rejection.code, rests, "going back to its last committed state");
+            self.restore(&name, offender, rests);
+            if let Verdict::Quarantine(row) = verdict {
+                self.quarantine(*row);
+            }
+        }
+        self.metrics.robots_suspect.set(self.suspects.len() as i64);
+        self.gathered(0);
+    }
+
+    fn is_widespread(&self) -> bool {
+        let robots: usize = self.shards.iter().map(|shard| shard.robots.len()).sum();
+        let suspects = self.suspects.len();
+        let is = suspects > SUSPECTS_FEW && suspects > robots / 4;
+        let problem = || format!("the database refuses rows of {suspects} of {robots} robots: see the log");
+        self.readiness.set_of(&self.fleet, PART, is.then(problem));
+        is
+    }
+
+    /// Removes what has come of a robot's messages since the last commit; gives these messages, in their order.
+    fn disown(&mut self, name: &Name, robot_id: i64, sealed: &mut Sealed) -> Vec<Parcel> {
+        let at = shard_of(name, self.shards.len());
+        let whiskers: HashMap<i64, i64> = self.shards[at]
+            .robots
+            .get(name)
+            .map(|known| known.whisker_ids.iter().map(|&whisker_id| (whisker_id, robot_id)).collect())
+            .unwrap_or_default();
+        let owners = Owners { whiskers, ..Owners::default() };
+        let stays = |owner: Owner| owner != Owner::Robot(robot_id);
+        let level = level_of(name, &self.fleet);
+        let is_other = |publication: &Publication| !publication.topic.starts_with(&level);
+        sealed.publications.retain(is_other);
+        let mut messages = take_of(&mut sealed.messages, name);
+        for kept in &mut self.kept {
+            kept.batch.retain(&owners, stays);
+            if let Some(journal) = &mut kept.batch.journal {
+                let others =
+                    super::journal::by_robot(&journal.entries).into_iter().filter(|(other, _)| *other != robot_id);
+                journal.entries = others.flat_map(|(_, entries)| entries).collect();
+            }
+            // Its entries before may be needed after all.
+            kept.batch.journal_done = None;
+            kept.publications.retain(is_other);
+            messages.extend(take_of(&mut kept.messages, name));
+        }
+        for shard in &mut self.shards {
+            let gathering = &mut shard.gathering;
+            gathering.batch.retain(&owners, stays);
+            gathering.publications.retain(is_other);
+        }
+        let gathering = &mut self.shards[at].gathering;
+        gathering.journal.remove(robot_id);
+        messages.extend(take_of(&mut gathering.messages, name));
+        // An action whose answer was left out waits again.
+        let answers = |records: &[Record]| {
+            let ids = records.iter().filter_map(|record| match record {
+                Record::Answer { action_id, .. } => Some(*action_id),
+                _ => None,
+            });
+            ids.collect::<BTreeSet<i64>>()
+        };
+        let committed = answers(&sealed.batch.records);
+        sealed.answered.retain(|action_id| committed.contains(action_id));
+        let open: BTreeSet<i64> =
+            self.shards.iter().flat_map(|shard| answers(&shard.gathering.batch.records)).collect();
+        self.answered.retain(|action_id| open.contains(action_id));
+        messages
+    }
+
+    /// Puts a robot back to its last committed state. Numbers that were given are not given again.
+    fn restore(&mut self, name: &Name, offender: Offender, rests: bool) {
+        let at = shard_of(name, self.shards.len());
+        let epoch = self.lease.epoch();
+        let Some(before) = self.shards[at].robots.get_mut(name) else { return };
+        let (seqs, versions) = (std::mem::take(&mut before.seqs), before.robot.clone());
+        let mut journey = Journey::default();
+        match offender.stored {
+            Some(stored) => {
+                journey.place(stored, name.clone(), epoch, &mut self.shards);
+                for (number, entries) in &offender.journal {
+                    journey.go_through(*number, entries, &mut self.shards);
+                }
+            }
+            None => error!(fleet = %self.fleet, robot = %name, "the robot is not in the database any more"),
+        }
+        let shard = &mut self.shards[at];
+        let Some(known) = shard.robots.get_mut(name) else { return };
+        journey.arrive_at(known, epoch, &mut shard.gathering);
+        known.robot.go_on_numbering_after(&versions);
+        (known.seqs, known.rests) = (seqs, rests);
+    }
+
+    /// Writes a message that the database refuses into the table for people to look at.
+    pub(super) fn quarantine(&mut self, row: QuarantineRow) {
+        self.metrics.messages_quarantined.count([row.cause]);
+        let (robot, topic, seq, cause, code) = (&row.robot, row.topic, row.seq, row.cause, &row.code);
+        error!(fleet = %self.fleet, robot, topic, seq, cause, code, "message put into quarantine");
+        self.record(Record::Quarantined(Box::new(row)));
+        self.rounds.due_by(Instant::now());
+    }
+
+    /// The message, unless it must wait because its robot is a suspect.
+    pub(super) fn unless_suspect(&mut self, parcel: Parcel) -> Option<Parcel> {
+        if self.suspects.is_empty() {
+            return Some(parcel);
+        }
+        let Some(suspect) = self.suspects.get_mut(&parcel.robot) else { return Some(parcel) };
+        if let Err(parcel) = suspect.wait(parcel) {
+            let problem =
+                "the database has refused this robot's rows: its messages wait, and there are too many of them";
+            self.metrics.refuse("suspect", problem, parcel.robot.as_str());
+        }
+        None
+    }
+
+    /// Steps the next messages of suspects.
+    pub(super) async fn go_on_with_suspects(&mut self) -> Result<(), LeaseLost> {
+        let now = Instant::now();
+        let mut next: Vec<(Name, Vec<Turn>)> = Vec::new();
+        for (name, suspect) in &mut self.suspects {
+            let rests = suspect.rests(now);
+            let shard = shard_of(name, self.shards.len());
+            if let Some(known) = self.shards[shard].robots.get_mut(name) {
+                known.rests = rests;
+            }
+            let turns = suspect.begin(now);
+            if !turns.is_empty() {
+                next.push((name.clone(), turns));
+            }
+        }
+        for (name, turns) in next {
+            self.step_turns(&name, turns).await?;
+        }
+        let before = self.suspects.len();
+        self.suspects.retain(|_, suspect| !suspect.is_cleared(now));
+        if self.suspects.len() < before {
+            info!(fleet = %self.fleet, suspects = self.suspects.len(), "a robot's rows are taken again");
+            self.metrics.robots_suspect.set(self.suspects.len() as i64);
+            self.is_widespread();
+        }
+        Ok(())
+    }
+
+    async fn step_turns(&mut self, name: &Name, turns: Vec<Turn>) -> Result<(), LeaseLost> {
+        let shard = shard_of(name, self.shards.len());
+        let count = turns.len();
+        for turn in turns {
+            // A transaction that was closed meanwhile may have been refused: then they all wait again.
+            if !self.suspects.get(name).is_some_and(Suspect::is_under_way) {
+                return Ok(());
+            }
+            match turn {
+                Turn::Receipt(parcel) => self.shards[shard].receipt_alone(&parcel),
+                Turn::Message(parcel) if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) => {
+                    self.handle_until_numbered(shard, parcel).await?;
+                }
+                Turn::Message(parcel) => self.shards[shard].handle(&parcel),
+            }
+        }
+        // They are the suspect's, and not the transaction's.
+        self.shards[shard].gathering.messages.retain(|parcel| parcel.robot != *name);
+        let number = self.number + 1;
+        if let Some(suspect) = self.suspects.get_mut(name) {
+            suspect.stepped(number);
+        }
+        self.gathered(count);
+        self.rounds.due_by(Instant::now());
+        if self.shards.iter().all(|shard| shard.gathering.is_empty()) && self.committing.is_none() {
+            // Nothing came of them.
+            self.suspects_committed(number);
+        }
+        Ok(())
+    }
+
+    /// The rows of a transaction are written, and so are those of suspects' messages that were stepped before it was closed.
+    pub(super) fn suspects_committed(&mut self, number: i64) {
+        for suspect in self.suspects.values_mut() {
+            suspect.committed(number);
+        }
+    }
+}
+
+fn level_of(robot: &Name, fleet: &Name) -> String {
+    let topic = RobotTopic::Receipt.of(fleet, robot).to_string();
+    topic.strip_suffix(RobotTopic::Receipt.as_str()).unwrap_or(&topic).to_owned()
+}
+
+/// Takes a robot's messages out of others.
+fn take_of(messages: &mut Vec<Parcel>, name: &Name) -> Vec<Parcel> {
+    messages.extract_if(.., |parcel| parcel.robot == *name).collect()
+}

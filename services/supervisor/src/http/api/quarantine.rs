@@ -1,0 +1,48 @@
+//! Messages that the database refused.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::Query;
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::store::lists::quarantine::{QUARANTINE, QuarantineSort, Quarantined};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_quarantine))
+}
+
+list_query! {
+    /// Which messages.
+    pub struct QuarantineQuery by QuarantineSort {
+        /// Of this fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Of this robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+    }
+}
+
+/// Messages in quarantine: they keep the contract, but the database refuses a row that follows from them. Each was receipted,
+/// so that its robot does not send it again, and nothing else followed from it. The newest 1000 of each fleet are kept.
+#[utoipa::path(
+    get, path = "/v1/quarantine", tag = "happenings", params(QuarantineQuery),
+    responses((status = 200, description = "A page of messages", body = Page<Quarantined>))
+)]
+async fn list_quarantine(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<QuarantineQuery>,
+) -> Result<Json<Page<Quarantined>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    Ok(Json(Page::of(app.store.list(&QUARANTINE, &selection).await?, &selection)))
+}

@@ -1,0 +1,163 @@
+//! Messages that lead to rows which the database refuses for good: no robot but their sender feels it.
+
+use std::time::{Duration, Instant};
+
+use vibrissa_protocol::{ArrayType, RobotTopic};
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until;
+
+use crate::planted::Admin;
+use crate::stage::{Kind, Stage};
+
+/// All other robots go on within one second; a loaded machine is given one more.
+const OTHERS_GO_ON: Duration = Duration::from_secs(2);
+/// Contacts after which a whisker's cut is found, by the program's defaults.
+const LEARNED: usize = 300;
+
+/// Sends a message and waits for its receipt; says how long that took.
+async fn receipt_time(robot: &mut HandRobot) -> Duration {
+    let begun = Instant::now();
+    robot.touch(0, 5).await;
+    robot.receipted().await;
+    begun.elapsed()
+}
+
+async fn born(stage: &Stage, name: &str, lengths_mm: &[f64]) -> HandRobot {
+    HandRobot::born(stage.broker.port(), name, array(ArrayType::Type2, lengths_mm)).await
+}
+
+/// One message of many leads to a row that is refused: it alone is put into quarantine.
+async fn one_message(kind: Kind) {
+    let stage = Stage::start(kind).await;
+    let mut admin = Admin::of(&stage).await;
+    let (mut good, mut bad) = (born(&stage, "good", &[70.0]).await, born(&stage, "bad", &[70.0]).await);
+    let mut contacts = 0;
+    admin.refuse("contacts", "n.strain = 0.0123456789").await;
+    for number in 0..40 {
+        let mut one = bad.contact(0);
+        if number == 17 {
+            one.strain = 0.012_345_678_9;
+        } else {
+            contacts += 1;
+        }
+        bad.send(vec![one]).await;
+    }
+    let took = receipt_time(&mut good).await;
+    assert!(took < OTHERS_GO_ON, "another robot waited for {took:?}");
+    // The bad message, too, is receipted, so that it is not sent again.
+    bad.receipted().await;
+    let series = "vibrissa_messages_quarantined_total{cause=\"CONSTRAINT\",fleet=\"f\"}";
+    until("the message is in quarantine", async || (stage.metric(series).await > 0.0).then_some(())).await;
+    let recorded = "SELECT count(*) FROM contacts c JOIN boots b USING (boot) JOIN robots r ON r.robot_id = b.robot_id \
+                    WHERE r.robot = 'bad'";
+    until("all others are recorded once", async || {
+        let (all, distinct) =
+            (admin.numbers(recorded).await, admin.numbers(&recorded.replace("count(*)", "count(DISTINCT seq)")).await);
+        (all == [contacts] && distinct == [contacts]).then_some(())
+    })
+    .await;
+    // The first message of a robot is empty: its 18th contact is in the message 18.
+    assert_eq!(admin.numbers("SELECT seq FROM quarantine WHERE robot = 'bad' AND topic = 'contacts'").await, [18]);
+    assert!((stage.metric(series).await - 1.0).abs() < 1e-9);
+    let listed = stage.get("/v1/quarantine?fleet=f&robot=bad").await;
+    assert_eq!(listed["items"][0]["seq"], 18, "{listed}");
+    stage.ready().await;
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_sqlite() {
+    one_message(Kind::Sqlite).await;
+}
+
+#[tokio::test]
+async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_postgres() {
+    one_message(Kind::Postgres).await;
+}
+
+/// All rows of one robot are refused in one table after the other, as long as a trigger is there: the other robot goes on, and
+/// the one concerned goes on once it is gone.
+async fn one_robot(kind: Kind) {
+    let stage = Stage::start(kind).await;
+    let mut admin = Admin::of(&stage).await;
+    let (mut good, mut bad) = (born(&stage, "good", &[70.0]).await, born(&stage, "bad", &[70.0, 70.0, 70.0]).await);
+    for whisker in 0..3 {
+        bad.touch(whisker, LEARNED).await;
+    }
+    bad.receipted().await;
+    let robot_id = admin.numbers("SELECT robot_id FROM robots WHERE robot = 'bad'").await[0];
+    let of_it =
+        "n.whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = {r})".replace("{r}", &robot_id.to_string());
+    let cases = [
+        ("robots", format!("n.robot_id = {robot_id}")),
+        ("whiskers", format!("n.robot_id = {robot_id}")),
+        ("contacts", of_it.clone()),
+        ("health_changes", of_it),
+        ("trims", format!("n.robot_id = {robot_id}")),
+        ("compensations", format!("n.robot_id = {robot_id}")),
+        ("setpoints", format!("n.robot_id = {robot_id}")),
+    ];
+    for (at, (table, condition)) in cases.into_iter().enumerate() {
+        admin.refuse(table, &condition).await;
+        // A cut, and what follows from it, leads to a row in each of the tables. Later ones have something cut already.
+        bad.cut(at as u16 % 3, 64.0 - 2.0 * (at / 3) as f64);
+        bad.touch(at as u16 % 3, 60).await;
+        bad.connection(vibrissa_protocol::ConnectionState::Online).await;
+        for _ in 0..3 {
+            let took = receipt_time(&mut good).await;
+            assert!(took < OTHERS_GO_ON, "rows refused in {table}: another robot waited for {took:?}");
+        }
+        admin.relent(table).await;
+        stage.ready().await;
+    }
+    let next = bad.next_seq(RobotTopic::Contacts);
+    until("the robot concerned goes on", async || {
+        let message = serde_json::json!({"boot_id": bad.boot_id.as_str(), "seq": next, "contacts": []});
+        bad.say(RobotTopic::Contacts, message.to_string()).await;
+        let heard = bad.mqtt.next(Duration::from_millis(500)).await?;
+        let vibrissa_protocol::Message::Receipt(receipt) = heard.message else { return None };
+        receipt.covers(next).then_some(())
+    })
+    .await;
+    assert!(stage.metric("vibrissa_robots_suspect{fleet=\"f\"}").await >= 1.0, "on probation for a minute");
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn regress_a_robot_whose_rows_are_refused_stops_no_other_on_sqlite() {
+    one_robot(Kind::Sqlite).await;
+}
+
+#[tokio::test]
+async fn regress_a_robot_whose_rows_are_refused_stops_no_other_on_postgres() {
+    one_robot(Kind::Postgres).await;
+}
+
+/// A factsheet whose numbers are refused when it is numbered, before anything follows from it.
+async fn a_factsheet(kind: Kind) {
+    let stage = Stage::start(kind).await;
+    let mut admin = Admin::of(&stage).await;
+    let mut good = born(&stage, "good", &[70.0]).await;
+    admin.refuse("arrays", "n.\"array\" = 'odd'").await;
+    let mut odd = array(ArrayType::Type2, &[70.0]);
+    odd.array = vibrissa_protocol::Name::new("odd").unwrap();
+    let mut bad = HandRobot::connect(stage.broker.port(), "bad", odd).await;
+    bad.birth().await;
+    let took = receipt_time(&mut good).await;
+    assert!(took < OTHERS_GO_ON, "another robot waited for {took:?}");
+    until("the factsheet is in quarantine", async || {
+        (admin.numbers("SELECT count(*) FROM quarantine WHERE topic = 'factsheet'").await == [1]).then_some(())
+    })
+    .await;
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn regress_a_factsheet_that_is_refused_is_put_into_quarantine_on_sqlite() {
+    a_factsheet(Kind::Sqlite).await;
+}
+
+#[tokio::test]
+async fn regress_a_factsheet_that_is_refused_is_put_into_quarantine_on_postgres() {
+    a_factsheet(Kind::Postgres).await;
+}

@@ -1,0 +1,409 @@
+//! The database refuses a row of one robot: everything of all others is written, and the robot is named.
+//!
+//! A trigger in each table in turn refuses the rows of one of two robots.
+
+use std::collections::BTreeSet;
+
+use sqlx::{AssertSqlSafe, ConnectOptions};
+use vibrissa::engine::Resolution;
+use vibrissa::store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
+use vibrissa::store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
+use vibrissa_tests::actions::asks_of;
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::postgres::Postgres;
+
+use crate::rows::{self, Numbered, contacts};
+use crate::supervisors::Replica;
+use crate::{Fresh, contract, fleet, supervisor};
+
+/// Tables whose rows belong to one robot, each with the condition that a new row `n` belongs to the robot `{r}`, which has the
+/// whiskers `{w}`, the compensation `{c}`, and whose action has the number `{a}`.
+const OF_ROBOTS: [(&str, &str); 18] = [
+    ("robots", "n.robot_id = {r} AND n.state IS NOT NULL"),
+    ("whiskers", "n.robot_id = {r} AND n.state IS NOT NULL"),
+    ("contacts", "n.whisker_id IN ({w})"),
+    ("contact_minutes", "n.whisker_id IN ({w})"),
+    ("contact_hours", "n.whisker_id IN ({w})"),
+    ("health_changes", "n.whisker_id IN ({w})"),
+    ("alarms", "n.whisker_id IN ({w})"),
+    ("trims", "n.robot_id = {r}"),
+    ("compensations", "n.robot_id = {r}"),
+    ("compensation_candidates", "n.compensation_id = {c}"),
+    ("compensation_refinements", "n.compensation_id = {c}"),
+    ("compensation_responses", "n.compensation_id = {c}"),
+    ("compensation_errors", "n.compensation_id = {c}"),
+    (
+        "compensation_error_bins",
+        "n.compensation_error_id IN (SELECT compensation_error_id FROM compensation_errors WHERE compensation_id = {c})",
+    ),
+    ("setpoints", "n.robot_id = {r}"),
+    ("setpoint_states", "n.command_id = 'c{r}'"),
+    ("changes", "n.number = {c} OR n.robot_id = {r} OR n.whisker_id IN ({w}) OR n.command_id = 'c{r}'"),
+    ("actions", "n.action_id = {a} AND n.state <> 'PENDING'"),
+];
+
+/// All other tables, and why no row of a robot can be refused there by this way.
+const OTHERS: [(&str, &str); 16] = [
+    ("journal", "has a test of its own"),
+    ("quarantine", "has a test of its own"),
+    ("redo", "is a whole transaction's, and has a test of its own"),
+    ("boots", "is written with a birth, before anything follows from it"),
+    ("arrays", "is written with a factsheet, before anything follows from it"),
+    ("leases", "is the supervisors'"),
+    ("epochs", "is the supervisors'"),
+    ("supervisors", "is the supervisors'"),
+    ("supervised_fleets", "is the supervisors'"),
+    ("policies", "is a fleet's"),
+    ("calibrations", "is a fleet's"),
+    ("active_calibrations", "is a fleet's"),
+    ("api_tokens", "is people's"),
+    ("alarm_shelves", "is people's"),
+    ("allowed_robots", "is people's"),
+    ("_sqlx_migrations", "is the migrations'"),
+];
+
+/// A robot's numbers, with that of an action about it.
+struct Subject {
+    numbered: Numbered,
+    action_id: i64,
+}
+
+impl Subject {
+    fn condition(&self, text: &str) -> String {
+        let robot_id = self.numbered.robot_id;
+        let whiskers: Vec<String> = self.numbered.whisker_ids.iter().map(i64::to_string).collect();
+        text.replace("{r}", &robot_id.to_string())
+            .replace("{w}", &whiskers.join(", "))
+            .replace("{c}", &(robot_id << 32).to_string())
+            .replace("{a}", &self.action_id.to_string())
+    }
+
+    /// A row of every kind, and an entry of the journal.
+    fn batch(&self) -> Batch {
+        let numbered = &self.numbered;
+        let mut batch = rows::states(numbered);
+        batch.append_all(contacts(numbered, 0..3));
+        batch.rollups = [Resolution::Minute, Resolution::Hour].map(|resolution| rollup(numbered, resolution)).to_vec();
+        batch.records = contract::records(numbered);
+        let answer =
+            Record::Answer { action_id: self.action_id, robot_id: 0, state: "DONE", problem: None, done_us: 17 };
+        batch.records.push(answer);
+        batch.responses = vec![contract::response(numbered)];
+        batch
+    }
+}
+
+fn rollup(numbered: &Numbered, resolution: Resolution) -> RollupRow {
+    RollupRow {
+        whisker_id: numbered.whisker_ids[0],
+        resolution,
+        start_us: 1_795_248_000_000_000,
+        contacts: [3, 0, 0],
+        residual: [Some(0.0), None, Some(0.0), Some(0.0)],
+        sensitivity_per_mm: Some(0.004),
+        ratio: Some(0.8),
+        length_mm: Some(70.0),
+        length_sd_mm: Some(0.2),
+        length_mean_mm: Some(70.0),
+        pressure_mpa: Some(0.1),
+        temperature_c: Some(24.0),
+        compensation_error: None,
+    }
+}
+
+/// Entries as this test writes them: a robot's number in 8 bytes, and one byte more.
+fn entries(robots: &[i64]) -> Vec<u8> {
+    robots.iter().flat_map(|robot_id| robot_id.to_be_bytes().into_iter().chain([0])).collect()
+}
+
+fn split(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
+    bytes.chunks(9).map(|entry| (i64::from_be_bytes(entry[..8].try_into().unwrap()), entry.to_vec())).collect()
+}
+
+/// The database as its administrator sees it.
+enum Admin {
+    Sqlite(sqlx::SqliteConnection),
+    Postgres(sqlx::PgConnection),
+}
+
+macro_rules! run {
+    ($admin:expr, $sql:expr) => {
+        match $admin {
+            Admin::Sqlite(link) => sqlx::raw_sql(AssertSqlSafe($sql)).execute(link).await.map(drop),
+            Admin::Postgres(link) => sqlx::raw_sql(AssertSqlSafe($sql)).execute(link).await.map(drop),
+        }
+    };
+}
+
+macro_rules! ask {
+    ($admin:expr, $sql:expr) => {
+        match $admin {
+            Admin::Sqlite(link) => sqlx::query_scalar(AssertSqlSafe($sql)).fetch_all(link).await.unwrap(),
+            Admin::Postgres(link) => sqlx::query_scalar(AssertSqlSafe($sql)).fetch_all(link).await.unwrap(),
+        }
+    };
+}
+
+impl Admin {
+    async fn of(database: &Fresh) -> Self {
+        match &database.address {
+            DatabaseAddress::Sqlite(path) => {
+                Self::Sqlite(sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap())
+            }
+            DatabaseAddress::Postgres(_) => {
+                Self::Postgres(database.server.as_ref().unwrap().connect().connect().await.unwrap())
+            }
+        }
+    }
+
+    /// Refuses new and changed rows `n` of a table that meet a condition.
+    async fn refuse(&mut self, table: &str, condition: &str) {
+        let sql = match self {
+            Self::Sqlite(_) => ["INSERT", "UPDATE"]
+                .map(|action| {
+                    let condition = condition.replace("n.", "NEW.");
+                    format!(
+                        "CREATE TRIGGER planted_{action} BEFORE {action} ON {table} WHEN {condition} \
+                         BEGIN SELECT RAISE(ABORT, 'planted'); END;"
+                    )
+                })
+                .join(" "),
+            Self::Postgres(_) => format!(
+                "CREATE FUNCTION planted() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN IF {} THEN \
+                 RAISE EXCEPTION 'planted' USING ERRCODE = '23514'; END IF; RETURN NEW; END $$; \
+                 CREATE TRIGGER planted BEFORE INSERT OR UPDATE ON {table} FOR EACH ROW EXECUTE FUNCTION planted();",
+                condition.replace("n.", "NEW.")
+            ),
+        };
+        run!(self, sql).unwrap();
+    }
+
+    /// Takes all rows again.
+    async fn relent(&mut self, table: &str) {
+        let sql = match self {
+            Self::Sqlite(_) => "DROP TRIGGER planted_INSERT; DROP TRIGGER planted_UPDATE;".to_owned(),
+            Self::Postgres(_) => format!("DROP TRIGGER planted ON {table}; DROP FUNCTION planted();"),
+        };
+        run!(self, sql).unwrap();
+    }
+
+    async fn count(&mut self, table: &str, condition: &str) -> i64 {
+        let counts: Vec<i64> = ask!(self, format!("SELECT count(*) FROM {table} n WHERE {condition}"));
+        counts[0]
+    }
+
+    async fn tables(&mut self) -> BTreeSet<String> {
+        let tables: Vec<String> = match self {
+            Self::Sqlite(_) => ask!(
+                self,
+                "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'".to_owned()
+            ),
+            Self::Postgres(_) => ask!(
+                self,
+                "SELECT relname::text FROM pg_class WHERE relnamespace = 'public'::regnamespace \
+                 AND relkind IN ('r', 'p') AND NOT relispartition"
+                    .to_owned()
+            ),
+        };
+        tables.into_iter().collect()
+    }
+}
+
+async fn begin(database: &Fresh) -> (Writer, Lease) {
+    let (mut a, mut writer) = (supervisor("a"), database.store.writer());
+    a.time_to_live = std::time::Duration::from_secs(600);
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    (writer, lease)
+}
+
+async fn subject(database: &Fresh, writer: &mut Writer, lease: &Lease, name: &str) -> Subject {
+    let numbered = rows::numbered(writer, lease, name).await;
+    let asked = database.store.ask(&asks_of("HOLD", "{}", Some(1))).await.unwrap();
+    let vibrissa::store::actions::Asked::New(action_id) = asked else { panic!("{asked:?}") };
+    let mut admin = Admin::of(database).await;
+    run!(&mut admin, format!("UPDATE actions SET robot = '{name}' WHERE action_id = {action_id}")).unwrap();
+    Subject { numbered, action_id }
+}
+
+/// Writes all rows of two robots; gives whose were refused.
+async fn write(writer: &mut Writer, lease: &Lease, batch: &mut Batch) -> Vec<Refused> {
+    let whole = writer.commit(lease, batch).await.unwrap_err();
+    assert_eq!(whole.rejection().map(|one| one.cause), Some(RejectionCause::Constraint), "{whole}");
+    let mut refused = Vec::new();
+    writer.commit_apart(lease, batch, split, &mut refused).await.unwrap();
+    refused
+}
+
+async fn every_table(database: Fresh) {
+    let mut admin = Admin::of(&database).await;
+    let (mut writer, lease) = begin(&database).await;
+    for (at, (table, condition)) in OF_ROBOTS.into_iter().enumerate() {
+        let good = subject(&database, &mut writer, &lease, &format!("good-{at}")).await;
+        let bad = subject(&database, &mut writer, &lease, &format!("bad-{at}")).await;
+        let mut batch = good.batch();
+        batch.append_all(bad.batch());
+        admin.refuse(table, &bad.condition(condition)).await;
+        let refused = write(&mut writer, &lease, &mut batch).await;
+        assert_eq!(
+            refused.iter().map(|one| one.owner).collect::<Vec<_>>(),
+            [Owner::Robot(bad.numbered.robot_id)],
+            "{table}"
+        );
+        assert!(refused[0].rejection.text.contains("planted"), "{:?}", refused[0]);
+        admin.relent(table).await;
+        for (other, condition) in OF_ROBOTS {
+            assert!(admin.count(other, &good.condition(condition)).await > 0, "refused in {table}, missing in {other}");
+            assert_eq!(admin.count(other, &bad.condition(condition)).await, 0, "refused in {table}, there in {other}");
+        }
+        assert!(
+            batch.robots.iter().all(|row| row.robot_id == good.numbered.robot_id),
+            "the batch has what was written"
+        );
+    }
+    let known: BTreeSet<String> = OF_ROBOTS.iter().chain(&OTHERS).map(|(table, _)| (*table).to_owned()).collect();
+    let unknown: Vec<String> = admin.tables().await.difference(&known).cloned().collect();
+    assert!(unknown.is_empty(), "say of these tables whose rows they have: {unknown:?}");
+}
+
+#[tokio::test]
+async fn regress_a_row_refused_in_any_table_leaves_out_its_robot_alone_on_sqlite() {
+    every_table(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_a_row_refused_in_any_table_leaves_out_its_robot_alone_on_postgres() {
+    every_table(Fresh::postgres().await).await;
+}
+
+/// The journal has one row for all robots: its entries are taken apart, too.
+async fn in_the_journal(database: Fresh) {
+    let mut admin = Admin::of(&database).await;
+    let (mut writer, lease) = begin(&database).await;
+    let mut numbered = Vec::new();
+    for name in ["a", "b", "c", "d", "e"] {
+        numbered.push(rows::numbered(&mut writer, &lease, name).await.robot_id);
+    }
+    let bad = numbered[3];
+    let is_sqlite = matches!(admin, Admin::Sqlite(_));
+    let hex: String = bad.to_be_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
+    let condition = if is_sqlite {
+        format!("instr(n.entries, x'{hex}') > 0")
+    } else {
+        format!("position('\\x{hex}'::bytea IN n.entries) > 0")
+    };
+    admin.refuse("journal", &condition).await;
+    let mut batch = Batch {
+        journal: Some(JournalRow { number: 7, entries: entries(&[&numbered[..], &numbered[..]].concat()) }),
+        journal_done: Some(3),
+        ..Batch::default()
+    };
+    let earlier =
+        Batch { journal: Some(JournalRow { number: 3, entries: entries(&[numbered[0]]) }), ..Batch::default() };
+    writer.commit(&lease, &earlier).await.unwrap();
+    let refused = write(&mut writer, &lease, &mut batch).await;
+    assert_eq!(refused.iter().map(|one| one.owner).collect::<Vec<_>>(), [Owner::Robot(bad)]);
+    let journal = writer.journal(&lease, -1, 10).await.unwrap();
+    // What came before stays: the state of who was left out may need it.
+    assert_eq!(journal.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
+    let mut written: Vec<i64> = split(&journal[1].1).into_iter().map(|(robot_id, _)| robot_id).collect();
+    written.sort_unstable();
+    let mut others: Vec<i64> = numbered.iter().filter(|&&one| one != bad).flat_map(|&one| [one, one]).collect();
+    others.sort_unstable();
+    assert_eq!(written, others);
+}
+
+#[tokio::test]
+async fn regress_entries_that_are_refused_in_the_journal_are_left_out_alone_on_sqlite() {
+    in_the_journal(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_entries_that_are_refused_in_the_journal_are_left_out_alone_on_postgres() {
+    in_the_journal(Fresh::postgres().await).await;
+}
+
+/// An answer that is lost on its way is known by the next attempt, with those whose rows were left out.
+#[tokio::test]
+async fn a_transaction_written_apart_is_not_written_again() {
+    let database = Fresh::postgres().await;
+    let mut admin = Admin::of(&database).await;
+    let (mut writer, lease) = begin(&database).await;
+    let (good, bad) =
+        (rows::numbered(&mut writer, &lease, "good").await, rows::numbered(&mut writer, &lease, "bad").await);
+    admin.refuse("contacts", &format!("n.whisker_id = {}", bad.whisker_ids[0])).await;
+    let mut batch = contacts(&good, 0..3);
+    batch.append_all(contacts(&bad, 0..3));
+    let mut refused = write(&mut writer, &lease, &mut batch).await;
+    // As if the lease did not know of it: the count in the database is one ahead.
+    run!(&mut admin, "UPDATE leases SET commits = commits + 1".to_owned()).unwrap();
+    writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap();
+    assert_eq!(refused.len(), 1);
+    assert_eq!(database.store.contact_count().await.unwrap(), 3);
+    // Somebody else's count is none of ours.
+    run!(&mut admin, "UPDATE leases SET commits = commits + 5".to_owned()).unwrap();
+    let lost = writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap_err();
+    assert!(matches!(lost, StoreError::LeaseLost { .. }), "{lost}");
+}
+
+/// The table is bounded, and a message that cannot even be put there takes nobody with it.
+async fn in_quarantine(database: Fresh) {
+    let mut admin = Admin::of(&database).await;
+    let (mut writer, lease) = begin(&database).await;
+    let row = |seq: i64| {
+        Record::Quarantined(Box::new(QuarantineRow {
+            robot: "r".to_owned(),
+            topic: "factsheet",
+            boot_id: Some("b".to_owned()),
+            seq: Some(seq),
+            received_us: 5,
+            quarantined_us: 6,
+            cause: "DATA",
+            code: "22021".to_owned(),
+            payload: vec![0, 1, 255],
+        }))
+    };
+    let records = (0..QuarantineRow::ROWS_MAX + 10).map(row).collect();
+    writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    assert_eq!(admin.count("quarantine", "TRUE").await, QuarantineRow::ROWS_MAX);
+    assert_eq!(admin.count("quarantine", "seq < 10").await, 0, "the oldest are gone");
+    admin.refuse("quarantine", "n.seq = 5000").await;
+    let numbered = rows::numbered(&mut writer, &lease, "r").await;
+    let mut batch = contacts(&numbered, 0..3);
+    batch.records = vec![row(5000)];
+    let refused = write(&mut writer, &lease, &mut batch).await;
+    assert_eq!(refused.iter().map(|one| one.owner).collect::<Vec<_>>(), [Owner::Quarantine]);
+    assert_eq!(database.store.contact_count().await.unwrap(), 3);
+}
+
+#[tokio::test]
+async fn the_quarantine_is_bounded_on_sqlite() {
+    in_quarantine(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn the_quarantine_is_bounded_on_postgres() {
+    in_quarantine(Fresh::postgres().await).await;
+}
+
+/// A transaction that was committed as bytes has a row that the database refuses: whoever takes the fleet up writes the others.
+#[tokio::test]
+async fn regress_a_refused_row_does_not_keep_a_fleet_from_being_taken_up() {
+    let (database, broker) = (Fresh::postgres().await, Mosquitto::start());
+    let mut admin = Admin::of(&database).await;
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let good = rows::robot(&mut writer, &lease).await;
+    let bad = rows::numbered(&mut writer, &lease, "bad").await;
+    let mut batch = contacts(&good, 0..5);
+    batch.append_all(contacts(&bad, 0..5));
+    writer.keep(&lease, 7, &batch.to_bytes().unwrap()).await.unwrap();
+    admin.refuse("contacts", &format!("n.whisker_id = {}", bad.whisker_ids[0])).await;
+    let (folder, url) = (tempfile::tempdir().unwrap(), Postgres::url(database.server.as_ref().unwrap().port()));
+    let mut next = Replica::start(folder.path(), "s", "f", &url, broker.port(), 0.8);
+    next.says(200, "OWNED").await;
+    assert_eq!(database.store.contact_count().await.unwrap(), 5);
+    assert_eq!(writer.kept(&lease).await.unwrap(), None);
+    next.terminate().await;
+}
