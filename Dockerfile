@@ -35,8 +35,10 @@ LABEL org.opencontainers.image.title="vibrissa" \
 COPY --from=build /out/vibrissa /usr/local/bin/
 COPY deploy/supervisor/readyz.sh /usr/local/bin/vibrissa-readyz
 ENV VIBRISSA_DATABASE_URL=sqlite:/var/lib/vibrissa/vibrissa.sqlite3 \
-    VIBRISSA_HTTP_LISTEN=0.0.0.0:8080
-EXPOSE 8080
+    VIBRISSA_HTTP_LISTEN=0.0.0.0:8080 \
+    VIBRISSA_HTTP_MONITORING_LISTEN=0.0.0.0:9464
+# 9464 serves /livez, /readyz and /metrics without a token: publish it only to those who monitor.
+EXPOSE 8080 9464
 HEALTHCHECK --interval=10s --timeout=5s --start-period=30s --retries=3 CMD ["vibrissa-readyz"]
 ENTRYPOINT ["vibrissa"]
 CMD ["run"]

@@ -144,7 +144,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             Err(problem) => {
                 shared.metrics.database_failed();
                 error!(%problem, fleet = %lease.fleet(), "cannot take the fleet up; trying again");
-                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.to_string()));
+                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.told()));
                 backoff.wait().await;
             }
         }

@@ -67,7 +67,7 @@ impl Ownership {
                 self.shared.metrics.database_up.set(1);
             }
             let pause = *turn.as_ref().unwrap_or(&self.pause());
-            self.shared.readiness.set(PART, turn.err().map(|problem| problem.to_string()));
+            self.shared.readiness.set(PART, turn.err().map(|problem| problem.told()));
             tokio::select! {
                 () = sleep(pause) => {}
                 () = stopped(&mut stop) => break,

@@ -15,8 +15,8 @@ use vibrissa_protocol::Name;
 use crate::broker::Broker;
 use crate::engine::{Keep, wall_clock};
 use crate::fleet::Shared;
-use crate::http::App;
 use crate::http::access::{Access, AccessOptions};
+use crate::http::{App, HttpOptions, Serving};
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
@@ -59,8 +59,8 @@ pub struct ServiceOptions {
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
     pub mqtt_port: u16,
-    /// Where HTTP listens; port 0 takes any free one.
-    pub http: SocketAddr,
+    /// Where HTTP listens, and how many connections it takes; port 0 takes any free one.
+    pub http: HttpOptions,
     /// Who is let in there, besides those whose tokens the database has.
     pub access: AccessOptions,
     /// Whether each robot and whisker is shown to Prometheus: four series a whisker.
@@ -77,6 +77,8 @@ pub struct Service {
     pub broker: BrokerAddress,
     /// Where HTTP listens.
     pub http: SocketAddr,
+    /// Where only `/livez`, `/readyz` and `/metrics` are served, if anywhere.
+    pub monitoring: Option<SocketAddr>,
     /// The database.
     pub store: Store,
     /// What it counts.
@@ -148,12 +150,12 @@ impl Service {
         };
         let ownership = Ownership::new(supervisor, shared, is_prepared);
         let (stop, stopped) = watch::channel(false);
-        let access = Access::new(&options.access, options.http.ip());
+        let access = Access::new(&options.access, options.http.listen.ip());
         if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
             anyhow::bail!(
                 "HTTP would listen on {}, beyond this machine, and nobody could be let in: make a token first with \
                  `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
-                options.http
+                options.http.listen
             );
         }
         let app = App::new(
@@ -166,11 +168,25 @@ impl Service {
             stopped.clone(),
         )
         .traced(traces.clone());
-        let (http, http_task) = crate::http::serve(options.http, app, stopped.clone()).await?;
+        let Serving { address: http, monitoring, task: http_task } =
+            crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
-        Ok(Self { broker, http, store, metrics, readiness, mailroom, traces, embedded, stop, ownership, http_task })
+        Ok(Self {
+            broker,
+            http,
+            monitoring,
+            store,
+            metrics,
+            readiness,
+            mailroom,
+            traces,
+            embedded,
+            stop,
+            ownership,
+            http_task,
+        })
     }
 
     /// Stops in order: fleets are finished and given back, then everything else ends.

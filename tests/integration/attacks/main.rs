@@ -2,6 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod connections;
+mod database_errors;
+mod headers;
+mod http_program;
+mod monitoring;
 mod planted;
 mod refused_rows;
 mod stage;

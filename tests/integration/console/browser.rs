@@ -106,6 +106,12 @@ impl Browser {
 
     /// Goes to an address, and waits until the console shows what it names.
     pub(crate) async fn open(&mut self, url: &str) {
+        self.load(url).await;
+        self.shown().await;
+    }
+
+    /// Goes to an address, and waits until the page is loaded.
+    pub(crate) async fn load(&mut self, url: &str) {
         let before = self.count("Page.loadEventFired");
         let navigated = self.call("Page.navigate", json!({ "url": url })).await;
         assert!(navigated["errorText"].is_null(), "{url}: {navigated}");
@@ -113,7 +119,6 @@ impl Browser {
         while !navigated["loaderId"].is_null() && self.count("Page.loadEventFired") == before {
             self.hear(url).await;
         }
-        self.shown().await;
     }
 
     fn count(&self, method: &str) -> usize {

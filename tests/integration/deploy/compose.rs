@@ -75,8 +75,10 @@ fn every_service_that_can_be_asked_for_its_health_is() {
         assert_eq!(service.get("healthcheck").is_some(), is_asked, "{name}");
     }
     let prometheus = std::fs::read_to_string(project().join("deploy/prometheus/prometheus.yml")).unwrap();
+    let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap();
+    assert!(image.contains("VIBRISSA_HTTP_MONITORING_LISTEN=0.0.0.0:9464"), "{image}");
     for supervisor in ["supervisor-1", "supervisor-2"] {
-        assert!(prometheus.contains(&format!("{supervisor}:8080")), "{supervisor} is not scraped");
+        assert!(prometheus.contains(&format!("{supervisor}:9464")), "{supervisor} is not scraped");
     }
 }
 

@@ -76,7 +76,7 @@ impl Served {
         let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
         let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());
-        let (http, _) = serve(([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap();
+        let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
         Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }
     }
 

@@ -23,6 +23,9 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
         let service = Service::start(config.into()).await?;
         let (broker, http) = (&service.broker, service.http);
         println!("vibrissa: MQTT on {}:{}, HTTP on http://{http}", broker.host, broker.port);
+        if let Some(monitoring) = service.monitoring {
+            println!("vibrissa: monitoring on http://{monitoring}");
+        }
         let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
         tokio::select! {
             interrupted = tokio::signal::ctrl_c() => interrupted.context("waiting for Ctrl-C")?,

@@ -1,14 +1,38 @@
-//! Who is let in by HTTP, besides those whose tokens the database has.
+//! Where HTTP listens, how many connections it takes, and who is let in besides those whose tokens the database has.
+
+use std::net::SocketAddr;
 
 use url::Url;
 
 use super::keys::Key;
 use super::reader::Reader;
+use crate::http::HttpOptions;
 use crate::http::access::AccessOptions;
 use crate::http::access::oidc::OidcOptions;
+use crate::http::server::Limits;
 
 /// Characters of a token in a file at the least.
 const TOKEN_CHARS_MIN: usize = 32;
+
+/// Where it listens, and how many connections it takes.
+pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
+    let listen = reader.parsed(Key::HttpListen, |text| address(text, "127.0.0.1:8080"));
+    let is_monitored = reader.is_explicit(Key::HttpMonitoringListen);
+    let monitoring_listen = reader.parsed(Key::HttpMonitoringListen, |text| address(text, "127.0.0.1:9464"));
+    let connections_max = reader.whole(Key::HttpConnectionsMax);
+    let connections_per_address_max = reader.whole(Key::HttpConnectionsPerAddressMax);
+    if monitoring_listen.is_some_and(|monitoring| Some(monitoring) == listen && monitoring.port() != 0) {
+        reader.refuse(Key::HttpMonitoringListen, "must be another address or port than http.listen");
+        return None;
+    }
+    let limits =
+        Limits { connections_max: connections_max?, connections_per_address_max: connections_per_address_max? };
+    (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions { listen: listen?, monitoring_listen, limits })
+}
+
+fn address(text: &str, example: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| format!("must be an address and a port such as {example}, not {text:?}"))
+}
 
 /// Who is let in.
 pub(super) fn access(reader: &mut Reader) -> Option<AccessOptions> {

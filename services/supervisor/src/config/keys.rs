@@ -116,6 +116,12 @@ keys! {
         "The private key of that certificate, PEM";
     HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
         "Where HTTP listens; port 0 takes any free one. Beyond loopback a token is asked for";
+    HttpMonitoringListen: "http.monitoring_listen", Kind::Text, None,
+        "Where /livez, /readyz and /metrics are served as well, without a token, such as 127.0.0.1:9464; only machines that monitor should reach it. Without it, /readyz and /metrics ask for a token beyond loopback";
+    HttpConnectionsMax: "http.connections_max", Kind::Whole { min: 16, max: 1_000_000 }, Some("2048"),
+        "Connections to http.listen that may be open at once; when there are more, the one that has waited longest for a request is closed. The limit of open files must allow them";
+    HttpConnectionsPerAddressMax: "http.connections_per_address_max", Kind::Whole { min: 4, max: 1_000_000 }, Some("512"),
+        "The same for one client address; behind a proxy all clients have the proxy's address";
     HttpTokenFile: "http.token_file", Kind::File, None,
         "A file with a token of at least 32 characters that has every right: for programs that set a supervisor up";
     HttpOidcIssuer: "http.oidc_issuer", Kind::Text, None,

@@ -18,7 +18,6 @@ mod reader;
 mod traces;
 
 use std::collections::BTreeSet;
-use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -37,6 +36,7 @@ pub use problem::{Origin, Problem, Problems};
 use self::layers::Layers;
 use self::reader::Reader;
 use crate::calibration_file::{self, CalibrationFileError};
+use crate::http::HttpOptions;
 use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
 use crate::service::{HistoryOptions, ServiceOptions};
@@ -66,8 +66,8 @@ pub struct Config {
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
     pub mqtt_port: u16,
-    /// Where HTTP listens.
-    pub http: SocketAddr,
+    /// Where HTTP listens, and how many connections it takes.
+    pub http: HttpOptions,
     /// Who is let in there, besides those whose tokens the database has.
     pub access: AccessOptions,
     /// Whether each robot and whisker is shown to Prometheus.
@@ -133,9 +133,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
     let broker = mqtt::broker(reader);
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
-    let http = reader.parsed(Key::HttpListen, |text| {
-        text.parse().map_err(|_| format!("must be an address and a port such as 127.0.0.1:8080, not {text:?}"))
-    });
+    let http = http::listeners(reader);
     let access = http::access(reader);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);

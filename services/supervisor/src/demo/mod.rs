@@ -58,7 +58,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         history: HistoryOptions::default(),
         broker: None,
         mqtt_port: options.mqtt_port,
-        http: options.http,
+        http: options.http.into(),
         traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     })

@@ -165,7 +165,7 @@ impl Committer {
         }
         self.program.database_failed();
         error!(%problem, fleet = %self.fleet, "{so}; trying again");
-        self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {problem}")));
+        self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {}", problem.told())));
         outage.since.get_or_insert_with(Instant::now);
         outage.backoff.wait().await;
         Ok(())

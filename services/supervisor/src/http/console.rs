@@ -16,18 +16,15 @@ use super::problem::{Kind, Problem};
 /// The page itself, which is at `/` only: its links are relative to that.
 const PAGE: &str = "index.html";
 
-/// What browsers are told of every file. Scripts, styles and data come from this origin alone, nothing is inline, and
-/// no other site's page may frame it. `no-cache` means that a copy is asked about each time, by its `ETag`.
-const HEADERS: [(HeaderName, &str); 6] = [
+/// What browsers are told of every file, beside what `headers` says of all answers. Scripts, styles and data come from this origin
+/// alone, nothing is inline, and no other site's page may frame it. `no-cache` means that a copy is asked about each time, by its
+/// `ETag`.
+const HEADERS: [(HeaderName, &str); 2] = [
     (
         header::CONTENT_SECURITY_POLICY,
         "default-src 'self'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
          object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     ),
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::X_FRAME_OPTIONS, "DENY"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
     (header::CACHE_CONTROL, "no-cache"),
 ];
 

@@ -49,7 +49,10 @@ pub fn complete(document: &mut Document) {
             let statuses: &[&str] = if method == Method::GET {
                 &["400", "401", "403", "404", "422", "429", "500", "503", "504"]
             } else {
-                &["400", "401", "403", "404", "409", "412", "413", "415", "422", "428", "429", "500", "503", "504"]
+                &[
+                    "400", "401", "403", "404", "408", "409", "412", "413", "415", "422", "428", "429", "500", "503",
+                    "504",
+                ]
             };
             for status in statuses {
                 let response = utoipa::openapi::RefOr::T(problem.clone());

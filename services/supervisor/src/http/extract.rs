@@ -6,6 +6,8 @@ use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::header;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
+use tokio::time::{Duration, timeout};
 
 use super::problem::{Kind, Problem};
 
@@ -41,6 +43,9 @@ impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Path<T>
     }
 }
 
+/// How long a body may take to arrive.
+const BODY_PATIENCE: Duration = Duration::from_secs(10);
+
 /// A JSON body; fields that are not known are refused by the type's `deny_unknown_fields`.
 #[derive(Debug)]
 pub struct Body<T>(pub T);
@@ -54,10 +59,16 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
         if !essence.eq_ignore_ascii_case("application/json") {
             return Err(Problem::new(Kind::WrongMediaType, "send the body as Content-Type: application/json"));
         }
-        let bytes = Bytes::from_request(request, state).await.map_err(|problem| match problem.status().as_u16() {
+        let read = timeout(BODY_PATIENCE, Bytes::from_request(request, state)).await.map_err(|_| {
+            Problem::new(Kind::TooSlowBody, format!("the body must arrive within {} s", BODY_PATIENCE.as_secs()))
+        })?;
+        let bytes = read.map_err(|problem| match problem.status().as_u16() {
             413 => Problem::new(Kind::TooLarge, "the body is larger than is read here"),
             _ => Problem::new(Kind::Malformed, problem.body_text()),
         })?;
+        if let Some(field) = field_with_nul(&bytes) {
+            return Err(Problem::nul(field));
+        }
         let mut json = serde_json::Deserializer::from_slice(&bytes);
         let value =
             serde_path_to_error::deserialize(&mut json).map_err(|problem| match problem.inner().classify() {
@@ -88,6 +99,28 @@ impl<T: DeserializeOwned + Default, S: Send + Sync> FromRequest<S> for OptionalB
     }
 }
 
+/// The path to a text or a name with a NUL character, which JSON writes as an escape.
+fn field_with_nul(json: &[u8]) -> Option<String> {
+    // Escapes of NUL are rare: most bodies are read once only.
+    json.windows(6).find(|window| window == b"\\u0000")?;
+    nul_in(&serde_json::from_slice(json).ok()?)
+}
+
+fn nul_in(value: &Value) -> Option<String> {
+    let below = |name: String, inner: &Value| {
+        nul_in(inner)
+            .map(|path| if path.is_empty() || path.starts_with('[') { name + &path } else { name + "." + &path })
+    };
+    match value {
+        Value::String(text) => text.contains('\0').then(String::new),
+        Value::Array(items) => items.iter().enumerate().find_map(|(index, item)| below(format!("[{index}]"), item)),
+        Value::Object(fields) => fields.iter().find_map(|(name, inner)| {
+            if name.contains('\0') { Some(name.replace('\0', "\\u0000")) } else { below(name.clone(), inner) }
+        }),
+        Value::Null | Value::Bool(_) | Value::Number(_) => None,
+    }
+}
+
 /// Names the field, also the one that is not known or missing, which the path does not reach.
 fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Problem {
     let told = problem.inner().to_string();
@@ -101,4 +134,24 @@ fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Proble
         (path, _) => path.to_owned(),
     };
     Problem::invalid(field, told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nul_in_a_body_is_found_with_its_field() {
+        for (body, field) in [
+            (r#"{"reason":"a\u0000b"}"#, Some("reason")),
+            (r#""\u0000""#, Some("")),
+            (r#"{"rows":[{"a":1},{"b":["x","\u0000"]}]}"#, Some("rows[1].b[1]")),
+            (r#"{"a\u0000b":1}"#, Some("a\\u0000b")),
+            (r#"{"reason":"a\\u0000b"}"#, None),
+            (r#"{"reason":"a\u0001b"}"#, None),
+            ("", None),
+        ] {
+            assert_eq!(field_with_nul(body.as_bytes()).as_deref(), field, "{body}");
+        }
+    }
 }

@@ -1,11 +1,19 @@
-//! Is it alive, is it ready, what does it count: for orchestrators and Prometheus, who have no tokens.
+//! Is it alive, is it ready, what does it count: for orchestrators and Prometheus.
 
+use axum::Router;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Json, Response};
+use axum::routing::get;
 use serde_json::json;
 
+use super::problem::{Kind, Problem};
 use super::{App, FOLLOWERS_MAX};
+
+/// What tells more than that the program runs.
+pub(super) fn told() -> Router<App> {
+    Router::new().route("/readyz", get(readyz)).route("/metrics", get(metrics))
+}
 
 pub(super) async fn livez() -> &'static str {
     "alive\n"
@@ -13,22 +21,24 @@ pub(super) async fn livez() -> &'static str {
 
 /// Ready means: every fleet that is supervised here is heard, and the database takes what is written. A supervisor
 /// that stands by for another is ready.
-pub(super) async fn readyz(State(app): State<App>) -> Response {
+async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
     let fleets = app.readiness.fleets();
     if let Err(problem) = app.store.ping().await {
-        reasons.insert(problem.to_string());
+        tracing::debug!(%problem, "not ready");
+        reasons.insert(problem.told());
     }
     let is_ready = reasons.is_empty();
     let status = if is_ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     (status, Json(json!({ "ready": is_ready, "reasons": reasons, "fleets": fleets }))).into_response()
 }
 
-pub(super) async fn metrics(State(app): State<App>) -> Response {
+async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     let open = FOLLOWERS_MAX - app.followers.available_permits();
     app.metrics.http.streams.set(open as i64);
-    match app.metrics.text() {
-        Ok(text) => ([(header::CONTENT_TYPE, prometheus::TEXT_FORMAT)], text).into_response(),
-        Err(problem) => (StatusCode::INTERNAL_SERVER_ERROR, problem.to_string()).into_response(),
-    }
+    let text = app.metrics.text().map_err(|problem| {
+        tracing::error!(%problem, "the metrics cannot be written");
+        Problem::new(Kind::Internal, "the metrics cannot be written; the log says why")
+    })?;
+    Ok(([(header::CONTENT_TYPE, prometheus::TEXT_FORMAT)], text).into_response())
 }

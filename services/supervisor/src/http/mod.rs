@@ -1,6 +1,6 @@
 //! HTTP: the operators' console, the API under `/v1`, its documentation, and whether the service is alive and ready.
 //!
-//! A request passes `passage` (a name, a place in the log, a limit in time), then `access` (who asks, and whether
+//! Connections are taken and limited by `server`. A request passes `passage` (a name, a place in the log, a limit in time), then `access` (who asks, and whether
 //! they may), then its handler in `api`, which takes it apart with `extract` and asks the store or the engine. What
 //! goes wrong is a `Problem`. The OpenAPI document is read off the handlers (`document`).
 
@@ -10,24 +10,30 @@ pub mod asking;
 mod console;
 pub mod document;
 pub mod extract;
+mod headers;
 mod health;
 pub mod moment;
 pub mod number;
 pub mod page;
 pub mod passage;
 pub mod problem;
+pub mod server;
 pub mod words;
 
-use std::net::SocketAddr;
+use std::net::{AddrParseError, SocketAddr};
+use std::str::FromStr;
 use std::sync::Arc;
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::DefaultBodyLimit;
-use axum::middleware::from_fn_with_state;
-use axum::response::Json;
+use axum::http::header;
+use axum::middleware::{from_fn_with_state, map_response};
+use axum::response::IntoResponse;
 use axum::routing::get;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
+use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
@@ -40,6 +46,7 @@ use crate::readiness::Readiness;
 use crate::store::{Store, StoreError};
 use crate::trace::Traces;
 use access::{Access, Gate};
+use server::{Limits, Server};
 
 /// What the handlers share.
 #[derive(Debug, Clone)]
@@ -108,34 +115,94 @@ const BODY_BYTES_MAX: usize = 64 * 1024;
 
 /// Why HTTP is not served.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot listen for HTTP on {address}: {source}; choose another address with --http")]
+#[error("cannot listen for HTTP on {address}: {source}; choose another address with {flag}")]
 pub struct ListenError {
     address: SocketAddr,
     source: std::io::Error,
+    flag: &'static str,
 }
 
-/// Serves until `stop`. Returns the address, which tells the port where 0 was asked for.
+/// Where HTTP listens, and how many connections it takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HttpOptions {
+    /// Where everything is served; port 0 takes any free one.
+    pub listen: SocketAddr,
+    /// Where only what monitoring asks for is served, without tokens.
+    pub monitoring_listen: Option<SocketAddr>,
+    /// How many connections to `listen` may be open.
+    pub limits: Limits,
+}
+
+impl From<SocketAddr> for HttpOptions {
+    fn from(listen: SocketAddr) -> Self {
+        Self { listen, monitoring_listen: None, limits: Limits::default() }
+    }
+}
+
+impl From<([u8; 4], u16)> for HttpOptions {
+    fn from(listen: ([u8; 4], u16)) -> Self {
+        SocketAddr::from(listen).into()
+    }
+}
+
+impl FromStr for HttpOptions {
+    type Err = AddrParseError;
+
+    fn from_str(text: &str) -> Result<Self, AddrParseError> {
+        text.parse::<SocketAddr>().map(Self::from)
+    }
+}
+
+/// HTTP as it is served.
+#[derive(Debug)]
+pub struct Serving {
+    /// Where, with the port where 0 was asked for.
+    pub address: SocketAddr,
+    /// Where monitoring is served.
+    pub monitoring: Option<SocketAddr>,
+    /// Ends when the service stops and the requests under way are answered.
+    pub task: JoinHandle<()>,
+}
+
+/// How many connections monitoring may have: a Prometheus or two, and whoever checks the health.
+const MONITORING_LIMITS: Limits = Limits { connections_max: 64, connections_per_address_max: 32 };
+
+/// Serves until `stop`.
 ///
 /// # Errors
-/// The address is taken.
-pub async fn serve(
-    address: SocketAddr,
-    app: App,
-    mut stop: watch::Receiver<bool>,
-) -> Result<(SocketAddr, tokio::task::JoinHandle<()>), ListenError> {
-    let failed = |source| ListenError { address, source };
+/// An address is taken.
+pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>) -> Result<Serving, ListenError> {
+    let limits = server::possible(options.limits, server::descriptors::raise_limit());
+    let monitored = match options.monitoring_listen {
+        Some(address) => {
+            let (listener, bound) = listen(address, "--http-monitoring-listen").await?;
+            let metrics = app.metrics.http.connections("monitoring");
+            let (router, limits, stop) = (monitoring(app.clone()), MONITORING_LIMITS, stop.clone());
+            Some((bound, Server { name: "monitoring", listener, router, limits, metrics, stop }))
+        }
+        None => None,
+    };
+    let (listener, address) = listen(options.listen, "--http").await?;
+    let metrics = app.metrics.http.connections("main");
+    let (router, _) = router(app);
+    let server = Server { name: "main", listener, router, limits, metrics, stop };
+    let (monitoring, monitored) = monitored.unzip();
+    let task = tokio::spawn(async move {
+        // Both are dropped with their connections if they are not waited for.
+        tokio::join!(server.run(), async {
+            if let Some(server) = monitored {
+                server.run().await;
+            }
+        });
+    });
+    Ok(Serving { address, monitoring, task })
+}
+
+async fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, SocketAddr), ListenError> {
+    let failed = |source| ListenError { address, source, flag };
     let listener = TcpListener::bind(address).await.map_err(failed)?;
     let bound = listener.local_addr().map_err(failed)?;
-    let (router, _) = router(app);
-    let task = tokio::spawn(async move {
-        let stopped = async move {
-            let _ = stop.wait_for(|&stop| stop).await;
-        };
-        if let Err(problem) = axum::serve(listener, router).with_graceful_shutdown(stopped).await {
-            tracing::error!(%problem, "HTTP has stopped");
-        }
-    });
-    Ok((bound, task))
+    Ok((listener, bound))
 }
 
 /// Everything that is served, and the document of what is under `/v1`.
@@ -144,21 +211,36 @@ pub fn router(app: App) -> (Router, Document) {
     let roles = Arc::new(document::Roles::of(&mut document));
     document::complete(&mut document);
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
-    let served = document.clone();
-    let traces = app.traces.clone();
-    let metrics = app.metrics.http.clone();
-    let docs = SwaggerUi::new("/docs").config(Config::from("/openapi.json"));
+    // Written once: requests share the bytes.
+    let served = Bytes::from(document.to_json().unwrap_or_default());
+    let docs = Router::from(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
     let router = Router::new()
-        .merge(api.route_layer(from_fn_with_state(gate, access::check)))
-        .route("/openapi.json", get(async move || Json(served)))
+        .merge(api.route_layer(from_fn_with_state(gate.clone(), access::check)))
+        .merge(health::told().route_layer(from_fn_with_state(gate, access::monitoring::check)))
+        .route(
+            "/openapi.json",
+            get(async move || ([(header::CONTENT_TYPE, "application/json")], served).into_response()),
+        )
         .route("/problems/{name}", get(problem::explain))
         .route("/livez", get(health::livez))
-        .route("/readyz", get(health::readyz))
-        .route("/metrics", get(health::metrics))
-        .with_state(app)
-        .merge(docs)
-        .merge(console::routes())
+        .with_state(app.clone())
+        .merge(docs.layer(map_response(headers::of_docs)))
+        .merge(console::routes());
+    (around(router, &app), document)
+}
+
+/// What monitoring asks for, without tokens.
+fn monitoring(app: App) -> Router {
+    let router = health::told().route("/livez", get(health::livez)).with_state(app.clone());
+    around(router, &app)
+}
+
+/// What every request and every answer passes through.
+fn around(router: Router, app: &App) -> Router {
+    router
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
-        .layer(from_fn_with_state((metrics, traces), passage::passage));
-    (router, document)
+        .layer(from_fn_with_state((app.metrics.http.clone(), app.traces.clone()), passage::passage))
+        .layer(map_response(headers::of_all))
+        // Without it each connection would build the routes anew.
+        .with_state(())
 }

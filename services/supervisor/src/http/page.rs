@@ -73,6 +73,9 @@ impl Paging<'_> {
 fn place(cursor: &str, sort: Sort, descending: bool) -> Result<Place, Problem> {
     let read = URL_SAFE_NO_PAD.decode(cursor).ok();
     let read = read.and_then(|bytes| serde_json::from_slice::<Cursor>(&bytes).ok());
+    if read.as_ref().is_some_and(|cursor| cursor.place.value.has_nul() || cursor.sort.contains('\0')) {
+        return Err(Problem::nul("cursor"));
+    }
     let read = read.filter(|cursor| cursor.sort == sort.column && cursor.descending == descending);
     read.filter(|cursor| cursor.place.value.is_a(sort.kind)).map(|cursor| cursor.place).ok_or_else(|| {
         Problem::invalid("cursor", "is none of this list in this order: use next_cursor of the page before, unchanged")

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tracing::Instrument;
@@ -45,6 +45,9 @@ pub async fn passage(
     let path = request.uri().path().to_owned();
     let span = tracing::info_span!("request", request_id = id, method = %request.method(), path);
     let response = async {
+        if let Some(part) = part_with_nul(request.uri()) {
+            return Problem::nul(part).into_response();
+        }
         let answer = tokio::time::timeout(PATIENCE, next.run(request)).await.unwrap_or_else(|_| {
             Problem::new(Kind::TooSlow, format!("no answer in {} s", PATIENCE.as_secs())).into_response()
         });
@@ -59,6 +62,15 @@ pub async fn passage(
         span.answered(response.status());
     }
     response
+}
+
+/// Which part of an address has a NUL character, percent-encoded as it must be.
+fn part_with_nul(uri: &Uri) -> Option<&'static str> {
+    let has = |text: &str| text.contains("%00");
+    if has(uri.path()) {
+        return Some("path");
+    }
+    uri.query().is_some_and(has).then_some("query")
 }
 
 /// Names the request in the answer; what has no body of its own yet is told as a problem.

@@ -55,6 +55,7 @@ kinds! {
     MethodNotAllowed: "method-not-allowed", METHOD_NOT_ALLOWED, "this cannot be done here";
     Refused: "refused", CONFLICT, "it cannot be done as things are";
     VersionChanged: "version-changed", PRECONDITION_FAILED, "it was changed since it was read";
+    TooSlowBody: "too-slow-body", REQUEST_TIMEOUT, "the body did not arrive in time";
     TooLarge: "too-large", PAYLOAD_TOO_LARGE, "the body is too large";
     WrongMediaType: "wrong-media-type", UNSUPPORTED_MEDIA_TYPE, "the body is of another kind than is read here";
     Invalid: "invalid", UNPROCESSABLE_ENTITY, "a value is not what it must be";
@@ -145,6 +146,12 @@ impl Problem {
         Self { errors: vec![FieldError { field, detail }], ..Self::new(Kind::Invalid, told) }
     }
 
+    /// A text with a NUL character, which no text here has: PostgreSQL cannot keep one.
+    #[must_use]
+    pub fn nul(field: impl Into<String>) -> Self {
+        Self { kind: Kind::Malformed, ..Self::invalid(field, "must not contain a NUL character") }
+    }
+
     /// Nothing is there.
     #[must_use]
     pub fn not_found(what: impl std::fmt::Display) -> Self {
@@ -166,8 +173,9 @@ pub async fn explain(Path(name): Path<String>) -> Response {
 
 impl From<StoreError> for Problem {
     fn from(problem: StoreError) -> Self {
+        // Within the request's span: the log has its name beside the database's own words, which nobody else gets.
         tracing::error!(%problem, "a query failed");
-        Self::new(Kind::Unavailable, problem.to_string())
+        Self::new(Kind::Unavailable, format!("{}; the log says more under this request_id", problem.told()))
     }
 }
 

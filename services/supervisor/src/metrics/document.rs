@@ -50,6 +50,9 @@ fn everything() -> Result<Metrics> {
         quantities.set_all(|_| Some(0.0));
     }
     metrics.http.answered(&Method::GET, None, StatusCode::OK, Duration::ZERO);
+    for listener in ["main", "monitoring"] {
+        let _ = metrics.http.connections(listener);
+    }
     let whisker = WhiskerSample {
         array: "array".to_owned(),
         whisker: 0,

@@ -96,6 +96,23 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// The same without a word of the database's own, which may show statements and values: what clients and `/readyz` tell. The
+    /// log has the whole.
+    #[must_use]
+    pub fn told(&self) -> String {
+        match self {
+            Self::Query { what, source } => format!("database, while trying to {what}: {}", outline(source)),
+            Self::Open { source, .. } => format!("the database cannot be opened: {}", outline(source)),
+            Self::NoFolder { .. } | Self::InUse { .. } | Self::Lock { .. } => {
+                "the database's file cannot be used; the log says why".to_owned()
+            }
+            Self::Migrate { .. } => "the database's tables cannot be brought up to date; the log says why".to_owned(),
+            Self::TooNew { .. } | Self::TooOld { .. } | Self::NoAnswer { .. } | Self::LeaseLost { .. } => {
+                self.to_string()
+            }
+        }
+    }
+
     /// Whether waiting can help: the server is away, starting, or too busy. The opposite is a person's affair, such
     /// as a wrong password.
     #[must_use]
@@ -186,6 +203,21 @@ impl StoreError {
         let is_sqlite = problem.try_downcast_ref::<sqlx::sqlite::SqliteError>().is_some();
         let cause = if is_sqlite { RejectionCause::of_sqlite(&code) } else { RejectionCause::of_sqlstate(&code) };
         Some(Rejection { cause: cause?, code, text: problem.message().to_owned() })
+    }
+}
+
+/// What kind of trouble it is.
+fn outline(problem: &sqlx::Error) -> String {
+    if let sqlx::Error::Database(told) = problem {
+        let code = told.code().map_or_else(String::new, |code| format!(" with code {code}"));
+        return format!("refused{code}");
+    }
+    match problem {
+        sqlx::Error::Io(problem) => format!("no connection ({})", problem.kind()),
+        sqlx::Error::PoolTimedOut => "no free connection in time".to_owned(),
+        sqlx::Error::PoolClosed => "the service stops".to_owned(),
+        // sqlx may have more kinds tomorrow.
+        _ => "no usable answer".to_owned(),
     }
 }
 

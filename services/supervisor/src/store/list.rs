@@ -78,6 +78,12 @@ pub enum Value {
 }
 
 impl Value {
+    /// Whether it is a text with a NUL character, which PostgreSQL does not take.
+    #[must_use]
+    pub fn has_nul(&self) -> bool {
+        matches!(self, Self::Text(text) if text.contains('\0'))
+    }
+
     /// Whether it is what such a column holds.
     #[must_use]
     pub fn is_a(&self, kind: Kind) -> bool {

@@ -1,5 +1,6 @@
 //! Who asks, and whether they may: tokens of our own, an identity provider's, or nobody needed on loopback.
 
+pub mod monitoring;
 pub mod oidc;
 pub mod token;
 
@@ -125,6 +126,8 @@ pub struct AccessOptions {
 pub struct Access {
     /// Whether a request without a token is let in, as [`Caller::local`].
     is_open: bool,
+    /// Whether only this machine reaches the listener.
+    is_loopback: bool,
     /// Hash of the token with every right.
     token: Option<blake3::Hash>,
     oidc: Option<Oidc>,
@@ -143,6 +146,7 @@ impl Access {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
         Self {
             is_open: listens.is_loopback() && options.token.is_none() && options.oidc.is_none(),
+            is_loopback: listens.is_loopback(),
             token: options.token.as_ref().map(|token| blake3::hash(token.reveal().as_bytes())),
             oidc: options.oidc.clone().map(Oidc::new),
             limiter: Arc::new(RateLimiter::keyed(quota)),

@@ -1,0 +1,190 @@
+//! Connections: who may open how many, how long each may take for what, and how they end.
+//!
+//! The router is built once and shared by all connections. `registry` limits how many are open, `connection` serves one,
+//! `progress` gives it its times, and `descriptors` says how many the process can have.
+
+mod connection;
+pub(crate) mod descriptors;
+mod progress;
+mod registry;
+
+use std::io::{self, ErrorKind};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use axum::Router;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+use tokio::task::{JoinSet, yield_now};
+use tokio::time::{Instant, sleep};
+use tracing::{debug, warn};
+
+use self::progress::Slow;
+use self::registry::{Limit, Registry};
+use crate::metrics::{ConnectionMetrics, Word};
+
+pub use registry::Limits;
+
+/// How long nothing is accepted after the system could not give a connection.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+/// How often the log says that a limit is reached.
+const NOTICE_EVERY: Duration = Duration::from_secs(60);
+/// What a connection gets for which there is no room.
+const NO_ROOM: &[u8] =
+    b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\nContent-Length: 0\r\n\r\n";
+
+/// A port on which HTTP is served.
+pub(super) struct Server {
+    /// What it is called in the log and in metrics.
+    pub(super) name: Word,
+    /// Who listens.
+    pub(super) listener: TcpListener,
+    /// What is served.
+    pub(super) router: Router,
+    /// How many connections may be open.
+    pub(super) limits: Limits,
+    /// What is counted of them.
+    pub(super) metrics: ConnectionMetrics,
+    /// Becomes true when the service stops.
+    pub(super) stop: watch::Receiver<bool>,
+}
+
+impl Server {
+    /// Serves until `stop`, and then until the requests under way are answered.
+    pub(super) async fn run(self) {
+        let Self { name, listener, router, limits, metrics, mut stop } = self;
+        let registry = Registry::new(limits, metrics.clone());
+        let mut connections = JoinSet::new();
+        let mut notices = Notices { name, limits, last: None, silent: 0 };
+        loop {
+            let accepted = tokio::select! {
+                accepted = listener.accept() => accepted,
+                Some(_) = connections.join_next() => continue,
+                _ = stop.wait_for(|&stop| stop) => break,
+            };
+            match accepted {
+                Ok((stream, peer)) => match registry.admit(peer.ip()) {
+                    Ok(admitted) => {
+                        if let Some(limit) = admitted.reached {
+                            notices.limit(limit, peer, "closed the connection that has waited longest for a request");
+                        }
+                        let served = connection::serve(stream, peer, admitted, router.clone(), stop.clone());
+                        let metrics = metrics.clone();
+                        connections.spawn(async move {
+                            if let Some(slow) = served.await {
+                                metrics.closed(word(slow));
+                                debug!(%peer, reason = word(slow), "closed a connection");
+                            }
+                        });
+                        // Lets it see the request that may be there already, before others that come need its place.
+                        yield_now().await;
+                    }
+                    Err(limit) => {
+                        metrics.refused(match limit {
+                            Limit::Total => "TOTAL",
+                            Limit::Address => "ADDRESS",
+                        });
+                        notices.limit(limit, peer, "refused a connection: all others have requests under way");
+                        refuse(&stream);
+                    }
+                },
+                // Somebody has gone before they were let in.
+                Err(problem) if is_of_the_client(&problem) => {}
+                Err(problem) => {
+                    metrics.accept_errors.inc();
+                    notices.accept_failed(&problem);
+                    // One that waits makes room for one that asks.
+                    registry.displace();
+                    sleep(ACCEPT_PAUSE).await;
+                }
+            }
+        }
+        drop(listener);
+        while connections.join_next().await.is_some() {}
+    }
+}
+
+fn word(slow: Slow) -> Word {
+    match slow {
+        Slow::Idle => "IDLE",
+        Slow::Head => "SLOW_REQUEST",
+        Slow::Answer => "SLOW_ANSWER",
+    }
+}
+
+/// Tells a client why it is not served; one that cannot be told at once is not waited for.
+fn refuse(stream: &TcpStream) {
+    if let Err(problem) = stream.try_write(NO_ROOM) {
+        debug!(%problem, "a refused connection was not told why");
+    }
+}
+
+fn is_of_the_client(problem: &io::Error) -> bool {
+    matches!(
+        problem.kind(),
+        ErrorKind::ConnectionRefused
+            | ErrorKind::ConnectionAborted
+            | ErrorKind::ConnectionReset
+            | ErrorKind::Interrupted
+    )
+}
+
+/// What the log says of limits: not each time, since whoever reaches them does so often.
+struct Notices {
+    name: Word,
+    limits: Limits,
+    last: Option<Instant>,
+    silent: u64,
+}
+
+impl Notices {
+    fn limit(&mut self, limit: Limit, peer: SocketAddr, done: &str) {
+        let Some(silent) = self.is_due() else { return };
+        let (listener, connections_max) = (self.name, self.limits.connections_max);
+        let connections_per_address_max = self.limits.connections_per_address_max;
+        match limit {
+            Limit::Total => warn!(listener, connections_max, %peer, silent, "too many HTTP connections: {done}"),
+            Limit::Address => {
+                warn!(listener, connections_per_address_max, %peer, silent, "too many HTTP connections from one address: {done}");
+            }
+        }
+    }
+
+    fn accept_failed(&mut self, problem: &io::Error) {
+        if let Some(silent) = self.is_due() {
+            warn!(
+                listener = self.name,
+                %problem,
+                silent,
+                "cannot accept HTTP connections: if file descriptors have run out, raise the process's limit or lower \
+                 http.connections_max"
+            );
+        }
+    }
+
+    /// Whether to say it now, and how often it was not said since the last time.
+    fn is_due(&mut self) -> Option<u64> {
+        let now = Instant::now();
+        if self.last.is_some_and(|last| now - last < NOTICE_EVERY) {
+            self.silent += 1;
+            return None;
+        }
+        self.last = Some(now);
+        Some(std::mem::take(&mut self.silent))
+    }
+}
+
+/// The limits that can be kept: those of the configuration, or less if the process cannot have so many file descriptors.
+pub(super) fn possible(limits: Limits, descriptors: Option<u64>) -> Limits {
+    let connections_max = descriptors::connections_max(limits.connections_max, descriptors);
+    if connections_max < limits.connections_max {
+        warn!(
+            connections_max,
+            configured = limits.connections_max,
+            descriptors,
+            "fewer HTTP connections than http.connections_max: raise the process's limit of open files (LimitNOFILE, ulimit -n)"
+        );
+    }
+    let connections_per_address_max = limits.connections_per_address_max.min(connections_max);
+    Limits { connections_max, connections_per_address_max }
+}

@@ -1,0 +1,246 @@
+//! What a connection is at, and until when: a request may not trickle for ever, nor may an answer be read for ever.
+
+use std::io;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::time::Instant;
+
+use super::registry::Place;
+
+/// How long a connection may stay open without a byte of a request: a new one, or one that is kept for the next request.
+pub(super) const IDLE_PATIENCE: Duration = Duration::from_secs(60);
+/// How long the head of a request may take from its first byte to its last.
+const HEAD_PATIENCE: Duration = Duration::from_secs(10);
+/// How long a client may take nothing of an answer.
+const ANSWER_PATIENCE: Duration = Duration::from_secs(20);
+/// Bytes a second that a client must take of an answer, once it has used up that patience.
+const ANSWER_BYTES_PER_S: u32 = 8 * 1024;
+
+/// Why the server closes a connection by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Slow {
+    /// No request came.
+    Idle,
+    /// A request began and did not go on.
+    Head,
+    /// An answer was not taken.
+    Answer,
+}
+
+/// What one connection is at.
+#[derive(Debug)]
+pub(super) struct Progress {
+    place: Place,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct State {
+    phase: Phase,
+    since: Instant,
+    /// Since when the client takes nothing of what is written.
+    blocked: Option<Instant>,
+    /// How long the client may go on taking nothing.
+    allowance: Duration,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// No byte of the next request is there.
+    Idle,
+    /// A part of a request's head is there.
+    Head,
+    /// A request is complete, and its answer is not.
+    Request,
+}
+
+impl Progress {
+    pub(super) fn new(place: Place, since: Instant) -> Arc<Self> {
+        let state = State { phase: Phase::Idle, since, blocked: None, allowance: ANSWER_PATIENCE };
+        Arc::new(Self { place, state: Mutex::new(state) })
+    }
+
+    /// A request is complete; it is under way until what is returned is dropped.
+    pub(super) fn request(self: &Arc<Self>) -> UnderWay {
+        self.place.serve();
+        self.state().phase = Phase::Request;
+        UnderWay(self.clone())
+    }
+
+    /// Whether no complete request is under way, and nothing of an answer is left to be taken.
+    pub(super) fn is_waiting(&self) -> bool {
+        let state = self.state();
+        state.phase != Phase::Request && state.blocked.is_none()
+    }
+
+    /// When the connection is to be closed unless something happens before; never while a request is under way whose answer is taken.
+    pub(super) fn deadline(&self) -> Option<(Instant, Slow)> {
+        let State { phase, since, blocked, allowance } = *self.state();
+        match (blocked, phase) {
+            (Some(blocked), _) => Some((blocked + allowance, Slow::Answer)),
+            (None, Phase::Idle) => Some((since + IDLE_PATIENCE, Slow::Idle)),
+            (None, Phase::Head) => Some((since + HEAD_PATIENCE, Slow::Head)),
+            (None, Phase::Request) => None,
+        }
+    }
+
+    fn read(&self, bytes: usize, now: Instant) {
+        let mut state = self.state();
+        if bytes > 0 && state.phase == Phase::Idle {
+            (state.phase, state.since) = (Phase::Head, now);
+        }
+    }
+
+    fn wrote(&self, bytes: usize, now: Instant) {
+        let mut state = self.state();
+        let waited = state.blocked.take().map_or(Duration::ZERO, |blocked| now - blocked);
+        let earned = Duration::from_secs(bytes as u64) / ANSWER_BYTES_PER_S;
+        state.allowance = (state.allowance.saturating_sub(waited) + earned).min(ANSWER_PATIENCE);
+    }
+
+    fn could_not_write(&self, now: Instant) {
+        self.state().blocked.get_or_insert(now);
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A request under way.
+#[derive(Debug)]
+pub(super) struct UnderWay(Arc<Progress>);
+
+impl Drop for UnderWay {
+    fn drop(&mut self) {
+        let mut state = self.0.state();
+        (state.phase, state.since) = (Phase::Idle, Instant::now());
+        drop(state);
+        self.0.place.wait();
+    }
+}
+
+/// A connection whose progress is followed.
+#[derive(Debug)]
+pub(super) struct Followed {
+    pub(super) stream: TcpStream,
+    pub(super) progress: Arc<Progress>,
+}
+
+impl AsyncRead for Followed {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        let before = buffer.filled().len();
+        let read = Pin::new(&mut self.stream).poll_read(cx, buffer);
+        if read.is_ready() {
+            self.progress.read(buffer.filled().len() - before, Instant::now());
+        }
+        read
+    }
+}
+
+impl Followed {
+    fn written(&self, written: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
+        match &written {
+            Poll::Ready(Ok(bytes)) => self.progress.wrote(*bytes, Instant::now()),
+            Poll::Ready(Err(_)) => {}
+            Poll::Pending => self.progress.could_not_write(Instant::now()),
+        }
+        written
+    }
+}
+
+impl AsyncWrite for Followed {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
+        self.written(written)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        parts: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write_vectored(cx, parts);
+        self.written(written)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::registry::{Limits, Registry};
+    use super::*;
+    use crate::metrics::Metrics;
+
+    fn progress(now: Instant) -> Arc<Progress> {
+        let registry = Registry::new(Limits::default(), Metrics::new(false).unwrap().http.connections("main"));
+        Progress::new(registry.admit([127, 0, 0, 1].into()).unwrap().place, now)
+    }
+
+    #[test]
+    fn a_head_has_its_time_from_its_first_byte_however_many_follow() {
+        let begin = Instant::now();
+        let progress = progress(begin);
+        assert_eq!(progress.deadline(), Some((begin + IDLE_PATIENCE, Slow::Idle)));
+        let first = begin + Duration::from_secs(3);
+        for more in 0..5 {
+            progress.read(1, first + Duration::from_secs(more));
+            assert_eq!(progress.deadline(), Some((first + HEAD_PATIENCE, Slow::Head)));
+        }
+        assert!(progress.is_waiting());
+    }
+
+    #[test]
+    fn a_request_under_way_has_no_end_and_then_the_connection_is_idle() {
+        let begin = Instant::now();
+        let progress = progress(begin);
+        progress.read(100, begin);
+        let request = progress.request();
+        assert_eq!((progress.deadline(), progress.is_waiting()), (None, false));
+        // The next request arrives before this one is answered.
+        progress.read(100, begin);
+        assert_eq!(progress.deadline(), None);
+        drop(request);
+        let (deadline, slow) = progress.deadline().unwrap();
+        assert!(slow == Slow::Idle && deadline >= begin + IDLE_PATIENCE && progress.is_waiting());
+    }
+
+    #[test]
+    fn an_answer_must_be_taken_at_a_pace() {
+        let begin = Instant::now();
+        let progress = progress(begin);
+        let _request = progress.request();
+        progress.could_not_write(begin);
+        assert_eq!(progress.deadline(), Some((begin + ANSWER_PATIENCE, Slow::Answer)));
+        // Single bytes earn next to nothing.
+        let mut now = begin;
+        for _ in 0..4 {
+            now += Duration::from_secs(5);
+            progress.wrote(1, now);
+            assert_eq!(progress.deadline(), None);
+            progress.could_not_write(now);
+        }
+        let (deadline, _) = progress.deadline().unwrap();
+        assert!(deadline < now + Duration::from_secs(1), "{:?}", deadline - now);
+        // What is taken at the pace earns it all back, and no more.
+        progress.wrote(1024 * 1024, now);
+        progress.could_not_write(now);
+        assert_eq!(progress.deadline(), Some((now + ANSWER_PATIENCE, Slow::Answer)));
+    }
+}

@@ -1,0 +1,251 @@
+//! Whoever reaches the port of HTTP opens connections: many, silent ones, and such that take their time.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use nix::sys::resource::{Resource, getrlimit, setrlimit};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpSocket, TcpStream};
+use tokio::task::JoinSet;
+use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::web::{ask, open, try_get};
+
+use crate::http_program::HttpProgram;
+
+const IDLE: usize = 10_000;
+const TRICKLING: usize = 1_000;
+/// Bytes.
+const MEMORY_MAX: u64 = 150_000_000;
+/// Bytes of a connection.
+const CONNECTION_MAX: u64 = 64 * 1024;
+
+const OPEN: &str = "vibrissa_http_connections{listener=\"main\"}";
+
+fn closed(reason: &str) -> String {
+    format!("vibrissa_http_connections_closed_total{{listener=\"main\",reason=\"{reason}\"}}")
+}
+
+/// Lets this process have a socket for each connection of the test.
+fn raise_descriptors() {
+    let (_, hard) = getrlimit(Resource::RLIMIT_NOFILE).unwrap();
+    setrlimit(Resource::RLIMIT_NOFILE, hard, hard).unwrap();
+    let needed = (IDLE + TRICKLING + 1000) as u64;
+    assert!(hard >= needed, "this test needs {needed} open files, and the limit is {hard}: raise it (ulimit -Hn)");
+}
+
+async fn connect(to: SocketAddr) -> TcpStream {
+    until("a connection", async || TcpStream::connect(to).await.ok()).await
+}
+
+/// A connection that had an answer and is kept.
+async fn served(to: SocketAddr) -> TcpStream {
+    let mut stream = connect(to).await;
+    stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n").await.unwrap();
+    let mut answer = Vec::new();
+    while !answer.ends_with(b"alive\n") {
+        assert!(stream.read_buf(&mut answer).await.unwrap() > 0, "{}", String::from_utf8_lossy(&answer));
+    }
+    stream
+}
+
+/// Sends a head that never ends, byte by byte; again whenever it is closed.
+async fn trickle(to: SocketAddr, stop: Arc<AtomicBool>) {
+    while !stop.load(Ordering::Relaxed) {
+        let mut stream = connect(to).await;
+        if stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX-Slow: ").await.is_err() {
+            continue;
+        }
+        while !stop.load(Ordering::Relaxed) && stream.write_all(b"x").await.is_ok() {
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+    }
+}
+
+/// Milliseconds that honest requests take, each over a connection of its own, in order.
+async fn honest(to: SocketAddr, requests: usize) -> Vec<f64> {
+    let mut took = Vec::new();
+    for number in 0..requests {
+        let path = ["/livez", "/v1/whiskers", "/readyz"][number % 3];
+        let begun = Instant::now();
+        let (status, body) = try_get(to, path).await.unwrap();
+        assert_eq!(status, 200, "{path}: {body}");
+        took.push(begun.elapsed().as_secs_f64() * 1e3);
+    }
+    took.sort_by(f64::total_cmp);
+    took
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_little() {
+    raise_descriptors();
+    let program =
+        HttpProgram::start(&["--http-connections-max", "12000", "--http-connections-per-address-max", "12000"]);
+    let http = program.http;
+    until_true("ready", async || try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)).await;
+    honest(http, 30).await;
+    let before = program.resident_bytes();
+
+    let mut silent = Vec::new();
+    for _ in 0..IDLE / 2 {
+        silent.push(connect(http).await);
+    }
+    until_true("all silent connections", async || program.metric(OPEN).await >= silent.len() as f64).await;
+    let with_silent = program.resident_bytes();
+    let mut kept = Vec::new();
+    for _ in 0..IDLE - silent.len() {
+        kept.push(served(http).await);
+    }
+    let with_kept = program.resident_bytes();
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut trickling = JoinSet::new();
+    for _ in 0..TRICKLING {
+        trickling.spawn(trickle(http, stop.clone()));
+    }
+    until_true("all connections", async || program.metric(OPEN).await >= (IDLE + TRICKLING) as f64).await;
+    let took = honest(http, 90).await;
+    let (median_ms, most_ms) = (took[took.len() / 2], took[took.len() - 1]);
+    let after = program.resident_bytes();
+    let each = |after: u64, before: u64, count: usize| after.saturating_sub(before) / count as u64;
+    let costs = [
+        each(with_silent, before, silent.len()),
+        each(with_kept, with_silent, kept.len()),
+        each(after, with_kept, TRICKLING),
+    ];
+    println!(
+        "memory {before} B, then {after} B; a silent, a kept, a trickling connection: {costs:?} B; honest requests {median_ms:.1} ms \
+         in the middle, {most_ms:.1} ms at the most"
+    );
+    assert!(after < MEMORY_MAX, "{after} B");
+    assert!(costs.iter().all(|cost| *cost <= CONNECTION_MAX), "{costs:?}");
+    assert!(median_ms < 100.0, "{took:?}");
+    assert!(most_ms < 1000.0, "{took:?}");
+    stop.store(true, Ordering::Relaxed);
+    trickling.abort_all();
+}
+
+/// The limit closes whoever has waited longest: not an honest client, and no live stream.
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_connections_without_end_leave_honest_requests_and_streams_alone() {
+    let program = HttpProgram::start(&["--http-connections-max", "200", "--http-connections-per-address-max", "100"]);
+    let http = program.http;
+    let (status, mut events) = open(http, "/v1/events", &[]).await.unwrap();
+    assert_eq!(status, 200);
+    let mut attackers = JoinSet::new();
+    for number in 0..300_u32 {
+        // From three addresses, so that both limits are reached; each opens another as soon as one is closed.
+        let from = SocketAddr::from(([127, 0, 0, 2 + (number % 3) as u8], 0));
+        attackers.spawn(async move {
+            loop {
+                let socket = TcpSocket::new_v4().unwrap();
+                socket.bind(from).unwrap();
+                if let Ok(mut stream) = socket.connect(http).await {
+                    // Until it is closed.
+                    let _ = stream.read_u8().await;
+                }
+            }
+        });
+    }
+    until_true("the limit", async || program.metric(&closed("DISPLACED")).await > 500.0).await;
+    assert!(program.metric(OPEN).await <= 200.0);
+    for _ in 0..60 {
+        assert_eq!(try_get(http, "/v1/whiskers").await.unwrap().0, 200);
+    }
+    let quiet = tokio::time::timeout(Duration::from_millis(500), events.next()).await;
+    assert!(!matches!(quiet, Ok(Ok(None) | Err(_))), "the stream has ended: {quiet:?}");
+    // Monitoring has connections of its own.
+    assert_eq!(try_get(program.monitoring, "/livez").await.unwrap().0, 200);
+    attackers.shutdown().await;
+    let logged = program.logged();
+    let notices = logged.lines().filter(|line| line.contains("too many HTTP connections")).count();
+    assert!((1..=3).contains(&notices), "it is said, and not each time: {logged}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_connections_never_take_the_last_file_descriptor() {
+    let program = HttpProgram::with_descriptors(100);
+    let mut silent = Vec::new();
+    for _ in 0..300 {
+        silent.push(connect(program.http).await);
+    }
+    until_true("connections were closed", async || program.metric(&closed("DISPLACED")).await > 200.0).await;
+    // Each opens files of the database.
+    for _ in 0..20 {
+        assert_eq!(try_get(program.http, "/v1/whiskers").await.unwrap().0, 200);
+    }
+    assert!(program.logged().contains("fewer HTTP connections than http.connections_max"), "{}", program.logged());
+    assert_eq!(program.metric("vibrissa_http_accept_errors_total{listener=\"main\"}").await, 0.0);
+}
+
+/// What a connection gets until the server closes it.
+async fn until_closed(stream: &mut TcpStream) -> String {
+    let mut answer = Vec::new();
+    let read = tokio::time::timeout(Duration::from_secs(60), stream.read_to_end(&mut answer)).await;
+    // A reset is an end, too.
+    assert!(read.is_ok(), "still open after a minute");
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+async fn slow_head(to: SocketAddr) -> Duration {
+    let stream = connect(to).await;
+    let (mut read, mut write) = stream.into_split();
+    let begun = Instant::now();
+    write.write_all(b"GET /livez HTTP/1.1\r\nX-Slow: ").await.unwrap();
+    let trickling = tokio::spawn(async move {
+        while write.write_all(b"x").await.is_ok() {
+            tokio::time::sleep(Duration::from_millis(500)).await;
+        }
+    });
+    let mut nothing = Vec::new();
+    let _ = read.read_to_end(&mut nothing).await;
+    trickling.abort();
+    assert!(nothing.is_empty(), "{}", String::from_utf8_lossy(&nothing));
+    begun.elapsed()
+}
+
+async fn slow_body(to: SocketAddr) -> String {
+    let path = "/v1/fleets/f/robots/r/hold";
+    let mut stream = connect(to).await;
+    let head = format!(
+        "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{{"
+    );
+    stream.write_all(head.as_bytes()).await.unwrap();
+    until_closed(&mut stream).await
+}
+
+/// Asks for far more than buffers hold, and reads none of it.
+async fn slow_reader(to: SocketAddr) -> String {
+    let mut stream = connect(to).await;
+    let request = "GET /docs/swagger-ui-bundle.js HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    stream.write_all(request.repeat(50).as_bytes()).await.unwrap();
+    // The first bytes come; the server gives up on the rest, and only then they are read.
+    tokio::time::sleep(Duration::from_secs(22)).await;
+    until_closed(&mut stream).await
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_a_slow_head_a_slow_body_and_a_slow_reader_are_ended() {
+    let program = HttpProgram::start(&[]);
+    let (head, body, answer) =
+        tokio::join!(slow_head(program.http), slow_body(program.http), slow_reader(program.http));
+    assert!((Duration::from_secs(9)..Duration::from_secs(30)).contains(&head), "{head:?}");
+    assert!(body.starts_with("HTTP/1.1 408 ") && body.contains("/problems/too-slow-body"), "{body}");
+    assert!(answer.starts_with("HTTP/1.1 200 "));
+    let whole = ask(program.http, "GET", "/docs/swagger-ui-bundle.js", &[]).await.unwrap().body.len();
+    assert!(answer.len() < 50 * whole, "all of it came");
+    for reason in ["SLOW_REQUEST", "SLOW_ANSWER"] {
+        assert_eq!(program.metric(&closed(reason)).await, 1.0, "{reason}");
+    }
+    assert_eq!(program.metric(OPEN).await, 0.0);
+}
+
+#[tokio::test]
+async fn regress_a_head_larger_than_is_read_is_refused() {
+    let program = HttpProgram::start(&[]);
+    let long = "x".repeat(20_000);
+    let answer = ask(program.http, "GET", "/livez", &[("X-Long", &long)]).await;
+    // The server may have closed before all was sent.
+    assert!(answer.is_err() || answer.is_ok_and(|answer| answer.status == 431));
+    assert_eq!(try_get(program.http, "/livez").await.unwrap().0, 200);
+}

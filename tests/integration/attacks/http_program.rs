@@ -1,0 +1,114 @@
+//! `vibrissa run` as a process of its own whose HTTP is attacked, with the embedded broker.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+
+use tempfile::TempDir;
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::wait::PATIENCE;
+use vibrissa_tests::web::try_get;
+
+/// The program.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+
+/// A running program; dropped, it is killed.
+pub(crate) struct HttpProgram {
+    process: Child,
+    /// Where everything is served.
+    pub(crate) http: SocketAddr,
+    /// Where monitoring is served.
+    pub(crate) monitoring: SocketAddr,
+    log: PathBuf,
+    folder: TempDir,
+}
+
+impl HttpProgram {
+    /// On SQLite, with more arguments.
+    pub(crate) fn start(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
+        Self::run(folder, &database, arguments, Command::new(PROGRAM))
+    }
+
+    /// On PostgreSQL.
+    pub(crate) fn on(server: &Postgres) -> Self {
+        let database = Postgres::url(server.port());
+        Self::run(tempfile::tempdir().unwrap(), &database, &[], Command::new(PROGRAM))
+    }
+
+    /// On SQLite, with so few file descriptors.
+    pub(crate) fn with_descriptors(descriptors: u32) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("ulimit -n {descriptors}; exec \"$@\""), "sh", PROGRAM]);
+        Self::run(folder, &database, &[], shell)
+    }
+
+    fn run(folder: TempDir, database: &str, arguments: &[&str], mut command: Command) -> Self {
+        let log = folder.path().join("log");
+        let mut process = command
+            .args(["run", "--fleet", "f", "--http", "127.0.0.1:0", "--http-monitoring-listen", "127.0.0.1:0"])
+            .args(["--mqtt-port", "0", "--database-url", database])
+            .args(arguments)
+            .env("RUST_LOG", "warn")
+            .stdout(Stdio::piped())
+            .stderr(File::create(&log).unwrap())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(process.stdout.take().unwrap()).lines();
+        let (said, says) = mpsc::channel();
+        std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
+        let mut address = || {
+            let line = says.recv_timeout(2 * PATIENCE).unwrap_or_else(|problem| {
+                panic!(
+                    "the program does not say where it serves ({problem}): {}",
+                    std::fs::read_to_string(&log).unwrap()
+                )
+            });
+            line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap()
+        };
+        let (http, monitoring) = (address(), address());
+        Self { process, http, monitoring, log, folder }
+    }
+
+    /// What it has logged.
+    pub(crate) fn logged(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap()
+    }
+
+    /// The URL of its SQLite database.
+    pub(crate) fn sqlite(&self) -> String {
+        format!("sqlite:{}", self.folder.path().join("v.sqlite3").display())
+    }
+
+    /// Memory that it has in use, bytes.
+    pub(crate) fn resident_bytes(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
+    }
+
+    /// A metric of HTTP, by its name with labels; asked where no attack is.
+    pub(crate) async fn metric(&self, name: &str) -> f64 {
+        let (status, text) = try_get(self.monitoring, "/metrics").await.unwrap();
+        assert_eq!(status, 200, "{text}");
+        let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        line.unwrap_or_else(|| panic!("no metric {name} in {text}")).parse().unwrap()
+    }
+}
+
+impl Drop for HttpProgram {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        if std::thread::panicking() {
+            eprintln!("the program has logged:\n{}", self.logged());
+        }
+    }
+}
