@@ -87,17 +87,17 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
     honest(http, 30).await;
     let before = program.resident_bytes();
 
-    let mut silent = Vec::new();
-    for _ in 0..IDLE / 2 {
-        silent.push(connect(http).await);
-    }
-    until_true("all silent connections", async || program.metric(OPEN).await >= silent.len() as f64).await;
-    let with_silent = program.resident_bytes();
     let mut kept = Vec::new();
-    for _ in 0..IDLE - silent.len() {
+    for _ in 0..IDLE / 2 {
         kept.push(served(http).await);
     }
     let with_kept = program.resident_bytes();
+    let mut silent = Vec::new();
+    for _ in 0..IDLE - kept.len() {
+        silent.push(connect(http).await);
+    }
+    until_true("all silent connections", async || program.metric(OPEN).await >= IDLE as f64).await;
+    let with_silent = program.resident_bytes();
     let stop = Arc::new(AtomicBool::new(false));
     let mut trickling = JoinSet::new();
     for _ in 0..TRICKLING {
@@ -109,12 +109,12 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
     let after = program.resident_bytes();
     let each = |after: u64, before: u64, count: usize| after.saturating_sub(before) / count as u64;
     let costs = [
-        each(with_silent, before, silent.len()),
-        each(with_kept, with_silent, kept.len()),
-        each(after, with_kept, TRICKLING),
+        each(with_kept, before, kept.len()),
+        each(with_silent, with_kept, silent.len()),
+        each(after, with_silent, TRICKLING),
     ];
     println!(
-        "memory {before} B, then {after} B; a silent, a kept, a trickling connection: {costs:?} B; honest requests {median_ms:.1} ms \
+        "memory {before} B, then {after} B; a kept, a silent, a trickling connection: {costs:?} B; honest requests {median_ms:.1} ms \
          in the middle, {most_ms:.1} ms at the most"
     );
     assert!(after < MEMORY_MAX, "{after} B");
@@ -125,6 +125,17 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
     trickling.abort_all();
 }
 
+/// Asks as programs do, once more if the connection is closed; in a flood that is possible while this test's own machine is busy.
+async fn answered(to: SocketAddr) {
+    for _ in 0..2 {
+        if let Ok((status, body)) = try_get(to, "/v1/whiskers").await {
+            assert_eq!(status, 200, "{body}");
+            return;
+        }
+    }
+    assert_eq!(try_get(to, "/v1/whiskers").await.unwrap().0, 200);
+}
+
 /// The limit closes whoever has waited longest: not an honest client, and no live stream.
 #[tokio::test(flavor = "multi_thread")]
 async fn regress_connections_without_end_leave_honest_requests_and_streams_alone() {
@@ -132,7 +143,7 @@ async fn regress_connections_without_end_leave_honest_requests_and_streams_alone
     let http = program.http;
     let (status, mut events) = open(http, "/v1/events", &[]).await.unwrap();
     assert_eq!(status, 200);
-    let mut attackers = JoinSet::new();
+    let mut attackers: JoinSet<()> = JoinSet::new();
     for number in 0..300_u32 {
         // From three addresses, so that both limits are reached; each opens another as soon as one is closed.
         let from = SocketAddr::from(([127, 0, 0, 2 + (number % 3) as u8], 0));
@@ -144,13 +155,14 @@ async fn regress_connections_without_end_leave_honest_requests_and_streams_alone
                     // Until it is closed.
                     let _ = stream.read_u8().await;
                 }
+                tokio::time::sleep(Duration::from_millis(20)).await;
             }
         });
     }
     until_true("the limit", async || program.metric(&closed("DISPLACED")).await > 500.0).await;
     assert!(program.metric(OPEN).await <= 200.0);
     for _ in 0..60 {
-        assert_eq!(try_get(http, "/v1/whiskers").await.unwrap().0, 200);
+        answered(http).await;
     }
     let quiet = tokio::time::timeout(Duration::from_millis(500), events.next()).await;
     assert!(!matches!(quiet, Ok(Ok(None) | Err(_))), "the stream has ended: {quiet:?}");
@@ -235,9 +247,9 @@ async fn regress_a_slow_head_a_slow_body_and_a_slow_reader_are_ended() {
     let whole = ask(program.http, "GET", "/docs/swagger-ui-bundle.js", &[]).await.unwrap().body.len();
     assert!(answer.len() < 50 * whole, "all of it came");
     for reason in ["SLOW_REQUEST", "SLOW_ANSWER"] {
-        assert_eq!(program.metric(&closed(reason)).await, 1.0, "{reason}");
+        until_true(reason, async || program.metric(&closed(reason)).await == 1.0).await;
     }
-    assert_eq!(program.metric(OPEN).await, 0.0);
+    until_true("no connection is left", async || program.metric(OPEN).await == 0.0).await;
 }
 
 #[tokio::test]

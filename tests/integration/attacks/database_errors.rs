@@ -26,7 +26,7 @@ const WORDS: [&str; 12] = [
     "encoding",
     "no such table",
     "error returned",
-    "connection refused",
+    "os error",
 ];
 
 fn assert_says_nothing_of_the_database(what: &str, answer: &Answer) {
@@ -58,7 +58,7 @@ async fn nul_everywhere(http: SocketAddr) {
     let document: Value = try_get(http, "/openapi.json").await.unwrap().1.parse().unwrap();
     let mut count = 0;
     for (path, methods) in document["paths"].as_object().unwrap() {
-        for (method, operation) in methods.as_object().unwrap() {
+        for (method, operation) in methods.as_object().unwrap().iter().filter(|(name, _)| *name != "parameters") {
             let method = method.to_ascii_uppercase();
             let body = operation.get("requestBody").map(|_| json!({}));
             let parts: Vec<&str> = path.split('/').filter(|part| part.starts_with('{')).collect();

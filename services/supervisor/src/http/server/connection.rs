@@ -26,8 +26,8 @@ use super::registry::Admitted;
 /// Bytes of a request's head at the most, and of what is read or written at once.
 const BUFFER_BYTES_MAX: usize = 16 * 1024;
 
-/// Serves a connection until it ends; tells if the server has closed it for being slow. Nothing is allocated for requests before
-/// the first byte of one is there.
+/// Serves a connection until it ends; tells if the server has closed it for being slow. While nothing of a request is there, the
+/// connection has no buffers: most open connections wait.
 pub(super) async fn serve(
     stream: TcpStream,
     peer: SocketAddr,
@@ -36,56 +36,82 @@ pub(super) async fn serve(
     mut stop: watch::Receiver<bool>,
 ) -> Option<Slow> {
     let Admitted { place, mut displaced, .. } = admitted;
-    let begin = Instant::now();
-    tokio::select! {
-        ready = stream.readable() => ready.ok()?,
-        _ = &mut displaced => return None,
-        _ = stop.wait_for(|&stop| stop) => return None,
-        () = sleep_until(begin + IDLE_PATIENCE) => return Some(Slow::Idle),
+    let progress = Progress::new(place, Instant::now());
+    let mut followed = Followed::new(stream, progress.clone());
+    loop {
+        if followed.unread.is_empty() {
+            let (deadline, slow) = progress.deadline()?;
+            tokio::select! {
+                ready = followed.stream.readable() => ready.ok()?,
+                _ = &mut displaced => return None,
+                _ = stop.wait_for(|&stop| stop) => return None,
+                () = sleep_until(deadline) => return Some(slow),
+            }
+        }
+        let end = Box::pin(requests(followed, peer, progress.clone(), &mut displaced, router.clone(), stop.clone()));
+        match end.await {
+            End::Answered(back) => followed = back,
+            End::Closed(slow) => return slow,
+        }
     }
-    let progress = Progress::new(place, begin);
-    Box::pin(requests(stream, peer, progress, displaced, router, stop)).await
+}
+
+/// How requests came to an end.
+enum End {
+    /// Those that came are answered: the connection waits for more.
+    Answered(Followed),
+    /// The connection is closed, by the client unless it was slow.
+    Closed(Option<Slow>),
 }
 
 async fn requests(
-    stream: TcpStream,
+    followed: Followed,
     peer: SocketAddr,
     progress: Arc<Progress>,
-    mut displaced: oneshot::Receiver<()>,
+    displaced: &mut oneshot::Receiver<()>,
     router: Router,
     mut stop: watch::Receiver<bool>,
-) -> Option<Slow> {
+) -> End {
     let service = service_fn({
         let progress = progress.clone();
         move |request| answer(request, peer, progress.request(), router.clone())
     });
-    let followed = Followed { stream, progress: progress.clone() };
     let mut builder = Builder::new();
     // `Progress` has the times: hyper's own would also cut an answer that is taken slowly.
     builder.header_read_timeout(None).max_buf_size(BUFFER_BYTES_MAX);
-    let mut connection = pin!(builder.serve_connection(TokioIo::new(followed), service));
+    let mut connection = builder.serve_connection(TokioIo::new(followed), service);
     let mut stopped = pin!(stop.wait_for(|&stop| stop));
     let mut timer = pin!(sleep_until(Instant::now() + IDLE_PATIENCE));
     let mut is_stopping = false;
-    poll_fn(|cx| {
+    let closed = poll_fn(|cx| {
         if !is_stopping && stopped.as_mut().poll(cx).is_ready() {
             is_stopping = true;
             if progress.is_waiting() {
-                return Poll::Ready(None);
+                return Poll::Ready(Some(None));
             }
-            connection.as_mut().graceful_shutdown();
+            Pin::new(&mut connection).graceful_shutdown();
         }
         // A client that goes away in the middle of something is no news.
-        if connection.as_mut().poll(cx).is_ready() || Pin::new(&mut displaced).poll(cx).is_ready() {
+        if Pin::new(&mut connection).poll(cx).is_ready() || Pin::new(&mut *displaced).poll(cx).is_ready() {
+            return Poll::Ready(Some(None));
+        }
+        if progress.is_idle() {
             return Poll::Ready(None);
         }
         let Some((deadline, slow)) = progress.deadline() else { return Poll::Pending };
         if timer.deadline() != deadline {
             timer.as_mut().reset(deadline);
         }
-        timer.as_mut().poll(cx).map(|()| Some(slow))
+        timer.as_mut().poll(cx).map(|()| Some(Some(slow)))
     })
-    .await
+    .await;
+    match closed {
+        Some(slow) => End::Closed(slow),
+        None => {
+            let parts = connection.into_parts();
+            End::Answered(parts.io.into_inner().behind(parts.read_buf))
+        }
+    }
 }
 
 async fn answer(

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
+use bytes::Bytes;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::Instant;
@@ -78,6 +79,12 @@ impl Progress {
         state.phase != Phase::Request && state.blocked.is_none()
     }
 
+    /// Whether nothing of the next request is there, and nothing of an answer is left.
+    pub(super) fn is_idle(&self) -> bool {
+        let state = self.state();
+        state.phase == Phase::Idle && state.blocked.is_none()
+    }
+
     /// When the connection is to be closed unless something happens before; never while a request is under way whose answer is taken.
     pub(super) fn deadline(&self) -> Option<(Instant, Slow)> {
         let State { phase, since, blocked, allowance } = *self.state();
@@ -129,11 +136,19 @@ impl Drop for UnderWay {
 #[derive(Debug)]
 pub(super) struct Followed {
     pub(super) stream: TcpStream,
-    pub(super) progress: Arc<Progress>,
+    /// What was read behind the last request: the beginning of the next one.
+    pub(super) unread: Bytes,
+    progress: Arc<Progress>,
 }
 
 impl AsyncRead for Followed {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        if !self.unread.is_empty() {
+            let length = self.unread.len().min(buffer.remaining());
+            buffer.put_slice(&self.unread.split_to(length));
+            self.progress.read(length, Instant::now());
+            return Poll::Ready(Ok(()));
+        }
         let before = buffer.filled().len();
         let read = Pin::new(&mut self.stream).poll_read(cx, buffer);
         if read.is_ready() {
@@ -144,6 +159,15 @@ impl AsyncRead for Followed {
 }
 
 impl Followed {
+    pub(super) fn new(stream: TcpStream, progress: Arc<Progress>) -> Self {
+        Self { stream, unread: Bytes::new(), progress }
+    }
+
+    /// With what was read of it already.
+    pub(super) fn behind(self, unread: Bytes) -> Self {
+        Self { unread, ..self }
+    }
+
     fn written(&self, written: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
         match &written {
             Poll::Ready(Ok(bytes)) => self.progress.wrote(*bytes, Instant::now()),
