@@ -70,7 +70,7 @@ impl Postgres {
     /// Its database's URL as seen through that port of 127.0.0.1: its own, or that of a proxy before it.
     #[must_use]
     pub fn url(port: u16) -> String {
-        format!("postgres://{USER}:none@127.0.0.1:{port}/{DATABASE}")
+        format!("postgres://{USER}@127.0.0.1:{port}/{DATABASE}")
     }
 
     /// How to connect to its database.

@@ -26,6 +26,7 @@ pub mod replay;
 pub mod store;
 
 mod backoff;
+pub mod exposure;
 pub mod fault;
 pub mod secret;
 

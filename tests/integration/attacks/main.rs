@@ -10,3 +10,5 @@ mod monitoring;
 mod planted;
 mod refused_rows;
 mod stage;
+mod started;
+mod startup;

@@ -281,11 +281,12 @@ async fn a_supervisor_starts_without_its_server_and_goes_to_work_when_it_comes()
 }
 
 /// What the program says when it cannot run.
-fn refusal(folder: &Path, arguments: &[&str]) -> String {
+fn refusal(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> String {
     let ended = std::process::Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
         .args(["run", "--mqtt-port", "0", "--http-listen", "127.0.0.1:0"])
         .args(arguments)
         .env("RUST_LOG", "off")
+        .envs(environment.iter().copied())
         .current_dir(folder)
         .output()
         .unwrap();
@@ -309,7 +310,7 @@ async fn a_second_supervisor_of_one_file_is_refused_by_name() {
     };
     let mut first = Replica { process: Process::start(launch), http };
     first.says(200, "OWNED").await;
-    let said = refusal(folder.path(), &["--database-url", &database]);
+    let said = refusal(folder.path(), &["--database-url", &database], &[]);
     for part in ["supervisor \"press hall\" (process ", "v.sqlite3", "postgres://"] {
         assert!(said.contains(part), "{part} in {said}");
     }
@@ -321,7 +322,7 @@ async fn a_server_that_refuses_is_named_without_the_password() {
     let server = Postgres::start().await;
     let folder = tempfile::tempdir().unwrap();
     let url = format!("postgres://vibrissa:S3cret@127.0.0.1:{}/nowhere", server.port());
-    let said = refusal(folder.path(), &["--database-url", &url]);
+    let said = refusal(folder.path(), &[], &[("VIBRISSA_DATABASE_URL", &url)]);
     assert!(said.contains("nowhere") && said.contains("does not exist"), "{said}");
     assert!(!said.contains("S3cret"), "{said}");
 }

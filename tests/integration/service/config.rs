@@ -84,7 +84,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::ContactsDays | Key::RollupsMinutesDays => ["0", "7", "90"],
         Key::MqttUrl => ["mqtts://h0:8883", "mqtts://h1:8884", "mqtts://h2"],
         Key::MqttPort => ["1884", "1885", "1886"],
-        Key::MqttUsername | Key::MqttPassword => ["u0", "u1", "u2"],
+        Key::MqttUsername | Key::MqttPassword => ["user-0", "user-1", "user-2"],
         Key::DatabasePasswordFile
         | Key::MqttPasswordFile
         | Key::MqttCaFile
@@ -112,7 +112,7 @@ fn values(key: Key) -> [&'static str; 3] {
 fn companions(key: Key) -> &'static [&'static str] {
     match key {
         Key::DatabasePasswordFile => &["--database-url=postgres://u@h/d"],
-        Key::MqttUsername => &["--mqtt-url=mqtt://h", "--mqtt-password=p"],
+        Key::MqttUsername => &["--mqtt-url=mqtt://h", "--mqtt-password-file=file0"],
         Key::MqttPassword | Key::MqttPasswordFile => &["--mqtt-url=mqtt://h", "--mqtt-username=u"],
         Key::MqttCaFile => &["--mqtt-url=mqtts://h"],
         Key::MqttClientCertificateFile => &["--mqtt-url=mqtts://h", "--mqtt-client-key-file=file0"],
@@ -153,7 +153,12 @@ fn for_every_key_flags_win_over_the_environment_over_the_file_over_the_default()
         };
         holds(&[], &[], in_file, "file v.toml");
         holds(&[], &variable, in_environment, &format!("environment {}", key.environment()));
-        holds(&[&flag], &variable, in_flag, &format!("flag --{}", key.flag()));
+        if key.kind() == Kind::Secret {
+            let said = refused(folder.path(), &[&file[..], &[&flag], companions(key)].concat(), &variable);
+            assert!(said.contains("is not taken from the command line") && !said.contains(in_flag), "{said}");
+        } else {
+            holds(&[&flag], &variable, in_flag, &format!("flag --{}", key.flag()));
+        }
     }
 }
 
@@ -312,9 +317,11 @@ fn no_password_is_ever_printed() {
     }
     // The file itself, taken for a configuration.
     assert!(!said(&["--config", "file0"], &[]).0);
+    let in_environment = [("VIBRISSA_MQTT_PASSWORD", PASSWORD)];
+    let (is_good, shown) = said(&["--mqtt-url=mqtt://h", "--mqtt-username=u"], &in_environment);
+    assert!(is_good && shown.contains("# password = \"***\"  # environment VIBRISSA_MQTT_PASSWORD"), "{shown}");
     let secret = format!("--mqtt-password={PASSWORD}");
-    let (is_good, shown) = said(&["--mqtt-url=mqtt://h", "--mqtt-username=u", &secret], &[]);
-    assert!(is_good && shown.contains("# password = \"***\"  # flag --mqtt-password"), "{shown}");
+    assert!(!said(&["--mqtt-url=mqtt://h", "--mqtt-username=u", &secret], &[]).0);
     let misspelt = format!("--mqtt-pasword={PASSWORD}");
     assert!(!said(&[&misspelt], &[]).0);
     let url = format!("postgres://vibrissa:{PASSWORD}@db/vibrissa");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 
+use crate::config::keys::Kind;
 use crate::config::{self, Config, Key, Origin, Problem, Problems, Sources, show};
 
 /// `--config` and a flag for every key.
@@ -51,6 +52,12 @@ fn flag(key: Key) -> Arg {
         .allow_negative_numbers(true)
         .help(format!("{}{default} [{}]", key.help(), key.environment()))
         .action(if key.kind().is_list() { ArgAction::Append } else { ArgAction::Set });
+    // Whoever gives one is told what to use instead, with or without a value.
+    let flag = if key.kind() == Kind::Secret {
+        flag.hide(true).num_args(0..=1).default_missing_value("").allow_hyphen_values(true)
+    } else {
+        flag
+    };
     match key.flag_alias() {
         Some(alias) => flag.visible_alias(alias),
         None => flag,

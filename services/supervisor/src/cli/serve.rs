@@ -10,6 +10,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::config::ConfigArgs;
 use crate::demo::{self, DemoOptions};
+use crate::exposure::exposures;
 use crate::service::Service;
 
 /// Supervises until SIGTERM or Ctrl-C.
@@ -19,6 +20,9 @@ use crate::service::Service;
 pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
     let config = args.read()?;
     log(&config.log);
+    for exposure in exposures(&config) {
+        tracing::warn!("{exposure}");
+    }
     runtime()?.block_on(async {
         let service = Service::start(config.into()).await?;
         let (broker, http) = (&service.broker, service.http);

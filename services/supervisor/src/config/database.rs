@@ -1,8 +1,11 @@
 //! The database, and its password from a file.
 
+use std::path::PathBuf;
+
 use url::Url;
 
 use super::keys::Key;
+use super::problem::Origin;
 use super::reader::{MASK, Reader};
 use crate::store::DatabaseAddress;
 
@@ -19,6 +22,22 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
         );
         reader.refuse(Key::DatabaseUrl, what);
         return None;
+    }
+    if written.is_some() {
+        if let Origin::Flag(_) = reader.origin(Key::DatabaseUrl) {
+            let what = format!(
+                "holds a password, and everyone on this machine can read the command line (ps): leave it out and set \
+                 database.password_file (--{} FILE), or write the whole URL into the environment variable {}",
+                Key::DatabasePasswordFile.flag(),
+                Key::DatabaseUrl.environment()
+            );
+            reader.refuse(Key::DatabaseUrl, what);
+            return None;
+        }
+        reader.holds_secret(Key::DatabaseUrl);
+    }
+    if let Some(key_file) = url.as_deref().and_then(private_key) {
+        reader.secret_files.push((Key::DatabaseUrl, key_file));
     }
     if written.is_some() && is_filed {
         reader.refuse(Key::DatabasePasswordFile, "database.url holds a password too: leave one of them out");
@@ -43,6 +62,13 @@ fn password(text: &str) -> Option<String> {
     let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
     let asked = url.query_pairs().find(|(name, _)| name == "password").map(|(_, value)| value.into_owned());
     url.password().map(str::to_owned).or(asked)
+}
+
+/// The file with our own private key that a database's URL names.
+fn private_key(text: &str) -> Option<PathBuf> {
+    let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
+    let key = url.query_pairs().find(|(name, _)| matches!(&**name, "sslkey" | "ssl-key"));
+    key.map(|(_, file)| PathBuf::from(file.into_owned()))
 }
 
 /// A good database's URL with its password hidden.

@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 pub enum Kind {
     /// A text.
     Text,
-    /// A text that is never shown.
+    /// A text that is never shown, and not taken from the command line.
     Secret,
     /// A URL whose password is never shown.
     DatabaseUrl,
@@ -105,7 +105,7 @@ keys! {
     MqttUsername: "mqtt.username", Kind::Text, None,
         "As whom to connect to the external broker";
     MqttPassword: "mqtt.password", Kind::Secret, None,
-        "The password for it; better kept in a file";
+        "The password for it; better kept in a file. It is not taken from the command line, which others can read";
     MqttPasswordFile: "mqtt.password_file", Kind::File, None,
         "A file with the password for it";
     MqttCaFile: "mqtt.ca_file", Kind::File, None,
@@ -199,7 +199,7 @@ impl Key {
         &NAMES[self as usize].environment
     }
 
-    /// Its flag without the dashes: `mqtt-ca-file`.
+    /// Its flag without the dashes: `mqtt-ca-file`. That of a secret only tells what to use instead.
     #[must_use]
     pub fn flag(self) -> &'static str {
         &NAMES[self as usize].flag

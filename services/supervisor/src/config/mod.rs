@@ -18,7 +18,8 @@ mod reader;
 mod traces;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -92,6 +93,8 @@ pub struct Config {
     pub contacts_between_false_alarms: f64,
     /// Contacts in which a whisker is learned.
     pub cold_start_contacts: u32,
+    /// Files that hold passwords, tokens and private keys, each with the key that names it or whose value it has.
+    pub secret_files: Vec<(Key, PathBuf)>,
 }
 
 /// What came of reading a configuration.
@@ -171,6 +174,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         change_margin: change_margin?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
+        secret_files: std::mem::take(&mut reader.secret_files),
     })
 }
 

@@ -62,7 +62,7 @@ fn credentials(reader: &mut Reader) -> Option<Credentials> {
 
 fn client(reader: &mut Reader) -> Option<ClientCertificate> {
     let keys = [Key::MqttClientCertificateFile, Key::MqttClientKeyFile];
-    let [certificate_file, key_file] = keys.map(|key| reader.file(key));
+    let (certificate_file, key_file) = (reader.file(keys[0]), reader.private_file(keys[1]));
     for (key, other) in [(keys[0], keys[1]), (keys[1], keys[0])] {
         if reader.is_explicit(key) && !reader.is_explicit(other) {
             reader.refuse(key, format!("is of no use alone: set {other} too"));

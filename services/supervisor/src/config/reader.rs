@@ -24,6 +24,8 @@ const TEXT_MAX_BYTES: usize = 4096;
 pub(super) struct Reader {
     layers: Layers,
     pub(super) problems: Vec<Problem>,
+    /// Files that hold secrets, each with the key that led there.
+    pub(super) secret_files: Vec<(Key, PathBuf)>,
 }
 
 /// The problem is remembered already.
@@ -32,7 +34,7 @@ type Refused = ();
 impl Reader {
     pub(super) fn new(mut layers: Layers) -> Self {
         let problems = std::mem::take(&mut layers.problems);
-        Self { layers, problems }
+        Self { layers, problems, secret_files: Vec::new() }
     }
 
     /// Where the value comes from.
@@ -135,6 +137,20 @@ impl Reader {
         Some(path)
     }
 
+    /// The same for a file that only this user should read.
+    pub(super) fn private_file(&mut self, key: Key) -> Option<PathBuf> {
+        let path = self.file(key)?;
+        self.secret_files.push((key, path.clone()));
+        Some(path)
+    }
+
+    /// Remembers that the configuration file holds a secret, if the key's value comes from there.
+    pub(super) fn holds_secret(&mut self, key: Key) {
+        if let Origin::File(path) = self.origin(key) {
+            self.secret_files.push((key, path));
+        }
+    }
+
     fn opens(&mut self, key: Key, path: &Path) -> Result<std::fs::File, Refused> {
         let opened = std::fs::File::open(path).and_then(|file| {
             let is_folder = file.metadata()?.is_dir();
@@ -149,9 +165,21 @@ impl Reader {
         })
     }
 
-    /// A password as it was written.
+    /// A password as it was written, in the configuration file or the environment.
     pub(super) fn secret(&mut self, key: Key) -> Option<Secret> {
+        if matches!(self.origin(key), Origin::Flag(_)) {
+            let file = format!("{key}_file");
+            let flag = Key::at(&file).map_or(file, |key| format!("{key} (--{} FILE)", key.flag()));
+            let what = format!(
+                "is not taken from the command line, which everyone on this machine can read (ps): set {flag}, or the \
+                 environment variable {}",
+                key.environment()
+            );
+            self.refuse(key, what);
+            return None;
+        }
         let text = self.text(key)?;
+        self.holds_secret(key);
         if text == MASK {
             self.refuse(key, format!("{MASK} is what stands for a hidden password: write the password itself"));
             return None;
@@ -163,6 +191,7 @@ impl Reader {
     pub(super) fn secret_file(&mut self, key: Key) -> Option<Secret> {
         let path = PathBuf::from(self.text(key)?);
         let file = self.opens(key, &path).ok()?;
+        self.secret_files.push((key, path.clone()));
         let mut text = String::new();
         let mut refuse = |what: &str| {
             self.refuse(key, format!("the file {} {what}", path.display()));

@@ -43,7 +43,8 @@ pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
 pub fn example() -> String {
     let head = "# Every key of vibrissa with its default. `vibrissa config` shows what is in effect and why.\n#\n\
                 # Each can also be set by the environment and by a flag, which win in this order: mqtt.ca_file is\n\
-                # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. Files are looked for from where the program is started.\n\n";
+                # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. Files are looked for from where the program is started.\n\
+                # Passwords are not taken from the command line.\n\n";
     let keys = document(|text, key| {
         let name = key.section().1;
         let _ = match key.default() {

@@ -109,9 +109,12 @@ const KEY: &str = "mqtt.client_key_file";
 /// # Errors
 /// A file is missing or wrong; the error names it, and its setting.
 pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
-    if let (Some(credentials), None, false) = (&broker.credentials, &broker.tls, broker.is_loopback()) {
-        let user = &credentials.username;
-        warn!(%broker, user, "the MQTT password goes over the network in plain text: use mqtts:// in mqtt.url");
+    if broker.tls.is_none() && !broker.is_loopback() {
+        let what = match &broker.credentials {
+            Some(_) => "the MQTT password, contacts and setpoints go",
+            None => "contacts and setpoints go",
+        };
+        warn!(%broker, "{what} over the network in plain text, where others can read and change them: use mqtts:// in mqtt.url");
     }
     let Some(options) = &broker.tls else { return Ok(Prepared::default()) };
     if ServerName::try_from(broker.host.as_str()).is_err() {

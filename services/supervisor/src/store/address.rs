@@ -15,7 +15,7 @@ pub enum DatabaseAddress {
 
 /// The text is no address of a database.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("not a database's address ({0}): write sqlite:FILE or postgres://USER:PASSWORD@HOST:5432/DATABASE")]
+#[error("not a database's address ({0}): write sqlite:FILE or postgres://USER@HOST:5432/DATABASE")]
 pub struct BadDatabaseUrl(String);
 
 impl std::str::FromStr for DatabaseAddress {

@@ -1,6 +1,8 @@
 //! What is SQLite's own: the file, and how many rows go into a statement.
 
+use std::fs::OpenOptions;
 use std::iter::repeat_n;
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::time::Duration;
 
@@ -12,6 +14,9 @@ use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::lock::FileLock;
 use super::{StoreError, database};
 use crate::engine::Resolution;
+
+/// Of a new database: for its owner only, since it holds the hashes of tokens, and what people have asked for.
+const MODE: u32 = 0o600;
 
 /// Rows of one statement at the most: up to 22 values each, SQLite takes 32,766.
 const ROWS_A_STATEMENT: usize = 512;
@@ -34,6 +39,8 @@ pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(P
         return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
     let lock = FileLock::take(path, supervisor)?;
+    // SQLite gives its other files the mode of this one. What is wrong with the file or its folder is SQLite's to say.
+    let _ = OpenOptions::new().write(true).create_new(true).mode(MODE).open(path);
     connect(path, name, Some(lock)).await
 }
 
