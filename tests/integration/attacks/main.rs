@@ -10,5 +10,8 @@ mod monitoring;
 mod planted;
 mod refused_rows;
 mod stage;
+mod access;
+mod jwt;
+mod routes;
 mod started;
 mod startup;

@@ -14,3 +14,4 @@ mod rows;
 mod scope;
 mod series;
 mod served;
+mod streams;

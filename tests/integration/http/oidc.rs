@@ -13,9 +13,10 @@ use tokio::net::TcpListener;
 use vibrissa::http::access::AccessOptions;
 use vibrissa::http::access::oidc::OidcOptions;
 use vibrissa_simulator::fleet::now_us;
-use vibrissa_tests::web::{Answer, ask};
+use vibrissa_tests::web::{Answer, ask, open};
 
 use crate::served::Served;
+use crate::streams::{checked_always, ended};
 
 /// A provider that answers where its keys are, and with its keys; it counts how often it is asked for them.
 struct Provider {
@@ -122,6 +123,17 @@ async fn tokens_of_the_provider_give_what_their_claims_say_and_others_nothing() 
     let nowhere = provider.token("k1", &json!({ "fleets": null }));
     assert_eq!(asked(&served, "GET", "/v1/robots", &nowhere).await.json()["items"], json!([]), "no fleet, nothing");
     assert_eq!(provider.asked.load(Ordering::SeqCst), 1, "a name that is not known does not make it ask each time");
+}
+
+#[tokio::test]
+async fn regress_a_stream_ends_with_the_token_of_the_provider() {
+    let provider = Provider::start().await;
+    let served = Served::streaming(&provider.options(), checked_always()).await;
+    // A minute of leeway is given to clocks: this one is over in some seconds.
+    let bearer = format!("Bearer {}", provider.token("k1", &json!({ "exp": now_us() / 1_000_000 - 55 })));
+    let (status, mut events) = open(served.http, "/v1/events", &[("Authorization", &bearer)]).await.unwrap();
+    assert_eq!(status, 200);
+    ended(&mut events).await;
 }
 
 #[tokio::test]

@@ -10,6 +10,7 @@ use vibrissa::http::{
     App,
     access::{Access, AccessOptions},
     serve,
+    streams::StreamOptions,
 };
 use vibrissa::mailroom::Mailroom;
 use vibrissa::metrics::Metrics;
@@ -45,6 +46,7 @@ impl Served {
             None,
             Some(folder),
             &AccessOptions::default(),
+            StreamOptions::default(),
         )
         .await
     }
@@ -52,13 +54,25 @@ impl Served {
     /// The same rows in PostgreSQL.
     pub(crate) async fn postgres() -> Self {
         let server = Postgres::start().await;
-        Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None, &AccessOptions::default()).await
+        let address = Postgres::url(server.port()).parse().unwrap();
+        Self::over(address, Some(server), None, &AccessOptions::default(), StreamOptions::default()).await
     }
 
     /// The same rows, for those who are let in only.
     pub(crate) async fn to(access: &AccessOptions) -> Self {
+        Self::streaming(access, StreamOptions::default()).await
+    }
+
+    /// The same with other limits of event streams.
+    pub(crate) async fn streaming(access: &AccessOptions, streams: StreamOptions) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder), access).await
+        Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder), access, streams).await
+    }
+
+    /// The same rows in PostgreSQL, for those who are let in only, with other limits of event streams.
+    pub(crate) async fn streaming_from_postgres(access: &AccessOptions, streams: StreamOptions) -> Self {
+        let server = Postgres::start().await;
+        Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None, access, streams).await
     }
 
     async fn over(
@@ -66,6 +80,7 @@ impl Served {
         server: Option<Postgres>,
         folder: Option<TempDir>,
         access: &AccessOptions,
+        streams: StreamOptions,
     ) -> Self {
         let url = server.as_ref().map(|server| Postgres::url(server.port()));
         let store = Store::open(&address, "test").await.unwrap();
@@ -76,6 +91,7 @@ impl Served {
         let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
         let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());
+        let app = app.with_streams(streams);
         let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
         Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }
     }

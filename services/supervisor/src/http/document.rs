@@ -75,9 +75,20 @@ fn operations(
     of_methods.into_iter().filter_map(|(method, operation)| Some((method, operation?)))
 }
 
-/// Which role each route asks for.
+/// Which role each method of each route asks for.
 #[derive(Debug, Default)]
-pub struct Roles(BTreeMap<(String, String), Role>);
+pub struct Roles(BTreeMap<String, BTreeMap<String, Role>>);
+
+/// What a request must have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// This role.
+    Role(Role),
+    /// The route does not declare the method.
+    NoSuchMethod,
+    /// The route declares nothing: the document does not have it.
+    Undeclared,
+}
 
 impl Roles {
     /// Reads them off the document: what is looked at asks for a viewer, everything else says whom.
@@ -86,7 +97,7 @@ impl Roles {
     /// A route that changes something does not say who may: a fault of the program, seen at each start.
     #[must_use]
     pub fn of(document: &mut Document) -> Self {
-        let mut roles = BTreeMap::new();
+        let mut roles: BTreeMap<String, BTreeMap<String, Role>> = BTreeMap::new();
         for (path, item) in &mut document.paths.paths {
             for (method, operation) in operations(item) {
                 let told = operation.extensions.as_ref().and_then(|extensions| extensions.get(ROLE));
@@ -98,16 +109,24 @@ impl Roles {
                 };
                 let extensions = operation.extensions.get_or_insert_default();
                 extensions.insert(ROLE.to_owned(), Value::from(role.word()));
-                roles.insert((method.to_string(), path.clone()), role);
+                roles.entry(path.clone()).or_default().insert(method.to_string(), role);
             }
         }
         Self(roles)
     }
 
-    /// The role for a method of a route, if there is one.
+    /// What a request for a method of a route must have.
     #[must_use]
-    pub fn needed(&self, method: &Method, path: &str) -> Option<Role> {
+    pub fn needed(&self, method: &Method, path: &str) -> Need {
+        let Some(methods) = self.0.get(path) else { return Need::Undeclared };
         let method = if method == Method::HEAD { "GET" } else { method.as_str() };
-        self.0.get(&(method.to_owned(), path.to_owned())).copied()
+        methods.get(method).map_or(Need::NoSuchMethod, |&role| Need::Role(role))
+    }
+
+    /// The methods that a route declares, for the header `Allow`.
+    #[must_use]
+    pub fn methods(&self, path: &str) -> Vec<&str> {
+        let methods = self.0.get(path).into_iter().flat_map(BTreeMap::keys).map(String::as_str);
+        methods.flat_map(|method| if method == "GET" { vec!["GET", "HEAD"] } else { vec![method] }).collect()
     }
 }

@@ -7,8 +7,8 @@ use axum::response::{IntoResponse, Json, Response};
 use axum::routing::get;
 use serde_json::json;
 
+use super::App;
 use super::problem::{Kind, Problem};
-use super::{App, FOLLOWERS_MAX};
 
 /// What tells more than that the program runs.
 pub(super) fn told() -> Router<App> {
@@ -34,8 +34,7 @@ async fn readyz(State(app): State<App>) -> Response {
 }
 
 async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
-    let open = FOLLOWERS_MAX - app.followers.available_permits();
-    app.metrics.http.streams.set(open as i64);
+    app.metrics.http.streams.set(app.streams.count() as i64);
     let text = app.metrics.text().map_err(|problem| {
         tracing::error!(%problem, "the metrics cannot be written");
         Problem::new(Kind::Internal, "the metrics cannot be written; the log says why")

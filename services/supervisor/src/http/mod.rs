@@ -1,7 +1,8 @@
 //! HTTP: the operators' console, the API under `/v1`, its documentation, and whether the service is alive and ready.
 //!
-//! Connections are taken and limited by `server`. A request passes `passage` (a name, a place in the log, a limit in time), then `access` (who asks, and whether
-//! they may), then its handler in `api`, which takes it apart with `extract` and asks the store or the engine. What
+//! Connections are taken and limited by `server`. A request passes `passage` (a name, a place in the log, a limit in time), then
+//! `access` (it is no other site's; who asks, and whether they may), then its handler in `api`, which takes it apart with `extract`
+//! and asks the store or the engine. What
 //! goes wrong is a `Problem`. The OpenAPI document is read off the handlers (`document`).
 
 pub mod access;
@@ -18,6 +19,7 @@ pub mod page;
 pub mod passage;
 pub mod problem;
 pub mod server;
+pub mod streams;
 pub mod words;
 
 use std::net::{AddrParseError, SocketAddr};
@@ -28,11 +30,11 @@ use axum::Router;
 use axum::body::Bytes;
 use axum::extract::DefaultBodyLimit;
 use axum::http::header;
-use axum::middleware::{from_fn_with_state, map_response};
+use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::IntoResponse;
 use axum::routing::get;
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
@@ -45,8 +47,9 @@ use crate::metrics::Metrics;
 use crate::readiness::Readiness;
 use crate::store::{Store, StoreError};
 use crate::trace::Traces;
-use access::{Access, Gate};
+use access::{Access, Gate, origin};
 use server::{Limits, Server};
+use streams::{StreamOptions, Streams};
 
 /// What the handlers share.
 #[derive(Debug, Clone)]
@@ -59,8 +62,8 @@ pub struct App {
     pub readiness: Readiness,
     /// Who is let in.
     pub access: Access,
-    /// Places for those who follow live.
-    pub followers: Arc<Semaphore>,
+    /// The open event streams, and their limits.
+    pub streams: Streams,
     /// Becomes true when the service stops.
     pub stop: watch::Receiver<bool>,
     /// The core's parameters, as the configuration has them.
@@ -83,14 +86,20 @@ impl App {
         params: Arc<Params>,
         stop: watch::Receiver<bool>,
     ) -> Self {
-        let followers = Arc::new(Semaphore::new(FOLLOWERS_MAX));
-        Self { store, metrics, readiness, access, followers, stop, params, mailroom, traces: None }
+        let streams = Streams::new(StreamOptions::default());
+        Self { store, metrics, readiness, access, streams, stop, params, mailroom, traces: None }
     }
 
     /// The same with traces of requests, if there is a collector.
     #[must_use]
     pub fn traced(self, traces: Option<Traces>) -> Self {
         Self { traces, ..self }
+    }
+
+    /// The same with other limits of event streams.
+    #[must_use]
+    pub fn with_streams(self, options: StreamOptions) -> Self {
+        Self { streams: Streams::new(options), ..self }
     }
 }
 
@@ -106,9 +115,6 @@ impl App {
         Ok(mail::with_calibrations(params, &self.store.active_calibrations(fleet).await?))
     }
 }
-
-/// How many may follow live at once.
-const FOLLOWERS_MAX: usize = 100;
 
 /// Bytes of a body at the most, unless a route takes more.
 const BODY_BYTES_MAX: usize = 64 * 1024;
@@ -239,6 +245,7 @@ fn monitoring(app: App) -> Router {
 fn around(router: Router, app: &App) -> Router {
     router
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
+        .layer(from_fn(origin::refuse_other_sites))
         .layer(from_fn_with_state((app.metrics.http.clone(), app.traces.clone()), passage::passage))
         .layer(map_response(headers::of_all))
         // Without it each connection would build the routes anew.

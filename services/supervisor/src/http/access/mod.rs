@@ -1,7 +1,9 @@
 //! Who asks, and whether they may: tokens of our own, an identity provider's, or nobody needed on loopback.
 
+mod keys;
 pub mod monitoring;
 pub mod oidc;
+pub mod origin;
 pub mod token;
 
 use std::collections::BTreeSet;
@@ -11,7 +13,7 @@ use std::sync::Arc;
 
 use axum::extract::{MatchedPath, RawPathParams, Request, State};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, Method, header};
+use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use governor::{DefaultKeyedRateLimiter, Quota, RateLimiter};
@@ -20,6 +22,7 @@ use utoipa::ToSchema;
 use vibrissa_protocol::Name;
 
 use self::oidc::{Oidc, OidcOptions};
+use super::document::Need;
 use super::problem::{Kind, Problem};
 use crate::engine::wall_clock;
 use crate::secret::Secret;
@@ -96,7 +99,8 @@ impl Scope {
 /// Somebody who was let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Caller {
-    /// As the audit log names them: `token:NAME`, `oidc:SUBJECT`, or `local`.
+    /// As the audit log names them: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`. No two callers share
+    /// it: idempotency keys, the rate limit and the limit on streams go by it.
     pub actor: String,
     /// What they may do.
     pub role: Role,
@@ -119,6 +123,15 @@ pub struct AccessOptions {
     pub token: Option<Secret>,
     /// An identity provider.
     pub oidc: Option<OidcOptions>,
+}
+
+/// What a caller identifies itself with. It is kept as long as a stream is, to identify the caller again.
+#[derive(Debug, Clone)]
+pub enum Credential {
+    /// Nothing: a direct request on loopback, where no token is asked for.
+    Nothing,
+    /// A token.
+    Bearer(Secret),
 }
 
 /// The right to be let in.
@@ -163,11 +176,11 @@ impl Access {
             })
     }
 
-    async fn caller(&self, store: &Store, headers: &HeaderMap) -> Result<Caller, Problem> {
-        let Some(told) = headers.get(header::AUTHORIZATION) else {
+    /// What a request identifies its caller with.
+    fn credential(&self, request: &Parts) -> Result<Credential, Problem> {
+        let Some(told) = request.headers.get(header::AUTHORIZATION) else {
             return if self.is_open {
-                require_direct(headers)?;
-                Ok(Caller::local())
+                origin::require_direct(request.version, &request.headers).map(|()| Credential::Nothing)
             } else {
                 Err(Problem::new(Kind::Unauthenticated, "send a token: Authorization: Bearer vbr_..."))
             };
@@ -177,10 +190,18 @@ impl Access {
         let Some(bearer) = bearer else {
             return Err(Problem::new(Kind::Unauthenticated, "the header must be Authorization: Bearer TOKEN"));
         };
-        self.bearer(store, bearer).await
+        Ok(Credential::Bearer(Secret::new(bearer)))
     }
 
-    async fn bearer(&self, store: &Store, bearer: &str) -> Result<Caller, Problem> {
+    /// Who that is at this moment.
+    ///
+    /// # Errors
+    /// The token is not known, has expired or was revoked; or the database or the identity provider does not answer.
+    pub async fn identify(&self, store: &Store, credential: &Credential) -> Result<Caller, Problem> {
+        let bearer = match credential {
+            Credential::Nothing => return Ok(Caller::local()),
+            Credential::Bearer(bearer) => bearer.reveal(),
+        };
         // Hashes are compared in constant time.
         if self.token.is_some_and(|known| known == blake3::hash(bearer.as_bytes())) {
             return Ok(Caller { actor: "token_file".to_owned(), role: Role::Admin, scope: Scope::All });
@@ -203,48 +224,6 @@ impl Access {
     }
 }
 
-/// Without a token only a browser or program that was pointed at this machine by name is let in: a page of
-/// another site cannot reach it through a name of its own that leads here, nor can whoever comes through a proxy.
-fn require_direct(headers: &HeaderMap) -> Result<(), Problem> {
-    if ["forwarded", "x-forwarded-for", "x-real-ip"].iter().any(|name| headers.contains_key(*name)) {
-        return Err(Problem::new(
-            Kind::Unauthenticated,
-            "the request came through a proxy, and without tokens only this machine is answered: set http.token_file \
-             or http.oidc_issuer",
-        ));
-    }
-    let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
-    let name = host.rsplit_once(':').filter(|(_, port)| port.bytes().all(|byte| byte.is_ascii_digit()));
-    let name = name.map_or(host, |(name, _)| name).trim_start_matches('[').trim_end_matches(']');
-    let is_local = name == "localhost" || name.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback());
-    if is_local {
-        return Ok(());
-    }
-    Err(Problem::new(
-        Kind::CrossSite,
-        format!("without a token only localhost and loopback addresses are answered, not {name:?}: make a token"),
-    ))
-}
-
-/// A page of another site may not act through the browser of somebody who can.
-fn require_same_site(method: &Method, headers: &HeaderMap) -> Result<(), Problem> {
-    if matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS) {
-        return Ok(());
-    }
-    let text = |name| headers.get(name).and_then(|value: &axum::http::HeaderValue| value.to_str().ok());
-    let site = text(header::HeaderName::from_static("sec-fetch-site"));
-    let foreign_site = site.is_some_and(|site| !matches!(site, "same-origin" | "none"));
-    let foreign_origin = match (text(header::ORIGIN), text(header::HOST)) {
-        (Some(origin), Some(host)) => origin.split_once("://").is_none_or(|(_, from)| from != host),
-        (Some(_), None) => true,
-        (None, _) => false,
-    };
-    if foreign_site || foreign_origin {
-        return Err(Problem::new(Kind::CrossSite, "the request comes from another site's page"));
-    }
-    Ok(())
-}
-
 /// What the check of a request needs.
 #[derive(Debug, Clone)]
 pub struct Gate {
@@ -259,26 +238,52 @@ pub struct Gate {
 /// Lets a request in whose caller may do what the route does, in the fleet that its path names.
 pub async fn check(State(gate): State<Gate>, params: RawPathParams, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
-    match admit(&gate, &params, &parts).await {
-        Ok(caller) => {
+    let path = parts.extensions.get::<MatchedPath>().cloned();
+    let path = path.as_ref().map(MatchedPath::as_str).unwrap_or_default();
+    match admit(&gate, &params, &parts, path).await {
+        Ok((caller, credential)) => {
             parts.extensions.insert(caller);
+            parts.extensions.insert(credential);
             next.run(Request::from_parts(parts, body)).await
         }
-        Err(problem) => problem.into_response(),
+        Err(problem) => {
+            let is_method = problem.kind == Kind::MethodNotAllowed;
+            let mut response = problem.into_response();
+            let allowed = HeaderValue::from_str(&gate.roles.methods(path).join(","));
+            if let (true, Ok(allowed)) = (is_method, allowed) {
+                response.headers_mut().insert(header::ALLOW, allowed);
+            }
+            response
+        }
     }
 }
 
-async fn admit(gate: &Gate, params: &RawPathParams, request: &Parts) -> Result<Caller, Problem> {
-    require_same_site(&request.method, &request.headers)?;
-    let caller = match gate.access.caller(&gate.store, &request.headers).await {
-        Ok(caller) => caller,
+async fn admit(
+    gate: &Gate,
+    params: &RawPathParams,
+    request: &Parts,
+    path: &str,
+) -> Result<(Caller, Credential), Problem> {
+    let identified = async {
+        let credential = gate.access.credential(request)?;
+        Ok((gate.access.identify(&gate.store, &credential).await?, credential))
+    };
+    let (caller, credential) = match identified.await {
+        Ok(identified) => identified,
         // Nor may anybody guess without end.
         Err(problem) => return Err(gate.access.limit("nobody").err().unwrap_or(problem)),
     };
     gate.access.limit(&caller.actor)?;
-    let path = request.extensions.get::<MatchedPath>().map(MatchedPath::as_str).unwrap_or_default();
-    // A method that the route does not know is answered by the router.
-    let Some(needed) = gate.roles.needed(&request.method, path) else { return Ok(caller) };
+    let needed = match gate.roles.needed(&request.method, path) {
+        Need::Role(role) => role,
+        Need::NoSuchMethod => {
+            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not know the method; see /docs"));
+        }
+        Need::Undeclared => {
+            tracing::error!(path, "the route does not declare a role, so that nobody may use it");
+            return Err(Problem::new(Kind::Forbidden, "nobody may use this route: it does not declare a role"));
+        }
+    };
     if caller.role < needed {
         return Err(Problem::new(
             Kind::Forbidden,
@@ -289,5 +294,63 @@ async fn admit(gate: &Gate, params: &RawPathParams, request: &Parts) -> Result<C
     if let Some(fleet) = fleet.filter(|fleet| !caller.scope.covers(fleet)) {
         return Err(Problem::new(Kind::Forbidden, format!("your token does not cover the fleet {fleet:?}")));
     }
-    Ok(caller)
+    Ok((caller, credential))
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::Router;
+    use axum::middleware::{from_fn, from_fn_with_state};
+    use axum::routing::{any, get};
+    use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+    use tokio::net::{TcpListener, TcpStream};
+
+    use super::super::document;
+    use super::*;
+    use crate::store::DatabaseAddress;
+
+    /// Statuses of requests to a router whose document declares `GET /v1/told` only.
+    async fn statuses(requests: &[(&str, &str)]) -> Vec<u16> {
+        let folder = std::env::temp_dir().join(format!("vibrissa-access-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let store = Store::open(&DatabaseAddress::Sqlite(folder.join("v.sqlite3")), "test").await.unwrap();
+        let mut told = document::base();
+        let item: utoipa::openapi::PathItem =
+            serde_json::from_value(serde_json::json!({ "get": { "responses": {} } })).unwrap();
+        told.paths.paths.insert("/v1/told".to_owned(), item);
+        let roles = Arc::new(document::Roles::of(&mut told));
+        let access = Access::new(&AccessOptions::default(), std::net::Ipv4Addr::LOCALHOST.into());
+        let router = Router::new()
+            .route("/v1/told", get(async || "told").post(async || "not told"))
+            .route("/v1/not-told", any(async || "not told"))
+            .route_layer(from_fn_with_state(Gate { store, access, roles }, check))
+            .layer(from_fn(origin::refuse_other_sites));
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let serving = tokio::spawn(async move { axum::serve(listener, router).await });
+        let mut statuses = Vec::new();
+        for (method, path) in requests {
+            let mut stream = TcpStream::connect(address).await.unwrap();
+            let request = format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+            stream.write_all(request.as_bytes()).await.unwrap();
+            let mut answer = String::new();
+            stream.read_to_string(&mut answer).await.unwrap();
+            statuses.push(answer.split(' ').nth(1).unwrap().parse().unwrap());
+        }
+        serving.abort();
+        std::fs::remove_dir_all(&folder).unwrap();
+        statuses
+    }
+
+    #[tokio::test]
+    async fn regress_a_route_or_method_without_a_role_is_closed_to_everybody() {
+        let requests = [
+            ("GET", "/v1/told"),
+            ("HEAD", "/v1/told"),
+            ("POST", "/v1/told"),
+            ("GET", "/v1/not-told"),
+            ("POST", "/v1/not-told"),
+        ];
+        assert_eq!(statuses(&requests).await, [200, 200, 405, 403, 403]);
+    }
 }

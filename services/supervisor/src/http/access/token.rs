@@ -63,6 +63,12 @@ pub fn is_ours(token: &str) -> bool {
     token.starts_with(PREFIX)
 }
 
+/// As the audit log names whoever has the token: `token:NAME#ID`. The name is for people, and several tokens may have
+/// it; the identifier makes each token an actor of its own. It follows the last `#`: a name may have others.
+fn actor(row: &TokenRow) -> String {
+    format!("token:{}#{}", row.name, row.token_id)
+}
+
 /// Whom a token lets in; nobody if it is not known, has expired, or was revoked.
 ///
 /// # Errors
@@ -81,5 +87,5 @@ pub async fn caller(store: &Store, token: &str, now_us: i64) -> Result<Option<Ca
         None => Scope::All,
         Some(fleets) => Scope::Only(fleets.split(',').filter_map(|fleet| Name::new(fleet).ok()).collect()),
     };
-    Ok(Some(Caller { actor: format!("token:{}", row.name), role, scope }))
+    Ok(Some(Caller { actor: actor(&row), role, scope }))
 }

@@ -1,13 +1,12 @@
 //! What happens, as it happens: server-sent events.
 
 use std::convert::Infallible;
-use std::sync::Arc;
 
 use axum::extract::{Extension, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use futures_util::stream::{self, Stream};
-use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::sync::watch;
 use tokio::time::{Duration, Instant, timeout};
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
@@ -15,9 +14,10 @@ use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
 use crate::http::App;
-use crate::http::access::Caller;
+use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
 use crate::http::problem::{Kind, Problem};
+use crate::http::streams::Place;
 use crate::store::changes::{Change, Mark};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
@@ -45,6 +45,10 @@ pub struct EventsQuery {
 struct Follower {
     app: App,
     caller: Caller,
+    /// What the caller is identified with again.
+    credential: Credential,
+    /// When that is due.
+    check_at: Instant,
     fleet: Option<Name>,
     mark: Mark,
     /// Marks before this are gone: what came after them may be, too.
@@ -54,13 +58,24 @@ struct Follower {
     stop: watch::Receiver<bool>,
     /// When it must ask again.
     ends: Instant,
-    _place: OwnedSemaphorePermit,
+    _place: Place,
+}
+
+/// Whether a stream may go on.
+enum Standing {
+    /// The caller may still see what it sees.
+    Good,
+    /// The token has ended.
+    Ended,
+    /// The database or the identity provider does not answer.
+    Unknown,
 }
 
 /// What happens from now on, or from `Last-Event-ID` on.
 ///
 /// Events are `change` (its data says what and where; ask for the thing itself) and `reset`: the id is older than what is
-/// kept, so read everything anew. The stream ends after five minutes: ask again, with `Last-Event-ID`.
+/// kept, so read everything anew. The stream ends after five minutes: ask again, with `Last-Event-ID`. It ends within 30 s
+/// of its token's end. One caller may have ten streams at a time, a service a hundred: beyond that the answer is 429.
 #[utoipa::path(
     get, path = "/v1/events", tag = "events",
     params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
@@ -69,12 +84,11 @@ struct Follower {
 async fn follow(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    Extension(credential): Extension<Credential>,
     Query(query): Query<EventsQuery>,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
-    let place = Arc::clone(&app.followers).try_acquire_owned().map_err(|_| {
-        Problem::new(Kind::TooManyRequests, "as many live connections as are served are open: close one, or poll")
-    })?;
+    let place = app.streams.open(&caller.actor)?;
     let (changed, stop) = (app.mailroom.changes(), app.stop.clone());
     let marks = app.store.marks().await?;
     let end = marks.map_or(Mark { tx: 0, change_id: 0 }, |(_, end)| end);
@@ -86,9 +100,22 @@ async fn follow(
         Some(Ok(mark)) if marks.is_some_and(|(begin, end)| (begin..=end).contains(&mark)) => (mark, false),
         Some(Ok(_)) => (end, true),
     };
-    let (waiting, ends) = (std::collections::VecDeque::new(), Instant::now() + LIFETIME);
-    let follower =
-        Follower { app, caller, fleet: query.fleet, mark, is_reset_due, waiting, changed, stop, ends, _place: place };
+    let now = Instant::now();
+    let (check_at, ends) = (now + app.streams.options().check_every, now + LIFETIME);
+    let follower = Follower {
+        app,
+        caller,
+        credential,
+        check_at,
+        fleet: query.fleet,
+        mark,
+        is_reset_due,
+        waiting: std::collections::VecDeque::new(),
+        changed,
+        stop,
+        ends,
+        _place: place,
+    };
     let events = stream::unfold(follower, |mut follower| async move {
         let event = follower.next().await?;
         Some((Ok(event), follower))
@@ -97,7 +124,7 @@ async fn follow(
 }
 
 impl Follower {
-    /// The next event; none once the service stops.
+    /// The next event; none once the service stops, or the caller may not see events any more.
     async fn next(&mut self) -> Option<Event> {
         if std::mem::take(&mut self.is_reset_due) {
             return Some(Event::default().event("reset").id(self.mark.to_string()).data("{}"));
@@ -105,6 +132,15 @@ impl Follower {
         loop {
             if *self.stop.borrow() || Instant::now() >= self.ends {
                 return None;
+            }
+            match self.standing().await {
+                Standing::Good => {}
+                Standing::Ended => return None,
+                // Nothing is told before it is known.
+                Standing::Unknown => {
+                    self.pause().await;
+                    continue;
+                }
             }
             while let Some(change) = self.waiting.pop_front() {
                 self.mark = change.mark();
@@ -114,6 +150,23 @@ impl Follower {
                 }
             }
             self.look().await;
+        }
+    }
+
+    /// Identifies the caller again if that is due: a token ends while a stream goes on, and an administrator or the
+    /// identity provider may give it other fleets.
+    async fn standing(&mut self) -> Standing {
+        if Instant::now() < self.check_at {
+            return Standing::Good;
+        }
+        match self.app.access.identify(&self.app.store, &self.credential).await {
+            Ok(caller) => {
+                self.caller = caller;
+                self.check_at = Instant::now() + self.app.streams.options().check_every;
+                Standing::Good
+            }
+            Err(problem) if problem.kind == Kind::Unavailable => Standing::Unknown,
+            Err(_) => Standing::Ended,
         }
     }
 
@@ -129,15 +182,19 @@ impl Follower {
         let is_quiet = found.is_empty();
         self.waiting.extend(found);
         if is_quiet {
-            let (changed, stop) = (&mut self.changed, &mut self.stop);
-            let something = async {
-                tokio::select! {
-                    _ = changed.changed() => {}
-                    _ = stop.changed() => {}
-                }
-            };
-            // Nothing of this supervisor: another one's may be there.
-            let _ = timeout(POLL, something).await;
+            self.pause().await;
         }
+    }
+
+    /// Waits for a change of this supervisor's, at most until another supervisor's may be there.
+    async fn pause(&mut self) {
+        let (changed, stop) = (&mut self.changed, &mut self.stop);
+        let something = async {
+            tokio::select! {
+                _ = changed.changed() => {}
+                _ = stop.changed() => {}
+            }
+        };
+        let _ = timeout(POLL, something).await;
     }
 }

@@ -1,0 +1,122 @@
+//! Tokens of an identity provider that are not what they seem, and a flood of keys that nobody has.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use jsonwebtoken::{Algorithm, EncodingKey, Header, encode};
+use rcgen::KeyPair;
+use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpListener;
+use vibrissa_simulator::fleet::now_us;
+
+use crate::started::{Place, Started};
+
+/// One key under several names, each with other members; it counts how often it is asked for them.
+struct Provider {
+    issuer: String,
+    key: KeyPair,
+    asked: Arc<AtomicU32>,
+}
+
+impl Provider {
+    async fn start() -> Self {
+        let key = KeyPair::generate().unwrap();
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let issuer = format!("http://{}", listener.local_addr().unwrap());
+        let (x, y) = key.public_key_raw()[1..].split_at(32);
+        let [x, y] = [x, y].map(|part| URL_SAFE_NO_PAD.encode(part));
+        let named = |kid: &str, more: &Value| {
+            let mut key = json!({ "kty": "EC", "crv": "P-256", "kid": kid, "x": x, "y": y });
+            for (name, value) in more.as_object().unwrap() {
+                key[name] = value.clone();
+            }
+            key
+        };
+        let keys = json!({ "keys": [
+            named("good", &json!({ "use": "sig", "alg": "ES256" })),
+            named("plain", &json!({})),
+            named("verify", &json!({ "key_ops": ["verify"] })),
+            named("enc", &json!({ "use": "enc" })),
+            named("derive", &json!({ "key_ops": ["deriveKey"] })),
+            named("es384", &json!({ "use": "sig", "alg": "ES384" })),
+            named("agreement", &json!({ "alg": "ECDH-ES" })),
+        ] });
+        let asked = Arc::new(AtomicU32::new(0));
+        let count = asked.clone();
+        tokio::spawn(async move {
+            while let Ok((mut stream, _)) = listener.accept().await {
+                count.fetch_add(1, Ordering::SeqCst);
+                let _ = stream.read(&mut [0; 4096]).await;
+                let body = keys.to_string();
+                let head = format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", body.len());
+                let _ = stream.write_all(format!("{head}{body}").as_bytes()).await;
+            }
+        });
+        Self { issuer, key, asked }
+    }
+
+    fn supervise(&self, place: &Place) -> Started {
+        let keys = format!("{}/keys", self.issuer);
+        place.start(&[
+            "--http",
+            "127.0.0.1:0",
+            "--http-oidc-issuer",
+            &self.issuer,
+            "--http-oidc-audience",
+            "vibrissa",
+            "--http-oidc-jwks-url",
+            &keys,
+        ])
+    }
+
+    /// A token that is good in itself.
+    fn token(&self, header: &Header) -> String {
+        let claims = json!({ "iss": self.issuer, "aud": "vibrissa", "sub": "ann", "vibrissa_role": "viewer",
+                             "vibrissa_fleets": "*", "exp": now_us() / 1_000_000 + 600 });
+        encode(header, &claims, &EncodingKey::from_ec_der(&self.key.serialize_der())).unwrap()
+    }
+}
+
+fn header(kid: &str) -> Header {
+    Header { kid: Some(kid.to_owned()), ..Header::new(Algorithm::ES256) }
+}
+
+async fn status(started: &Started, token: &str) -> (u16, String) {
+    let answer = started.get("/v1/fleets", &[("Authorization", &format!("Bearer {token}"))]).await;
+    (answer.status, answer.body)
+}
+
+#[tokio::test]
+async fn regress_keys_for_something_else_and_critical_extensions_are_refused() {
+    let (provider, place) = (Provider::start().await, Place::sqlite());
+    let started = provider.supervise(&place);
+    for kid in ["good", "plain", "verify"] {
+        let (status, told) = status(&started, &provider.token(&header(kid))).await;
+        assert_eq!(status, 200, "{kid}: {told}");
+    }
+    for (kid, why) in [("enc", "(use)"), ("derive", "(key_ops)"), ("es384", "(alg)"), ("agreement", "(alg)")] {
+        let (status, told) = status(&started, &provider.token(&header(kid))).await;
+        assert!(status == 401 && told.contains(why), "{kid}: {status} {told}");
+    }
+    for critical in [vec!["exp2".to_owned()], vec!["b64".to_owned()], Vec::new()] {
+        let token = provider.token(&Header { crit: Some(critical.clone()), ..header("good") });
+        let (status, told) = status(&started, &token).await;
+        assert!(status == 401 && told.contains("extensions"), "{critical:?}: {status} {told}");
+    }
+}
+
+#[tokio::test]
+async fn unknown_keys_do_not_make_it_ask_the_provider_each_time() {
+    let (provider, place) = (Provider::start().await, Place::sqlite());
+    let started = provider.supervise(&place);
+    for number in 0..300 {
+        let (status, told) = status(&started, &provider.token(&header(&format!("k{number}")))).await;
+        assert_eq!(status, 401, "{told}");
+    }
+    assert_eq!(status(&started, &provider.token(&header("good"))).await.0, 200);
+    // One every ten seconds at most: a slow machine may take that long for the requests above.
+    assert!(provider.asked.load(Ordering::SeqCst) <= 3, "{}", provider.asked.load(Ordering::SeqCst));
+}
