@@ -60,6 +60,7 @@ words! {
         ContactUse::TooWeak => "TOO_WEAK",
         ContactUse::OnChamber => "ON_CHAMBER",
         ContactUse::GaugeFault => "GAUGE_FAULT",
+        ContactUse::Implausible => "IMPLAUSIBLE",
     }
     Case {
         Case::SelfCompensation => "SELF_COMPENSATION",

@@ -12,6 +12,8 @@ pub(crate) struct Range {
     /// Whether `least` itself is too little.
     pub(crate) is_least_excluded: bool,
     pub(crate) most: f64,
+    /// Below this only 0 itself: what is nearer to 0 is no measurement. 0 where there is no such gap.
+    pub(crate) least_magnitude: f64,
     /// The same for people.
     allowed: &'static str,
 }
@@ -23,6 +25,7 @@ macro_rules! range {
             least: $least as f64,
             is_least_excluded: true,
             most: $most as f64,
+            least_magnitude: 0.0,
             allowed: concat!("above ", $least, " and at most ", $most, $unit),
         }
     };
@@ -31,19 +34,31 @@ macro_rules! range {
             least: $least as f64,
             is_least_excluded: false,
             most: $most as f64,
+            least_magnitude: 0.0,
             allowed: concat!("between ", $least, " and ", $most, $unit),
+        }
+    };
+    (zero or magnitude $least:literal to $most:literal $unit:literal) => {
+        Range {
+            least: -($most as f64),
+            is_least_excluded: false,
+            most: $most as f64,
+            least_magnitude: $least as f64,
+            allowed: concat!("0, or in magnitude between ", $least, " and ", $most, $unit),
         }
     };
 }
 
-/// The paper's contact ratio a.
-pub(crate) const RATIO: Range = range!(above 0 to 1 "");
-/// A length or deflection in mm.
-pub(crate) const POSITIVE_MM: Range = range!(above 0 to 1000 " mm");
+/// The paper's contact ratio a. Below its least the contact would be on the chamber of every whisker there is.
+pub(crate) const RATIO: Range = range!(between 0.01 and 1 "");
+/// A whisker's length in mm.
+pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
+/// A deflection in mm. No sensor of a robot tells less than its least from none.
+pub(crate) const DEFLECTION_MM: Range = range!(between 0.01 and 1000 " mm");
 /// A place on the robot in mm.
 pub(crate) const PLACE_MM: Range = range!(between -100000 and 100000 " mm");
-/// A strain in m/m.
-pub(crate) const STRAIN: Range = range!(between -1 and 1 " (m/m)");
+/// A strain in m/m. A dead gauge reads 0; a thousandth of what the best amplifiers resolve is no reading.
+pub(crate) const STRAIN: Range = range!(zero or magnitude 1e-9 to 1 " (m/m)");
 /// A gauge pressure in MPa.
 pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
 /// A temperature in degrees Celsius.
@@ -56,7 +71,8 @@ pub(crate) const GAIN: Range = range!(above 0 to 1000 "");
 impl Range {
     /// Refuses a number that lies outside.
     pub(crate) fn check(&self, path: &str, value: f64) -> Result<(), Refusal> {
-        let is_enough = if self.is_least_excluded { value > self.least } else { value >= self.least };
+        let is_enough = if self.is_least_excluded { value > self.least } else { value >= self.least }
+            && (value == 0.0 || value.abs() >= self.least_magnitude);
         // The path is only built for a refusal: this runs for every contact.
         number(path, value, is_enough && value <= self.most, self.allowed)
     }
@@ -76,14 +92,14 @@ pub(crate) fn count(path: &str, count: usize, most: usize) -> Result<(), Refusal
     if count <= most { Ok(()) } else { Err(Refusal::TooMany { path: path.to_owned(), count, most }) }
 }
 
-/// Whether a text has a length that is allowed.
-pub(crate) fn is_short(text: &str) -> bool {
-    (1..=TEXT_MAX_CHARS).contains(&text.chars().count())
+/// Whether a free text is short, and has no control character: databases refuse some of these, and terminals obey others.
+pub(crate) fn is_identifier(text: &str) -> bool {
+    (1..=TEXT_MAX_CHARS).contains(&text.chars().count()) && !text.chars().any(char::is_control)
 }
 
-/// Whether a text can identify something, such as a boot: short, and nothing invisible in it.
-pub(crate) fn is_identifier(text: &str) -> bool {
-    is_short(text) && !text.chars().any(char::is_control)
+/// What [`is_identifier`] asks.
+pub(crate) fn identifier_rule() -> String {
+    format!("must have 1 to {TEXT_MAX_CHARS} characters, none of them a control character")
 }
 
 /// A free text that identifies something, such as a command.
@@ -91,10 +107,7 @@ pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
     if is_identifier(text) {
         Ok(())
     } else {
-        Err(Refusal::Malformed {
-            path: path.to_owned(),
-            problem: format!("must have 1 to {TEXT_MAX_CHARS} characters, none of them a control character"),
-        })
+        Err(Refusal::Malformed { path: path.to_owned(), problem: identifier_rule() })
     }
 }
 

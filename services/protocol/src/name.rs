@@ -8,7 +8,7 @@ use serde::de::{Error as _, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use smol_str::SmolStr;
 
-use crate::check::{self, TEXT_MAX_CHARS};
+use crate::check;
 use crate::schema;
 
 /// The most characters of a name.
@@ -163,14 +163,10 @@ impl Name {
     }
 }
 
-/// For serde's `deserialize_with`: a short free text such as a model's name, at most 64 characters.
+/// For serde's `deserialize_with`: a short free text without control characters, such as a model's name.
 pub(crate) fn short_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let text = String::deserialize(deserializer)?;
-    if check::is_short(&text) {
-        Ok(text)
-    } else {
-        Err(D::Error::custom(format_args!("must have 1 to {TEXT_MAX_CHARS} characters")))
-    }
+    if check::is_identifier(&text) { Ok(text) } else { Err(D::Error::custom(check::identifier_rule())) }
 }
 
 #[cfg(test)]

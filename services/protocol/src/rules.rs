@@ -123,7 +123,7 @@ rules! {
         "Contacts, status and setpoint_state are not retained.";
 
     ContactsInRange = "contacts-in-range", "contacts", Every, Talking,
-        "The numbers of a contact are ones that there can be: ratio above 0 and at most 1, deflection above 0, and so on.";
+        "The numbers of a contact are ones that there can be: ratio from 0.01 to 1, deflection from 0.01 mm on, and so on.";
     ContactsOnFactsheet = "contacts-on-factsheet", "contacts", Every, Talking,
         "Contacts are of whiskers that are on the factsheet.";
     ContactsResent = "contacts-resent", "contacts", Receipts, Talking,

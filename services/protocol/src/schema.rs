@@ -13,6 +13,11 @@ impl Range {
             let least = if self.is_least_excluded { "exclusiveMinimum" } else { "minimum" };
             schema.insert(least.to_owned(), plain(self.least));
             schema.insert("maximum".to_owned(), plain(self.most));
+            if self.least_magnitude > 0.0 {
+                let (least, most) = (plain(self.least_magnitude), plain(-self.least_magnitude));
+                let any = json!([{ "const": 0 }, { "minimum": least }, { "maximum": most }]);
+                schema.insert("anyOf".to_owned(), any);
+            }
         }
     }
 }

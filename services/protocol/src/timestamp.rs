@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A point in time, in microseconds since 1970 UTC; as text with milliseconds, `2026-11-21T08:00:00.000Z`.
 ///
-/// Written with milliseconds (the rest is cut off), read with any number of decimals.
+/// Written with milliseconds (the rest is cut off), read with any number of decimals in up to 64 characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Timestamp(pub u64);
 
@@ -17,6 +17,8 @@ pub struct Timestamp(pub u64);
 #[error("no timestamp: expected RFC 3339 in UTC such as 2026-11-21T08:00:00.000Z, not before 1970")]
 pub struct BadTimestamp;
 
+/// The longest text that is read: with some forty decimals.
+const TEXT_MAX_BYTES: usize = 64;
 const US_PER_S: u64 = 1_000_000;
 const S_PER_DAY: u64 = 86_400;
 
@@ -71,6 +73,9 @@ fn digits(text: &str, from: usize, to: usize) -> Option<u64> {
 }
 
 fn parse(text: &str) -> Option<u64> {
+    if text.len() > TEXT_MAX_BYTES {
+        return None;
+    }
     let body = text.strip_suffix(['Z', 'z']).or_else(|| text.strip_suffix("+00:00"))?;
     let separators = [(4, "-"), (7, "-"), (10, "T"), (13, ":"), (16, ":")];
     if !separators.iter().all(|&(at, mark)| body.get(at..at + 1).is_some_and(|c| c.eq_ignore_ascii_case(mark))) {
@@ -112,7 +117,7 @@ impl JsonSchema for Timestamp {
         "Timestamp".into()
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "string", "format": "date-time", "pattern": PATTERN })
+        json_schema!({ "type": "string", "format": "date-time", "maxLength": TEXT_MAX_BYTES, "pattern": PATTERN })
     }
 }
 
@@ -176,6 +181,7 @@ mod tests {
             "2026-11-21T08:00:00.Z",
             "2026-11-21 08:00:00Z",
             "2026-11-2éT08:00:00Z",
+            &format!("2026-11-21T08:00:00.{}Z", "0".repeat(44)),
         ] {
             assert_eq!(bad.parse::<Timestamp>(), Err(BadTimestamp), "{bad}");
         }

@@ -160,8 +160,8 @@ impl Plant {
             + baseline_strain;
         let deflection_mm = self.deflection_factor * deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
         Ok(Reading {
-            ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(1e-4, 1.0),
-            deflection_mm: rounded(deflection_mm, 1e4).clamp(1e-4, 1000.0),
+            ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(0.01, 1.0),
+            deflection_mm: rounded(deflection_mm, 1e4).clamp(0.01, 1000.0),
             strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
             temperature_c: self.temperature_c,
         })

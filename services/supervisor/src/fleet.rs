@@ -156,7 +156,7 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
-    let mut publisher = mqtt::publish(connection, publications);
+    let mut publisher = mqtt::publish(connection, publications, metrics.setpoints_expired_unsent.clone());
     let (cut_off, cutting_off) = watch::channel(false);
     // Together: a message of a fleet that does little wakes one thread then.
     let working = async move {

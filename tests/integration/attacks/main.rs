@@ -15,3 +15,8 @@ mod jwt;
 mod routes;
 mod started;
 mod startup;
+mod clocks;
+mod forgeries;
+mod odd_values;
+mod old_boots;
+mod supervised;

@@ -1,6 +1,8 @@
 //! The core against simulated robots whose truth is known.
 
 mod assignment;
+mod by_hand;
+mod clocks;
 mod closed_loop;
 mod detection;
 mod erosion;
@@ -9,6 +11,8 @@ mod false_alarms;
 mod faults;
 mod health;
 mod leak;
+mod odd_values;
+mod old_boots;
 mod operator;
 mod policy;
 mod purity;

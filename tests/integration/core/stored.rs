@@ -13,7 +13,10 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 
 const ARRAY: &str = "left";
 const WHISKERS: u16 = 4;
-const BOOTS: [&str; 3] = ["b0", "b1", "b2"];
+/// A boot that others have followed does not come back.
+const BOOTS: [&str; 16] =
+    ["b0", "b1", "b2", "b3", "b4", "b5", "b6", "b7", "b8", "b9", "b10", "b11", "b12", "b13", "b14", "b15"];
+const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
 
 /// What happens, to be told as often as needed.
 #[derive(Debug, Clone)]
@@ -89,7 +92,7 @@ impl Plant {
             }
             988..992 => Said::Hold(self.random.random(), self.random.random_range(0..WHISKERS)),
             992..995 => {
-                self.boot = (self.boot + 1) % BOOTS.len();
+                self.boot = (self.boot + 1).min(BOOTS.len() - 1);
                 Said::Connection(self.boot, Link::Online)
             }
             995..996 => Said::Connection(self.boot, Link::Broken),
@@ -102,7 +105,8 @@ impl Plant {
         let count = self.random.random_range(1..8);
         let contacts = (0..count).map(|_| self.contact()).collect();
         // Now and then of an older boot, again, or with a gap.
-        let boot = if self.random.random_bool(0.02) { self.random.random_range(0..BOOTS.len()) } else { self.boot };
+        let is_another = self.random.random_bool(0.02);
+        let boot = if is_another { self.random.random_range(0..=self.boot + 1) % BOOTS.len() } else { self.boot };
         let seq = match self.random.random_range(0..40) {
             0 => self.next[boot].saturating_sub(self.random.random_range(1..6)),
             1 => self.next[boot] + 2,
@@ -126,7 +130,7 @@ impl Plant {
         Contact {
             array: ARRAY,
             whisker: if self.random.random_bool(0.002) { 99 } else { whisker },
-            robot_time: self.now,
+            robot_time: self.time(),
             ratio,
             deflection: Millimetre::known(deflection_mm),
             strain: Strain::known(strain),
@@ -150,7 +154,17 @@ impl Plant {
             }
         });
         let whiskers = whiskers.collect();
-        Said::Status(self.boot, self.now, whiskers)
+        Said::Status(self.boot, self.time(), whiskers)
+    }
+
+    /// Now and then a wrong one.
+    fn time(&mut self) -> Micros {
+        match self.random.random_range(0..200) {
+            0 => Micros(self.now.0 + YEAR_US),
+            1 => Micros(self.now.0 - YEAR_US),
+            2 => Micros(self.now.0 + 23_000_000),
+            _ => self.now,
+        }
     }
 
     fn answer(&mut self) -> Said {
@@ -345,4 +359,65 @@ fn property_a_tick_with_nothing_to_do_says_what_a_full_look_says() {
             assert_eq!(step(&mut robot, &life.params, *now, said), life.effects[at], "seed {seed}, event {at}");
         }
     }
+}
+
+/// The robots that version 4 of the state stored, each with its parts; they were written by the program of then.
+fn of_version_4() -> Vec<Vec<Vec<u8>>> {
+    let mut bytes: &[u8] = include_bytes!("../../data/state-4/robots.bin");
+    let mut parts = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let (part, rest) = rest.split_at(u32::from_le_bytes(*length) as usize);
+        parts.push(part.to_vec());
+        bytes = rest;
+    }
+    parts.chunks(1 + usize::from(WHISKERS)).map(<[_]>::to_vec).collect()
+}
+
+/// What was told of such a robot then.
+fn told_of(robot: &Robot) -> String {
+    let mut told = format!("{:?}\n", robot.connection_state());
+    BOOTS[..3].iter().for_each(|boot| told += &format!("{:?}\n", robot.sequence(boot)));
+    told += &format!("{:?}\n{:#?}\n", robot.arrays().collect::<Vec<_>>(), robot.compensations());
+    told += &format!("{:#?}\n", robot.commands_under_way().collect::<Vec<_>>());
+    (0..robot.whisker_count()).for_each(|index| told += &format!("{:#?}\n", robot.whisker(index).unwrap()));
+    told
+}
+
+#[test]
+fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
+    let mut told = String::new();
+    for parts in of_version_4() {
+        let (head, whiskers) = (&parts[0], &parts[1..]);
+        let robot = Robot::restore(head, whiskers).unwrap();
+        told += &told_of(&robot);
+        let Store { head: now, whiskers: same } = Store::all_of(&robot);
+        assert_eq!(same, whiskers, "whiskers are stored as they were");
+        assert_eq!((head[0], now[0]), (4, 5));
+        assert_eq!(Robot::restore(&now, &same).unwrap(), robot);
+    }
+    let expected = include_str!("../../data/state-4/robots.txt");
+    let differs = told.lines().zip(expected.lines()).find(|(told, expected)| told != expected);
+    assert_eq!((differs, told.len()), (None, expected.len()));
+}
+
+#[test]
+fn a_robot_of_version_4_goes_on_once_it_has_said_its_time_again() {
+    let parts = &of_version_4()[0];
+    let mut robot = Robot::from_bytes(&parts[0], &parts[1..], 2, Micros(1_795_260_000_000_000)).unwrap();
+    let (boot_id, now) = (robot.connection_state().0.unwrap().to_owned(), Micros(1_795_260_001_000_000));
+    let mut effects = Vec::new();
+    let mut step = |event: &Event<'_>| robot.step(&params(), now, event, &mut effects);
+    step(&Event::Connection { boot_id: &boot_id, link: Link::Online });
+    let whisker = Place { array: ARRAY, whisker: 3 };
+    let by_hand = Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.05 });
+    assert!(matches!(step(&by_hand), vibrissa_core::robot::Outcome::Refused(_)), "its clock is not known");
+    step(&Event::Status { boot_id: &boot_id, robot_time: now, whiskers: &[] });
+    step(&by_hand);
+    step(&Event::Tick);
+    let sent = effects.iter().find_map(|effect| match effect {
+        Effect::Command(command) if command.whisker == 3 => Some(command),
+        _ => None,
+    });
+    let left_s = Micros(sent.expect("a setpoint").expires.0 - now.0).as_s();
+    assert!((10.0..15.0).contains(&left_s), "{left_s} s");
 }

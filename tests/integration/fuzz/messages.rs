@@ -70,7 +70,10 @@ fn payloads() -> impl Strategy<Value = (usize, Input)> {
 
 /// Numbers as they are measured: with all the digits that a float has.
 fn numbers() -> impl Strategy<Value = (f64, f64)> {
-    (1e-300..1.0_f64, -1.0..1.0_f64)
+    let strain = (-9.0..0.0_f64, any::<bool>()).prop_map(|(power, is_negative)| {
+        10_f64.powf(power).clamp(1e-9, 1.0).copysign(if is_negative { -1.0 } else { 1.0 })
+    });
+    (0.01..1.0_f64, strain)
 }
 
 #[test]

@@ -17,6 +17,8 @@
 //! variance. That is what [`crate::detection`] rests on. How much of a real change the filter has absorbed
 //! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
 
+use std::ops::RangeInclusive;
+
 use borsh::io::{Error, Read, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -40,6 +42,14 @@ const LEAST_SOUND: f64 = 1e-3;
 const MODEL_SLOPE_SD: f64 = 0.015;
 /// The least share of the expected strain that deflection must explain.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
+/// Bounds of what one contact can say: far beyond all that a whisker does, and near enough for sums over them to be finite in
+/// single precision. A strain of 1e-9 where 1 is expected has a residual of -21.
+const RESIDUAL_MAX: f64 = 40.0;
+const VARIANCES: RangeInclusive<f64> = 1e-10..=1e6;
+const ROW_AND_GAIN_MAX: f64 = 1e6;
+/// Bounds of the state, and of its variances: e^20 is 5e8.
+const STATE_MAX: f32 = 20.0;
+const STATE_VARIANCE_MAX: f64 = 1e6;
 
 /// Prior and process noise, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,6 +173,22 @@ pub enum NoInformation {
     /// The expected strain drowns in the gauge's floor, or the strain has no logarithm.
     #[error("strain too small to tell a sensitivity")]
     TooWeak,
+    /// With its numbers the estimate would leave the range of what can be.
+    #[error("numbers too far from anything that a whisker does")]
+    Implausible,
+}
+
+impl Innovation {
+    /// Whether every number is finite and within the bounds of what a contact can say.
+    fn is_bounded(&self) -> bool {
+        let all_within = |numbers: &[f64; STATES]| numbers.iter().all(|one| one.abs() <= ROW_AND_GAIN_MAX);
+        self.residual.abs() <= RESIDUAL_MAX
+            && VARIANCES.contains(&self.variance)
+            && VARIANCES.contains(&self.noise_variance)
+            && self.predicted_sensitivity_per_mm.is_finite()
+            && all_within(&self.row)
+            && all_within(&self.gain)
+    }
 }
 
 impl LengthFilter {
@@ -245,7 +271,8 @@ impl LengthFilter {
             1.0 / expected_strain,
         ];
         let noise_variance = scale.variance() * noise.log_variance(expected_strain, contact.ratio, log_slope);
-        Ok(self.innovation(residual, row, noise_variance, scale.density(), predicted))
+        let seen = self.innovation(residual, row, noise_variance, scale.density(), predicted);
+        if seen.is_bounded() { Ok(seen) } else { Err(NoInformation::Implausible) }
     }
 
     fn innovation(
@@ -277,15 +304,32 @@ impl LengthFilter {
         }
     }
 
-    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander.
-    pub fn learn(&mut self, seen: &Innovation, wander: Wander) {
-        for (mean, gain) in self.mean.iter_mut().zip(seen.gain) {
+    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander. False, and nothing is
+    /// learned, if that would leave the range of what can be.
+    pub fn learn(&mut self, seen: &Innovation, wander: Wander) -> bool {
+        let mut after = self.clone();
+        for (mean, gain) in after.mean.iter_mut().zip(seen.gain) {
             *mean = (f64::from(*mean) + gain * seen.residual) as f32;
         }
-        self.covariance = self.covariance.after_reading(&seen.row, &seen.gain, seen.gain_noise_variance);
-        self.covariance.widen(0, wander.offset.powi(2));
-        self.covariance.widen(LENGTH, (wander.length_mm / self.whole_length_mm).powi(2));
-        self.covariance.widen(BASELINE, wander.baseline_strain.powi(2));
+        after.covariance = self.covariance.after_reading(&seen.row, &seen.gain, seen.gain_noise_variance);
+        after.covariance.widen(0, wander.offset.powi(2));
+        after.covariance.widen(LENGTH, (wander.length_mm / self.whole_length_mm).powi(2));
+        after.covariance.widen(BASELINE, wander.baseline_strain.powi(2));
+        self.become_if_sound(after)
+    }
+
+    /// Whether mean and covariance are finite and within their bounds, and no variance is negative.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.mean.iter().all(|mean| mean.abs() <= STATE_MAX) && self.covariance.is_within(STATE_VARIANCE_MAX)
+    }
+
+    fn become_if_sound(&mut self, after: Self) -> bool {
+        let is_sound = after.is_sound();
+        if is_sound {
+            *self = after;
+        }
+        is_sound
     }
 
     /// The noise turned out to be another: so is the variance of what was learned by averaging it away.
@@ -304,12 +348,16 @@ impl LengthFilter {
     ///
     /// The model is linearised at the old length, so a tenth of the change of lambda is added to its standard
     /// deviation; the contacts that follow take that away again.
-    pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) {
-        for (mean, lacks) in self.mean.iter_mut().zip(lacking) {
+    ///
+    /// False, and nothing changes, if that would leave the range of what can be.
+    pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) -> bool {
+        let mut after = self.clone();
+        for (mean, lacks) in after.mean.iter_mut().zip(lacking) {
             *mean = (f64::from(*mean) + lacks * size) as f32;
         }
-        self.covariance.add_square(&lacking, variance);
-        self.covariance.widen(LENGTH, (0.1 * size * lacking[LENGTH]).powi(2));
+        after.covariance.add_square(&lacking, variance);
+        after.covariance.widen(LENGTH, (0.1 * size * lacking[LENGTH]).powi(2));
+        self.become_if_sound(after)
     }
 
     /// The pressure has moved for good: the model's error is another one now, the length is the same.

@@ -73,7 +73,9 @@ pub enum ActionProblem {
         highest: Megapascal,
     },
     /// A setpoint that cannot be sent now must not be sent later.
-    #[error("the robot is offline, or has not said its time yet: a manual setpoint is sent now or not at all")]
+    #[error(
+        "the robot is offline or silent, or has not said its time yet: a manual setpoint is sent now or not at all"
+    )]
     RobotOffline,
     /// The compensator of what is to be approved is held.
     #[error("the whisker that would serve is held: release it first")]

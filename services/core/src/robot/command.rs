@@ -37,7 +37,7 @@ impl Robot {
 
     /// Sends what is due: a new setpoint where the desired one is not held, or an unanswered one again.
     pub(super) fn reconcile(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        self.expire(index, effects);
+        self.expire(params, now, index, effects);
         let held = self.holds(index);
         let whisker = &mut self.whiskers[index];
         let Some(desired) = &whisker.desired else { return };
@@ -50,7 +50,8 @@ impl Robot {
                 && (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
                 && flight.command.compensation == desired.compensation;
             if same {
-                if now >= flight.resend_at && flight.state == CommandState::Pending {
+                let waits = is_ahead(now, flight.resend_at, params.command.resend_after);
+                if !waits && flight.state == CommandState::Pending {
                     flight.resend_at = now.after(params.command.resend_after);
                     whisker.changed = true;
                     effects.push(Effect::Resend(Box::new(flight.command.clone())));
@@ -72,9 +73,11 @@ impl Robot {
         self.send(params, now, index, effects);
     }
 
-    /// Whether a setpoint can reach it: it is connected, and its clock is known, by which setpoints expire.
-    pub(super) fn can_be_told(&self) -> bool {
-        self.link == Link::Online && self.boot_id.is_some() && self.robot_time.is_some()
+    /// Whether a setpoint can reach it: it is connected, its clock is known, by which setpoints expire, and it is heard. Each setpoint
+    /// expires after its time to live: to one who is not heard they would go out in vain, one after the other.
+    pub(super) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
+        let is_heard = self.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
+        self.link == Link::Online && self.boot_id.is_some() && self.clock.is_known() && is_heard
     }
 
     /// Manual setpoints that were not answered: they are not sent later.
@@ -85,13 +88,14 @@ impl Robot {
     }
 
     fn send(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        if !self.can_be_told() {
+        if !self.can_be_told(params, now) {
             return;
         }
-        let (Some(boot_id), Some(robot_time)) = (&self.boot_id, self.robot_time) else { return };
+        let (Some(boot_id), Some(robot_time)) = (&self.boot_id, self.clock.robot_time(now)) else { return };
         let whisker = &mut self.whiskers[index];
         let Some(desired) = whisker.desired.clone() else { return };
-        if whisker.given_up || now < whisker.rare.not_before {
+        let pause_max = params.command.resend_after.max(params.command.time_to_live);
+        if whisker.given_up || is_ahead(now, whisker.rare.not_before, pause_max) {
             return;
         }
         if whisker.rare.attempts >= params.command.attempts {
@@ -105,8 +109,7 @@ impl Robot {
         self.changed = true;
         // The factsheet's limit and the paper's are kept here too, whatever was asked for.
         let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
-        let way_mpa = (pressure.mpa() - whisker.air.setpoint.mpa()).abs();
-        let slewing = Micros::from_s(way_mpa / params.command.slew_mpa_per_s);
+        let valid_for = whisker.valid_for(params, pressure);
         let command = Command {
             key,
             whisker: index,
@@ -114,7 +117,7 @@ impl Robot {
             pressure,
             slew_mpa_per_s: params.command.slew_mpa_per_s,
             issued: now,
-            expires: robot_time.after(slewing).after(params.command.time_to_live),
+            expires: robot_time.after(valid_for),
             reason: desired.reason,
             compensation: desired.compensation,
             gain: desired.gain,
@@ -131,18 +134,38 @@ impl Robot {
         effects.push(Effect::Command(Box::new(command)));
     }
 
-    /// A setpoint that its robot would refuse as expired by now.
-    fn expire(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let Some(robot_time) = self.robot_time else { return };
+    /// A setpoint that its robot would refuse as expired by now, or that has gone unanswered for so long by our own clock.
+    fn expire(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let (robot_time, heard) = (self.clock.robot_time(now), self.clock.heard());
         let whisker = &mut self.whiskers[index];
-        if let Some(flight) = whisker.command.take_if(|flight| robot_time > flight.command.expires) {
-            whisker.changed = true;
-            effects.push(state_of(flight.command.key, CommandState::Expired));
-            if flight.command.key.epoch < self.epoch {
-                // Asked of a supervisor that is no more, who knows how long ago.
-                whisker.forget_manual();
-            }
+        let Some(flight) = &whisker.command else { return };
+        let Command { key, issued, expires, pressure, .. } = flight.command;
+        let is_pending = flight.state == CommandState::Pending;
+        let is_over = robot_time.is_some_and(|robot_time| robot_time > expires);
+        // A clock that was set back by more than that says nothing of its age.
+        let valid_for = whisker.valid_for(params, pressure);
+        let is_unanswered = is_pending && now.since(issued).max(issued.since(now)) > valid_for;
+        if !is_over && !is_unanswered {
+            return;
         }
+        whisker.command = None;
+        whisker.changed = true;
+        effects.push(state_of(key, CommandState::Expired));
+        if is_pending && heard.is_none_or(|heard| heard <= issued) {
+            // The connection was away: that is no failure of the robot's. A manual setpoint is not sent later.
+            whisker.rare.forget_attempt();
+            whisker.forget_manual();
+        }
+        if key.epoch < self.epoch {
+            // Asked of a supervisor that is no more, who knows how long ago.
+            whisker.forget_manual();
+        }
+    }
+
+    /// How long a setpoint may be taken from when it was issued; `pressure` is its own.
+    #[must_use]
+    pub fn valid_for(&self, params: &Params, whisker: WhiskerIndex, pressure: Megapascal) -> Micros {
+        self.whiskers.get(whisker).map_or(params.command.time_to_live, |one| one.valid_for(params, pressure))
     }
 
     /// Tells people, and lets others serve instead.
@@ -188,7 +211,7 @@ impl Robot {
                 }
             }
             SetpointReport::Applied(reached) => self.applied(params, index, key, reached, effects),
-            SetpointReport::Rejected(rejection) => self.rejected(index, key, rejection, effects),
+            SetpointReport::Rejected(rejection) => self.rejected(params, now, index, key, rejection, effects),
             SetpointReport::Failed => {
                 whisker.command = None;
                 effects.push(state_of(key, CommandState::Failed));
@@ -233,7 +256,15 @@ impl Robot {
         });
     }
 
-    fn rejected(&mut self, index: WhiskerIndex, key: CommandKey, rejection: Rejection, effects: &mut Vec<Effect>) {
+    fn rejected(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        key: CommandKey,
+        rejection: Rejection,
+        effects: &mut Vec<Effect>,
+    ) {
         self.whiskers[index].command = None;
         effects.push(Effect::CommandState {
             command: key,
@@ -243,7 +274,9 @@ impl Robot {
         });
         match rejection {
             // Another try can succeed: with a new number, a new expiry.
-            Rejection::Expired | Rejection::NotReady => {}
+            Rejection::NotReady => {}
+            // Its clock may have been stepped: the next messages tell.
+            Rejection::Expired => self.whiskers[index].rare.not_before = now.after(params.command.time_to_live),
             // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
             // What an operator asked then is not asked now.
             Rejection::Stale if key.epoch < self.epoch => self.whiskers[index].forget_manual(),
@@ -269,6 +302,12 @@ impl Robot {
 }
 
 impl super::Whisker {
+    /// The time to live of a setpoint, on top of the time that the pressure takes on its way.
+    fn valid_for(&self, params: &Params, pressure: Megapascal) -> Micros {
+        let way_mpa = (pressure.mpa() - self.air.setpoint.mpa()).abs();
+        params.command.time_to_live.after(Micros::from_s(way_mpa / params.command.slew_mpa_per_s))
+    }
+
     fn forget_manual(&mut self) {
         self.changed |= self.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
     }
@@ -276,6 +315,11 @@ impl super::Whisker {
     fn is_under_way(&self, key: CommandKey) -> bool {
         self.command.as_ref().is_some_and(|flight| flight.command.key == key)
     }
+}
+
+/// Whether a time lies ahead, by no more than it can: else our clock was set back since.
+fn is_ahead(now: Micros, time: Micros, by_at_most: Micros) -> bool {
+    now < time && time.since(now) <= by_at_most
 }
 
 pub(super) fn state_of(command: CommandKey, state: CommandState) -> Effect {

@@ -21,6 +21,11 @@ pub enum Effect {
         /// Position in the message.
         position: usize,
     },
+    /// This contact of the message says a time that cannot be right: nothing is made of it.
+    BadTime {
+        /// Position in the message.
+        position: usize,
+    },
     /// Record a change of condition.
     Condition {
         /// Whose.
@@ -137,6 +142,8 @@ pub enum ContactUse {
     OnChamber,
     /// Nothing: the gauge is not to be trusted.
     GaugeFault,
+    /// Nothing: with these numbers an estimate would leave the range of what can be.
+    Implausible,
 }
 
 /// Mechanical condition of a whisker.

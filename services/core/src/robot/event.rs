@@ -49,7 +49,7 @@ pub enum Event<'a> {
         command: CommandKey,
         /// What became of it.
         report: SetpointReport,
-        /// By the robot's clock.
+        /// By the robot's clock; 0 if that is not known.
         robot_time: Micros,
     },
     /// An operator asks for something.

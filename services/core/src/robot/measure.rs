@@ -13,6 +13,9 @@ use crate::units::{ContactRatio, Megapascal, Millimetre};
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
 const MODEL_SD: f64 = 0.01;
 
+/// A response that is further from the model than this, in log sensitivity, is none: e^20 is 5e8.
+const LOG_DEVIATION_MAX: f64 = 20.0;
+
 /// A response at one contact ratio: log of strain per mm, its variance, where it comes from.
 #[derive(Clone, Copy)]
 struct LogResponse {
@@ -77,6 +80,9 @@ impl Robot {
             return;
         }
         let deviation = (strain / (model_per_mm * contact.deflection.mm())).ln();
+        if deviation.is_nan() || deviation.abs() > LOG_DEVIATION_MAX {
+            return;
+        }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
         running.after.add(contact.ratio, deviation, noise_variance);
         running.refining.since_gain.add(contact.ratio, deviation, noise_variance);

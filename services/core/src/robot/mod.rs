@@ -6,13 +6,14 @@
 //! The same events give the same effects, byte for byte.
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `shared` (what a whole array feels), `layout` (what is on it), `compensation` (who serves whom), `what_if`, `command`
-//! (setpoints), `measure` (Eq. 35), [`refinement`] (the closed loop), [`action`] and `operator` (what people may do),
+//! `clock` (what time it is for the robot), `shared` (what a whole array feels), `layout` (what is on it), `compensation`
+//! (who serves whom), `what_if`, `command` (setpoints), `measure` (Eq. 35), [`refinement`] (the closed loop), [`action`] and `operator` (what people may do),
 //! and `alarms` (what they are told).
 
 pub mod action;
 pub mod alarms;
 mod bytes;
+mod clock;
 mod command;
 mod compensation;
 mod contact;
@@ -58,6 +59,7 @@ pub use whisker::Whisker;
 
 use crate::text::ShortText;
 use crate::units::Micros;
+use clock::{Clock, Told};
 use event::{ArrayKind, Factsheet, Link};
 use moment::Moment;
 use places::Places;
@@ -70,8 +72,8 @@ pub struct Robot {
     link: Link,
     /// The newest boot, as its birth said.
     boot_id: Option<ShortText>,
-    /// The newest time heard from the robot, by its own clock.
-    robot_time: Option<Micros>,
+    /// The clock of that boot.
+    clock: Clock,
     sequences: Sequences,
     arrays: Vec<Array>,
     compensations: Vec<Compensation>,
@@ -155,6 +157,8 @@ pub enum Outcome {
     NotYet(Admission),
     /// It comes from a boot that is no more.
     OldBoot,
+    /// It says a time that cannot be right.
+    BadTime,
     /// What an operator asked is not done, and has changed nothing.
     Refused(ActionProblem),
 }
@@ -168,7 +172,7 @@ impl Robot {
             epoch,
             link: Link::Offline,
             boot_id: None,
-            robot_time: None,
+            clock: Clock::default(),
             sequences: Sequences::default(),
             arrays: Vec::new(),
             compensations: Vec::new(),
@@ -220,7 +224,12 @@ impl Robot {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
                 }
-                self.heard_time(robot_time);
+                let is_plausible = self.clock.plausible(now).contains(&robot_time);
+                self.hear_time(now, robot_time, Told::Live);
+                if !is_plausible {
+                    // The next one comes within seconds.
+                    return Outcome::BadTime;
+                }
                 for entry in whiskers {
                     self.status(params, now, robot_time, entry, effects);
                 }
@@ -230,11 +239,12 @@ impl Robot {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
                 }
-                self.heard_time(robot_time);
+                // Nothing but the clock's estimate rests on the time of an answer.
+                self.hear_time(now, robot_time, Told::Live);
                 self.setpoint_reported(params, now, command, report, effects);
                 Outcome::Taken
             }
-            Event::Operator(action) => self.operate(params, action, effects),
+            Event::Operator(action) => self.operate(params, now, action, effects),
             Event::PolicyChanged => {
                 self.policy_changed();
                 Outcome::Taken
@@ -254,11 +264,9 @@ impl Robot {
         self.boot_id.as_ref().is_none_or(|newest| *newest != *boot_id)
     }
 
-    fn heard_time(&mut self, robot_time: Micros) {
-        if self.robot_time.is_none_or(|newest| robot_time > newest) {
-            self.robot_time = Some(robot_time);
-            self.changed = true;
-        }
+    fn hear_time(&mut self, now: Micros, robot_time: Micros, told: Told) {
+        self.clock.hear(now, robot_time, told);
+        self.changed = true;
     }
 
     fn connection(
@@ -271,14 +279,15 @@ impl Robot {
     ) -> Outcome {
         if self.is_old(boot_id) {
             // The order of receipt counts: a birth makes its boot the newest, an end speaks of its own only.
-            if link != Link::Online {
+            if link != Link::Online || self.sequences.is_old(boot_id) {
                 return Outcome::OldBoot;
             }
             self.abandon_commands(effects);
             // Those who were given up may serve again.
             self.undecided = true;
             self.boot_id = Some(boot_id.into());
-            self.robot_time = None;
+            // A clock may go back with a new boot.
+            self.clock = Clock::default();
         }
         self.link = link;
         self.changed = true;
@@ -365,6 +374,7 @@ impl Robot {
                 self.changed |= self.has_gap(boot_id);
                 return Outcome::Duplicate;
             }
+            Admission::UnknownBoot if self.sequences.is_old(boot_id) => return Outcome::OldBoot,
             Admission::UnknownBoot => {
                 self.ask_for_factsheet(now, effects);
                 return Outcome::NotYet(Admission::UnknownBoot);
@@ -374,12 +384,21 @@ impl Robot {
                 return Outcome::NotYet(Admission::TooManyGaps);
             }
         }
-        let newest = !self.is_old(boot_id);
+        let is_newest = !self.is_old(boot_id);
+        let plausible = if is_newest { self.clock.plausible(now) } else { self.clock.plausible_of_older_boot(now) };
+        if is_newest {
+            // One sample of a message, however many contacts it has; if none of its times can be right, any of them says so.
+            let mut times = contacts.iter().map(|contact| contact.robot_time);
+            let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
+            self.hear_time(now, newest.unwrap_or_default(), Told::Later);
+        }
         for (position, contact) in contacts.iter().enumerate() {
-            if newest {
-                self.heard_time(contact.robot_time);
+            if plausible.contains(&contact.robot_time) {
+                self.contact(params, now, position, contact, effects);
+            } else {
+                // By itself: one whisker's wrong time says nothing of the others, and the message is accounted for.
+                effects.push(Effect::BadTime { position });
             }
-            self.contact(params, now, position, contact, effects);
         }
         Outcome::Taken
     }

@@ -5,20 +5,23 @@ use super::effect::{Effect, EndReason, Reason, WhiskerIndex};
 use super::params::Params;
 use super::whisker::Desired;
 use super::{Outcome, Robot};
-use crate::units::Megapascal;
+use crate::units::{Megapascal, Micros};
 
 impl Robot {
     /// Does it, or says why not; what is refused has changed nothing.
     pub(super) fn operate(
         &mut self,
         params: &Params,
+        now: Micros,
         action: &OperatorAction<'_>,
         effects: &mut Vec<Effect>,
     ) -> Outcome {
         let done = match *action {
             OperatorAction::Approve { compensation } => self.approve(compensation, effects),
             OperatorAction::Refuse { compensation } => self.refuse(compensation, effects),
-            OperatorAction::Setpoint { whisker, pressure_mpa } => self.set_by_hand(whisker, pressure_mpa, effects),
+            OperatorAction::Setpoint { whisker, pressure_mpa } => {
+                self.set_by_hand(params, now, whisker, pressure_mpa, effects)
+            }
             OperatorAction::Hold(scope) => self.hold(scope),
             OperatorAction::Release(scope) => self.end_hold(scope),
             OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
@@ -70,6 +73,8 @@ impl Robot {
 
     fn set_by_hand(
         &mut self,
+        params: &Params,
+        now: Micros,
         place: Place<'_>,
         pressure_mpa: f64,
         effects: &mut Vec<Effect>,
@@ -78,7 +83,7 @@ impl Robot {
         let highest = self.whiskers[index].pressure_limit();
         let in_range = Megapascal::new(pressure_mpa).ok().filter(|pressure| *pressure <= highest);
         let pressure = in_range.ok_or(ActionProblem::PressureOutOfRange { asked_mpa: pressure_mpa, highest })?;
-        if !self.can_be_told() {
+        if !self.can_be_told(params, now) {
             return Err(ActionProblem::RobotOffline);
         }
         self.end_as_compensator(index, EndReason::Operator, |_| true, effects);

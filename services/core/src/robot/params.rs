@@ -40,7 +40,7 @@ pub struct Params {
 pub struct CommandParams {
     /// Slew that the robot shall keep, MPa per second.
     pub slew_mpa_per_s: f64,
-    /// A setpoint expires this long after the newest time heard from the robot, on top of its slewing time.
+    /// A setpoint expires this long after it was issued, by the robot's clock and by ours, on top of its slewing time.
     pub time_to_live: Micros,
     /// An unanswered setpoint is sent again after this.
     pub resend_after: Micros,

@@ -52,6 +52,13 @@ impl Rares {
             rare.attempts = 0;
         }
     }
+
+    /// The last setpoint does not count as an attempt.
+    pub(super) fn forget_attempt(&mut self) {
+        if let Some(rare) = self.there() {
+            rare.attempts = rare.attempts.saturating_sub(1);
+        }
+    }
 }
 
 impl From<Rare> for Rares {

@@ -13,8 +13,10 @@ const PATIENCE: Micros = Micros(90_000_000);
 /// A robot that is heard for this long without closing the oldest gap has not got what is missing: it has dropped it, or
 /// has forgotten it because a receipt covered it which the supervisor does not remember, whose database was restored.
 const STANDSTILL: Micros = Micros(600_000_000);
-/// Boots that are remembered: messages of an older boot may still arrive after a restart.
+/// Boots whose numbers are remembered: messages of an older boot may still arrive after a restart.
 const BOOTS_MAX: usize = 4;
+/// Older boots of which only a mark is remembered. Beyond them the database knows all that ever had a number.
+const MARKS_MAX: usize = 64;
 
 /// What became of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,10 +162,29 @@ impl Sequence {
     }
 }
 
-/// The numbers of a robot's newest boots, the newest last.
+/// The numbers of a robot's newest boots, the newest last, and marks of those before them.
 #[derive(Debug, Clone, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Sequences {
     boots: Vec<Sequence>,
+    /// The newest last.
+    older: Vec<u64>,
+}
+
+/// The sequences as version 4 of the state had them.
+#[derive(BorshDeserialize)]
+pub(super) struct SequencesOfVersion4 {
+    boots: Vec<Sequence>,
+}
+
+impl From<SequencesOfVersion4> for Sequences {
+    fn from(stored: SequencesOfVersion4) -> Self {
+        Self { boots: stored.boots, older: Vec::new() }
+    }
+}
+
+/// A mark of a boot, in 64 bits (FNV-1a): that two boots of a robot share one is less likely than one in 10^16.
+fn mark(boot_id: &str) -> u64 {
+    boot_id.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 impl Sequences {
@@ -171,10 +192,22 @@ impl Sequences {
     pub fn begin(&mut self, boot_id: &str) {
         if self.boots.iter().all(|sequence| sequence.boot_id != *boot_id) {
             if self.boots.len() >= BOOTS_MAX {
-                self.boots.remove(0);
+                let oldest = self.boots.remove(0);
+                if self.older.len() >= MARKS_MAX {
+                    self.older.remove(0);
+                }
+                self.older.push(mark(oldest.boot_id()));
             }
             self.boots.push(Sequence::new(boot_id));
         }
+    }
+
+    /// Whether a boot is known, and another one came after it: it does not come back.
+    #[must_use]
+    pub fn is_old(&self, boot_id: &str) -> bool {
+        let before_the_newest = self.boots.len().saturating_sub(1);
+        self.boots.iter().take(before_the_newest).any(|sequence| sequence.boot_id == *boot_id)
+            || !self.older.is_empty() && self.older.contains(&mark(boot_id))
     }
 
     /// Takes a number in; also whether anything has changed by that.
@@ -257,6 +290,25 @@ mod tests {
     }
 
     #[test]
+    fn a_boot_that_others_have_followed_stays_old() {
+        let mut sequences = Sequences::default();
+        let boots: Vec<String> = (0..60).map(|boot| format!("b{boot}")).collect();
+        for (at, boot) in boots.iter().enumerate() {
+            assert!(!sequences.is_old(boot), "{boot} is new");
+            sequences.begin(boot);
+            assert!(!sequences.is_old(boot), "{boot} is the newest");
+            assert!(boots[..at].iter().all(|before| sequences.is_old(before)));
+        }
+        // Late messages of those just before are still numbered.
+        assert_eq!(sequences.admit("b56", 0, NOW).0, Admission::New);
+        assert_eq!(sequences.admit("b55", 0, NOW).0, Admission::UnknownBoot);
+        let bytes = borsh::to_vec(&sequences).unwrap();
+        assert_eq!(borsh::from_slice::<Sequences>(&bytes).unwrap(), sequences);
+        (0..1000).for_each(|boot| sequences.begin(&format!("c{boot}")));
+        assert!(borsh::to_vec(&sequences).unwrap().len() < 700);
+    }
+
+    #[test]
     fn a_gap_that_is_never_closed_is_given_up_after_a_while() {
         let odd: Vec<u64> = (0..64).map(|k| 2 * k + 1).collect();
         let mut full = sequence(&odd);
@@ -287,7 +339,7 @@ mod tests {
         assert_eq!(closing.admit(11, after(2 * STANDSTILL.0 - 2)), Admission::New);
         assert_eq!((closing.next(), closing.given_up()), (2, 0), "it comes on");
 
-        let mut sequences = Sequences { boots: vec![sequence(&[0, 10])] };
+        let mut sequences = Sequences { boots: vec![sequence(&[0, 10])], older: Vec::new() };
         sequences.wait_anew();
         assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)).0, Admission::New);
         assert_eq!(sequences.of("b").map(Sequence::given_up), Some(0));

@@ -1,14 +1,74 @@
 //! A robot as bytes, and back: its head and each whisker by itself, so that only what changed is written.
 
-use super::Robot;
+use borsh::BorshDeserialize;
+
+use super::clock::Clock;
+use super::compensation::Compensation;
 use super::effect::WhiskerIndex;
+use super::event::Link;
 use super::params::Params;
+use super::sequence::SequencesOfVersion4;
 use super::sheet::share_models;
-use super::whisker::Holds;
+use super::whisker::{Holds, Whisker};
+use super::{Array, Numbers, Robot};
+use crate::text::ShortText;
 use crate::units::Micros;
 
 /// Raised with every change of what is stored: bytes of two versions may have the same length.
-const STATE_VERSION: u16 = 4;
+const STATE_VERSION: u16 = 5;
+
+/// The head of version 4, which remembered the newest time that a robot had said, and boots only as long as their numbers. Whiskers are as
+/// they were.
+#[derive(BorshDeserialize)]
+struct HeadOfVersion4 {
+    epoch: u64,
+    link: Link,
+    boot_id: Option<ShortText>,
+    _robot_time: Option<Micros>,
+    sequences: SequencesOfVersion4,
+    arrays: Vec<Array>,
+    compensations: Vec<Compensation>,
+    next_version: u64,
+    next_trim: u32,
+    next_compensation: u32,
+    undecided: bool,
+    held: bool,
+    listening_since: Micros,
+    is_taken_up: bool,
+}
+
+impl From<HeadOfVersion4> for Robot {
+    /// The clock is estimated anew from the next messages: one time alone may have been wrong.
+    fn from(stored: HeadOfVersion4) -> Self {
+        let HeadOfVersion4 { next_trim, next_compensation, .. } = stored;
+        Self {
+            link: stored.link,
+            boot_id: stored.boot_id,
+            clock: Clock::default(),
+            sequences: stored.sequences.into(),
+            arrays: stored.arrays,
+            compensations: stored.compensations,
+            next_version: stored.next_version,
+            undecided: stored.undecided,
+            held: stored.held,
+            listening_since: stored.listening_since,
+            is_taken_up: stored.is_taken_up,
+            changed: false,
+            ..Self::new(stored.epoch, Numbers { next_trim, next_compensation })
+        }
+    }
+}
+
+/// The head of this version, or of one that it follows.
+fn head_of(mut bytes: &[u8]) -> Result<Robot, RestoreError> {
+    let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
+    let head = match version {
+        STATE_VERSION => borsh::from_slice::<Robot>(bytes),
+        4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(Robot::from),
+        _ => return Err(RestoreError::Head),
+    };
+    head.map_err(|_| RestoreError::Head)
+}
 
 impl Robot {
     /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
@@ -28,7 +88,7 @@ impl Robot {
     /// [`Robot::take_up`].
     ///
     /// # Errors
-    /// The bytes are not from this version of the program.
+    /// The bytes are neither of this version of the program nor of the one before.
     pub fn from_bytes(head: &[u8], whiskers: &[Vec<u8>], epoch: u64, now: Micros) -> Result<Self, RestoreError> {
         let mut robot = Self::restore(head, whiskers)?;
         robot.take_up(epoch, now);
@@ -41,15 +101,14 @@ impl Robot {
     /// What is not stored makes no difference to that, but for when its factsheet was asked for last.
     ///
     /// # Errors
-    /// The bytes are not from this version of the program.
+    /// The bytes are neither of this version of the program nor of the one before.
     pub fn restore(head: &[u8], whiskers: &[Vec<u8>]) -> Result<Self, RestoreError> {
-        let (version, mut robot): (u16, Self) = borsh::from_slice(head).map_err(|_| RestoreError::Head)?;
-        if version != STATE_VERSION {
-            return Err(RestoreError::Head);
-        }
+        let mut robot = head_of(head)?;
         robot.whiskers.reserve_exact(whiskers.len());
         for (index, bytes) in whiskers.iter().enumerate() {
-            robot.whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
+            let mut whisker: Whisker = borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?;
+            whisker.mend();
+            robot.whiskers.push(whisker);
         }
         let within = |index: u32| (index as usize) < robot.whiskers.len();
         if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {

@@ -6,7 +6,7 @@ use super::event::Link;
 use super::params::Params;
 use crate::mechanics::CONTACT_RATIOS;
 use crate::policy::Mode;
-use crate::units::{Megapascal, Micros, Millimetre};
+use crate::units::{Megapascal, Millimetre};
 
 /// What would be done.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +65,7 @@ impl Robot {
         // Who would be asked and told does not hang on whether anybody listens just now.
         copy.link = Link::Online;
         let now = copy.whiskers.iter().filter_map(|one| one.heard.get()).max().unwrap_or_default();
-        copy.robot_time.get_or_insert(Micros::default());
+        copy.clock.assume_known(now);
         let mut effects = Vec::new();
         // The decision is shown, whoever must approve it.
         let mut automatic = params.clone();

@@ -13,9 +13,9 @@ use super::rare::Rares;
 use super::shared::UNSTEADY_SHARE;
 use super::sheet::Sheet;
 use crate::detection::{Change, Detector, Others, Verdict};
-use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
+use crate::estimation::filter::{FilterParams, LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
-use crate::estimation::{ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins, Waiting};
+use crate::estimation::{Bin, ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins, Waiting};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::units::{Megapascal, Micros};
 
@@ -197,6 +197,24 @@ impl Whisker {
         }
     }
 
+    /// Of a whisker whose stored numbers are none (a version before this one could learn them), everything is learned anew.
+    pub(super) fn mend(&mut self) {
+        let numbers = [self.noise.variance(), self.told_since_alarm.into(), self.detector.statistic(false)];
+        let is_sound = |bin: Bin| bin.mean().is_finite() && bin.variance() > 0.0;
+        if self.filter.is_sound() && numbers.iter().all(|one| one.is_finite()) && self.whole.felt().all(is_sound) {
+            return;
+        }
+        self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
+        (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
+        (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
+        (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
+        if let Some(rare) = self.rare.there() {
+            (rare.pending_trim, rare.whole_offset, rare.own, rare.erosion, rare.unsteady) =
+                (None, None, None, None, None);
+        }
+        self.changed = true;
+    }
+
     /// The whole whisker, as a target.
     #[must_use]
     pub fn target(&self) -> Target {
@@ -231,6 +249,7 @@ impl Whisker {
         match seen {
             Err(NoInformation::OnChamber(_)) => Felt::unused(ContactUse::OnChamber),
             Err(NoInformation::TooWeak) => Felt::unused(ContactUse::TooWeak),
+            Err(NoInformation::Implausible) => Felt::unused(ContactUse::Implausible),
             Ok(seen) => self.take(params, contact, &seen, others),
         }
     }
@@ -254,7 +273,9 @@ impl Whisker {
         let learning = self.condition == Condition::Learning;
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
-        self.filter.learn(seen, self.wander(params));
+        if !self.filter.learn(seen, self.wander(params)) {
+            return Felt::unused(ContactUse::Implausible);
+        }
         if let Some(unsteady) = self.rare.unsteady {
             self.rare.unsteady = unsteady.after_contact();
         }

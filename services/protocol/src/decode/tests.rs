@@ -80,8 +80,14 @@ fn numbers_out_of_range_are_refused_with_the_place() {
         (r#""t_us":1795248000123456"#, r#""t_us":9007199254740992"#, "contacts[0].t_us"),
         ("0.85", "0", "contacts[0].ratio"),
         ("0.85", "1.001", "contacts[0].ratio"),
+        ("0.85", "0.0099", "contacts[0].ratio"),
+        ("0.85", "5e-324", "contacts[0].ratio"),
         ("2.4", "0", "contacts[0].deflection_mm"),
         ("2.4", "1000.5", "contacts[0].deflection_mm"),
+        ("2.4", "0.0099", "contacts[0].deflection_mm"),
+        ("2.4", "1e-9", "contacts[0].deflection_mm"),
+        ("0.009671", "5e-324", "contacts[0].strain"),
+        ("0.009671", "-9.9e-10", "contacts[0].strain"),
         ("0.009671", "-1.5", "contacts[0].strain"),
         ("0.1002", "-0.001", "contacts[0].pressure_mpa"),
         ("0.1002", "1.1", "contacts[0].pressure_mpa"),
@@ -90,6 +96,7 @@ fn numbers_out_of_range_are_refused_with_the_place() {
         assert_out_of_range(&refused_after("contacts", CONTACTS, from, to), place);
     }
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "0"), "arrays[0].whiskers[1].length_mm");
+    assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "1e-300"), "arrays[0].whiskers[1].length_mm");
     let place = "arrays[0].whiskers[0].pressure_mpa";
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, ":0.1,", ":0.3,"), place);
     assert_out_of_range(&refused_after("status", STATUS, "0.1002", "7"), "whiskers[0].pressure_mpa");
@@ -99,9 +106,54 @@ fn numbers_out_of_range_are_refused_with_the_place() {
 }
 
 #[test]
+fn numbers_at_the_limits_are_taken() {
+    for (from, to) in [
+        ("0.85", "0.01"),
+        ("0.85", "1"),
+        ("2.4", "0.01"),
+        ("2.4", "1000"),
+        ("0.009671", "0"),
+        ("0.009671", "-0.0"),
+        ("0.009671", "1e-9"),
+        ("0.009671", "-1e-9"),
+        ("0.009671", "-1"),
+    ] {
+        let text = CONTACTS.replace(from, to);
+        assert!(decode(&topic("contacts"), text.as_bytes()).is_ok(), "{from} as {to}");
+    }
+}
+
+#[test]
+fn no_text_may_have_control_characters() {
+    let free_texts = [
+        ("factsheet", FACTSHEET, r#""model":""#),
+        ("factsheet", FACTSHEET, r#""boot_id":""#),
+        ("contacts", CONTACTS, r#""boot_id":""#),
+        ("setpoint", SETPOINT, r#""command_id":""#),
+        ("setpoint_state", SETPOINT_STATE, r#""command_id":""#),
+    ];
+    for (kind, text, field) in free_texts {
+        let places: Vec<usize> = text.match_indices(field).map(|(at, _)| at + field.len()).collect();
+        assert!(!places.is_empty(), "{kind} has {field}");
+        for at in places {
+            for control in [r"\u0000", r"\u001b", r"\u007f", r"\u0085", "\u{9b}"] {
+                let spoilt = format!("{}{control}{}", &text[..at], &text[at..]);
+                let refusal = decode(&topic(kind), spoilt.as_bytes()).expect_err(&spoilt);
+                assert_eq!(refusal.label(), "malformed", "{kind} {field} {control}: {refusal}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_refusal_tells_what_where_and_what_is_allowed() {
     let refusal = refused_after("contacts", CONTACTS, "0.85", "1.2");
-    assert_eq!(refusal.to_string(), "contacts[0].ratio is 1.2, but must be above 0 and at most 1");
+    assert_eq!(refusal.to_string(), "contacts[0].ratio is 1.2, but must be between 0.01 and 1");
+    let refusal = refused_after("contacts", CONTACTS, "0.009671", "1e-12").to_string();
+    assert!(
+        refusal.starts_with("contacts[0].strain is 0.000000000001, but must be 0, or in magnitude between 1e-9 and 1"),
+        "{refusal}"
+    );
     let refusal = refused_after("contacts", CONTACTS, r#""ratio":0.85,"#, "");
     assert!(refusal.to_string().starts_with("contacts[0]: missing field `ratio`"), "{refusal}");
 }

@@ -2,7 +2,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{POSITIVE_MM, PRESSURE_MPA, RATIO, STRAIN, TEMPERATURE_C};
+use crate::check::{DEFLECTION_MM, PRESSURE_MPA, RATIO, STRAIN, TEMPERATURE_C};
 use crate::{BootId, CONTACTS_MAX, Name, Refusal, check, schema};
 
 /// `contacts`: a batch of contacts.
@@ -29,13 +29,14 @@ pub struct Contact {
     #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
     /// The paper's contact ratio a: contact distance / present length, both without the chamber's
-    /// elongation; above 0, at most 1.
+    /// elongation; from 0.01 to 1.
     #[schemars(transform = RATIO.in_schema())]
     pub ratio: f64,
-    /// How far the contact bent the whisker, in mm; above 0.
-    #[schemars(transform = POSITIVE_MM.in_schema())]
+    /// How far the contact bent the whisker, in mm; at least 0.01.
+    #[schemars(transform = DEFLECTION_MM.in_schema())]
     pub deflection_mm: f64,
-    /// Mean strain over the gauge grid, in m/m; between -1 and 1.
+    /// Mean strain over the gauge grid, in m/m; between -1 and 1. 0 is
+    /// a reading, and what is nearer to it than 1e-9 is none.
     #[schemars(transform = STRAIN.in_schema())]
     pub strain: f64,
     /// The chamber's measured gauge pressure in MPa.
@@ -50,7 +51,7 @@ impl Contact {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("t_us", self.t_us)?;
         RATIO.check("ratio", self.ratio)?;
-        POSITIVE_MM.check("deflection_mm", self.deflection_mm)?;
+        DEFLECTION_MM.check("deflection_mm", self.deflection_mm)?;
         STRAIN.check("strain", self.strain)?;
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
         TEMPERATURE_C.check("temperature_c", self.temperature_c)

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{PLACE_MM, POSITIVE_MM, PRESSURE_MPA, TEXT_MAX_CHARS};
+use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
 use crate::name::short_text;
 use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check, schema};
 
@@ -20,7 +20,7 @@ pub struct Factsheet {
     pub timestamp: Timestamp,
     /// The robot's model.
     #[serde(deserialize_with = "short_text")]
-    #[schemars(with = "String", length(min = 1, max = TEXT_MAX_CHARS))]
+    #[schemars(schema_with = "schema::identifier_field")]
     pub model: String,
     /// What the robot does when the supervisor is gone.
     pub on_supervisor_loss: OnSupervisorLoss,
@@ -55,10 +55,10 @@ pub struct WhiskerFacts {
     pub y_mm: f64,
     /// The calibration to use, such as `nguyen-2021`.
     #[serde(deserialize_with = "short_text")]
-    #[schemars(with = "String", length(min = 1, max = TEXT_MAX_CHARS))]
+    #[schemars(schema_with = "schema::identifier_field")]
     pub model: String,
     /// Its length without the chamber's elongation, in mm.
-    #[schemars(transform = POSITIVE_MM.in_schema())]
+    #[schemars(transform = LENGTH_MM.in_schema())]
     pub length_mm: f64,
     /// The chamber's nominal gauge pressure in MPa; at most `pressure_max_mpa`.
     #[schemars(transform = PRESSURE_MPA.in_schema())]
@@ -105,7 +105,7 @@ impl WhiskerFacts {
     fn check(&self) -> Result<(), Refusal> {
         PLACE_MM.check("x_mm", self.x_mm)?;
         PLACE_MM.check("y_mm", self.y_mm)?;
-        POSITIVE_MM.check("length_mm", self.length_mm)?;
+        LENGTH_MM.check("length_mm", self.length_mm)?;
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
         PRESSURE_MPA.check("pressure_max_mpa", self.pressure_max_mpa)?;
         if self.pressure_mpa > self.pressure_max_mpa {

@@ -20,6 +20,16 @@ impl Boots {
         }
     }
 
+    /// The highest number.
+    pub(super) fn newest(&self) -> Option<i64> {
+        self.newest.as_ref().map(|(_, boot)| *boot)
+    }
+
+    /// Whether a boot has a number, and another one has a higher one: it does not come back.
+    pub(super) fn is_old(&self, boot_id: &str) -> bool {
+        self.older.contains_key(boot_id)
+    }
+
     /// Adds a boot, which is the newest from now on.
     pub(super) fn insert(&mut self, boot_id: &str, boot: i64) {
         if let Some((before, boot)) = self.newest.replace((boot_id.into(), boot)) {
@@ -59,6 +69,8 @@ mod tests {
         boots.insert("newest", 12);
         let known = ["newest", "new", "old", "older", "never"].map(|boot_id| boots.get(boot_id));
         assert_eq!(known, [Some(12), Some(9), Some(7), Some(3), None]);
+        let old = ["newest", "new", "older", "never"].map(|boot_id| boots.is_old(boot_id));
+        assert_eq!(old, [false, true, true, false]);
         assert_eq!(boots.by_number().into_keys().collect::<Vec<_>>(), [3, 7, 9, 12]);
     }
 }

@@ -1,7 +1,11 @@
 //! What one transaction will write, and what goes out after it: rows, journal entries, states, setpoints and receipts.
 
+use std::collections::BTreeMap;
+use std::hash::RandomState;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
+use tracing::warn;
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
@@ -17,6 +21,9 @@ use super::survey;
 use crate::metrics::FleetMetrics;
 use crate::store::Batch;
 use crate::trace::{Lives, Step, Untold, is_told};
+
+/// How often something suspicious of one kind is logged.
+const WARNED_EVERY: Duration = Duration::from_secs(60);
 
 /// A contacts message with the number of its boot in the database.
 #[derive(Clone, Copy)]
@@ -53,6 +60,10 @@ pub(super) struct Gathering {
     /// The setpoint that the message in hand is an answer to.
     pub(super) answering: Option<survey::Answering>,
     pub(super) effects: Vec<Effect>,
+    /// Keys of the fingerprints of messages.
+    pub(super) hashers: RandomState,
+    /// When something suspicious of each kind was logged last.
+    warned: BTreeMap<&'static str, Instant>,
     /// The contacts of a message that is done with.
     pub(super) list: Vec<protocol::Contact>,
     /// The traces of setpoints under way, if there is a collector.
@@ -99,6 +110,8 @@ impl Gathering {
             receipts_due: Vec::new(),
             answering: None,
             effects: Vec::new(),
+            hashers: RandomState::new(),
+            warned: BTreeMap::new(),
             list: Vec::new(),
             lives: None,
         }
@@ -144,7 +157,8 @@ impl Gathering {
         if known.stored == Stored::Next {
             return;
         }
-        let is_taken = outcome == Outcome::Taken;
+        // Also a message whose time cannot be right is one that the clock's estimate has heard.
+        let is_taken = matches!(outcome, Outcome::Taken | Outcome::BadTime);
         let is_kept = is_ordinary
             && known.stored != Stored::Before
             && match event {
@@ -182,6 +196,16 @@ impl Gathering {
         }
     }
 
+    /// Counts what no robot that keeps the contract would send, and warns of it once a minute.
+    pub(super) fn suspect(&mut self, reason: &'static str, problem: &str, robot: &Name) {
+        self.metrics.refuse(reason, problem, robot.as_str());
+        let now = Instant::now();
+        if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNED_EVERY) {
+            self.warned.insert(reason, now);
+            warn!(%robot, reason, "{problem}; more of it is only counted for a minute");
+        }
+    }
+
     /// The robot's state is written by the next transaction.
     pub(super) fn store_next(&mut self, known: &mut Known) {
         if known.stored != Stored::Next {
@@ -216,5 +240,5 @@ impl Gathering {
 /// Whether the same effect of the same event can be left out when the event is gone through again: it has become a row or a
 /// request, and nothing follows from it.
 pub(super) fn is_ordinary(effect: &Effect) -> bool {
-    matches!(effect, Effect::Contact(_) | Effect::Response(_) | Effect::AskForFactsheet)
+    matches!(effect, Effect::Contact(_) | Effect::Response(_) | Effect::AskForFactsheet | Effect::BadTime { .. })
 }

@@ -174,7 +174,11 @@ fn sample_of(used: ContactUse, row: &ContactRow) -> Sample {
         used: match used {
             ContactUse::Used => Use::Used,
             ContactUse::Learning => Use::Learning,
-            ContactUse::Unsettled | ContactUse::TooWeak | ContactUse::OnChamber | ContactUse::GaugeFault => Use::Unused,
+            ContactUse::Unsettled
+            | ContactUse::TooWeak
+            | ContactUse::OnChamber
+            | ContactUse::GaugeFault
+            | ContactUse::Implausible => Use::Unused,
         },
         residual: row.residual,
         ratio: row.ratio,

@@ -7,10 +7,11 @@ use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Refusal, RobotTopic, Topic};
 
+use super::commands::Plausibility;
 use super::committer::Committer;
 use super::gathering::{Gathering, Source};
 use super::shard::{Known, Shard};
-use super::{publication, survey};
+use super::{fingerprints, publication, survey};
 use crate::metrics::FleetMetrics;
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
@@ -18,6 +19,9 @@ use vibrissa_edge as edge;
 
 /// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
 pub(super) const ROBOTS_MAX: usize = 10_000;
+
+const OLD_BIRTH: &str = "a birth of a boot that another one has followed";
+const OLD_FACTSHEET: &str = "a factsheet of a boot that another one has followed";
 
 /// A message of a robot of the fleet.
 #[derive(Debug, Clone)]
@@ -47,7 +51,8 @@ impl Shard {
         let gathering = &mut self.gathering;
         let Some(known) = self.robots.get_mut(&parcel.robot) else { return self.unknown(parcel) };
         match &message {
-            Message::Contacts(told) => gathering.take_contacts(known, told, now),
+            // Handled above.
+            Message::Contacts(_) => {}
             Message::Status(told) => gathering.take_status(known, told, now),
             Message::SetpointState(told) => gathering.take_setpoint_state(known, told, now),
             // Handled with their numbers.
@@ -63,7 +68,10 @@ impl Shard {
         match protocol::decode_contacts(&parcel.payload, list) {
             Ok(told) => {
                 match self.robots.get_mut(&parcel.robot) {
-                    Some(known) => self.gathering.take_contacts(known, &told, parcel.received),
+                    Some(known) => {
+                        let content = fingerprints::of_content(&self.gathering.hashers, &told);
+                        self.gathering.take_contacts(known, &told, Some(content), parcel.received);
+                    }
                     None => self.unknown(parcel),
                 }
                 self.gathering.list = told.contacts;
@@ -97,9 +105,17 @@ impl Shard {
         let Some(known) = self.robots.get_mut(&parcel.robot) else { return Ok(()) };
         match &message {
             Message::Connection(told) => {
+                if told.state == protocol::ConnectionState::Online && known.boots.is_old(told.boot_id.as_str()) {
+                    self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
+                    return Ok(());
+                }
                 let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
-                self.gathering.step(known, parcel.received, &event, None);
+                let outcome = self.gathering.step(known, parcel.received, &event, None);
                 if told.state == protocol::ConnectionState::Online {
+                    if outcome == Outcome::OldBoot {
+                        self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
+                        return Ok(());
+                    }
                     self.gathering.ask_after_setpoints(known);
                 }
                 Ok(())
@@ -143,7 +159,7 @@ impl Shard {
             return;
         };
         let contacts = protocol::Contacts { boot_id: envelope.boot_id, seq: envelope.seq, contacts: Vec::new() };
-        self.gathering.take_contacts(known, &contacts, parcel.received);
+        self.gathering.take_contacts(known, &contacts, None, parcel.received);
     }
 
     async fn make_known(&mut self, name: &Name, committer: &mut Committer) -> Result<(), StoreError> {
@@ -173,8 +189,20 @@ impl Gathering {
         };
         let boot_id = told.boot_id.as_str();
         let Committer { lease, writer, .. } = committer;
+        if known.boots.is_old(boot_id) {
+            self.suspect("old_boot", OLD_FACTSHEET, &known.name);
+            return Ok(());
+        }
+        if known.robot.connection_state().0 != Some(boot_id) {
+            // Its birth is to come first. It has no number before that: a boot that has one is older than the next that gets one.
+            return Ok(());
+        }
         if known.boots.get(boot_id).is_none() {
             let boot = writer.boot(lease, known.robot_id, boot_id, now.0 as i64).await?;
+            if known.boots.newest().is_some_and(|newest| newest > boot) {
+                self.suspect("old_boot", OLD_FACTSHEET, &known.name);
+                return Ok(());
+            }
             known.boots.insert(boot_id, boot);
         }
         let is_numbered = known.robot.is_as_known(&factsheet) && known.whisker_ids.len() == known.robot.whisker_count();
@@ -200,13 +228,21 @@ impl Gathering {
         match whiskers {
             Ok(whiskers) => {
                 let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
-                self.step(known, now, &Event::Status { boot_id, robot_time, whiskers: &whiskers }, None);
+                let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
+                if self.step(known, now, &event, None) == Outcome::BadTime {
+                    self.suspect(
+                        "bad_time",
+                        "a status with a time that cannot be right by the robot's clock",
+                        &known.name,
+                    );
+                }
             }
             Err(problem) => self.metrics.refuse(problem.label(), problem, "status"),
         }
     }
 
-    fn take_contacts(&mut self, known: &mut Known, told: &protocol::Contacts, now: Micros) {
+    /// `content` is its fingerprint; none of a message that was refused and is only accounted for.
+    fn take_contacts(&mut self, known: &mut Known, told: &protocol::Contacts, content: Option<u32>, now: Micros) {
         let mut contacts: Vec<Contact<'_>> = Vec::with_capacity(told.contacts.len());
         for contact in &told.contacts {
             match edge::contact(contact) {
@@ -227,15 +263,27 @@ impl Gathering {
                 self.metrics.refuse(reason, "contacts that cannot be taken yet", known.name.as_str());
                 return;
             }
-            Outcome::Duplicate => self.metrics.messages_duplicate.inc(),
+            Outcome::OldBoot => {
+                self.suspect("old_boot", "contacts of a boot that others have followed", &known.name);
+                return;
+            }
+            Outcome::Duplicate => {
+                self.metrics.messages_duplicate.inc();
+                let boot = known.boot(boot_id);
+                if content.is_some_and(|content| known.fingerprints.contradict(boot, told.seq, content)) {
+                    let problem = "a contacts message with the number of another one and other content";
+                    self.suspect("conflicting_duplicate", problem, &known.name);
+                }
+            }
             Outcome::Taken => {
+                known.fingerprints.remember(known.boot(boot_id), told.seq, content.unwrap_or(fingerprints::REFUSED));
                 if told.seq < end {
                     self.metrics.messages_resent.inc();
                 }
                 let felt = told.contacts.last().map(|last| Micros(last.t_us));
                 self.taken.push(survey::Taken { felt, received: now });
             }
-            Outcome::OldBoot | Outcome::Refused(_) => {}
+            Outcome::BadTime | Outcome::Refused(_) => {}
         }
         let given_up = counted(known, boot_id).0 - given_up_before;
         if given_up > 0 {
@@ -246,14 +294,30 @@ impl Gathering {
     }
 
     fn take_setpoint_state(&mut self, known: &mut Known, told: &protocol::SetpointState, now: Micros) {
+        let boot_id = told.boot_id.as_str();
+        if known.robot.connection_state().0 != Some(boot_id) {
+            let reason = if known.boots.get(boot_id).is_some() { "old_boot" } else { "unknown_boot" };
+            return self.suspect(reason, "a state of a setpoint from a boot that is not the newest", &known.name);
+        }
         let found = known
             .robot
             .commands_under_way()
             .find(|command| publication::command_id(&self.fleet, &known.name, command.key) == told.command_id)
             .map(|command| (survey::Answering::to(command), command.pressure));
+        match known.commands.judge(told, known.boot(boot_id), found.is_some()) {
+            Plausibility::Fits => {}
+            Plausibility::UnknownCommand => {
+                let problem = "a state of a setpoint that this robot was not sent";
+                return self.suspect("unknown_command", problem, &known.name);
+            }
+            Plausibility::Backward => {
+                let problem = "a state of a setpoint after a later one of the same";
+                return self.suspect("state_backward", problem, &known.name);
+            }
+        }
         let Some((answering, pressure)) = found else {
             let command_id = &told.command_id;
-            debug!(robot = %known.name, command_id, "a state of a setpoint that is not under way");
+            debug!(robot = %known.name, command_id, "a state of a setpoint that is not under way any more");
             return;
         };
         match edge::setpoint_report(told, pressure) {

@@ -150,7 +150,8 @@ impl Engine {
         let name = self.robot_of(action)?;
         match self.step(&name, now, &Event::Operator(asked)) {
             Some(Outcome::Refused(problem)) => Err(refused(problem)),
-            Some(Outcome::Taken | Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot) | None => Ok(()),
+            Some(Outcome::Taken | Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot | Outcome::BadTime)
+            | None => Ok(()),
         }
     }
 

@@ -5,8 +5,10 @@
 //! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
 
 mod boots;
+mod commands;
 mod committer;
 mod convict;
+mod fingerprints;
 mod gathering;
 mod history;
 mod intake;

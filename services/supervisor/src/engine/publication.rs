@@ -1,5 +1,7 @@
 //! What goes out: setpoints, receipts, requests.
 
+use std::time::Instant;
+
 use prometheus::Histogram;
 use uuid::Uuid;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
@@ -27,8 +29,8 @@ pub struct Publication {
     pub payload: Vec<u8>,
     /// Quality of service.
     pub qos: QualityOfService,
-    /// MQTT message expiry, for setpoints.
-    pub expiry_s: Option<u32>,
+    /// When it is not to go out any more, for setpoints; what is left then is its MQTT message expiry.
+    pub until: Option<Instant>,
     /// What is stopped when it is on its way, for setpoints that were not sent before.
     pub stopwatch: Option<Stopwatch>,
 }
@@ -97,10 +99,19 @@ impl Gathering {
         let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
             return;
         };
+        let under_way = known.robot.commands_under_way().count();
+        let valid_for = known.robot.valid_for(&self.params, command.whisker, command.pressure);
+        let id = command_uuid(&self.fleet, &known.name, command.key);
+        let until = known.commands.until(command, id, (wall_clock(), valid_for), under_way);
+        if until <= Instant::now() {
+            // The core's clock may be behind, and the robot's may be wrong: ours that is never set has the last word.
+            self.metrics.setpoints_expired_unsent.inc();
+            return;
+        }
         let setpoint = protocol::Setpoint {
             boot_id: self.boot_id.clone(),
             seq: next(&mut known.seqs.setpoint),
-            command_id: command_id(&self.fleet, &known.name, command.key),
+            command_id: id.to_string(),
             epoch: command.key.epoch,
             version: command.key.version,
             robot_boot_id,
@@ -113,8 +124,6 @@ impl Gathering {
             reason: setpoint_reason(command.reason),
             gain: gain(command),
         };
-        // The broker drops what the robot would refuse anyway; one second more for the clocks.
-        let expiry_s = self.params.command.time_to_live.as_s().ceil() as u32 + 1;
         let stopwatch = match sent {
             Sent::First => {
                 let seconds = self.metrics.setpoint_publication_seconds.of(command.reason.word());
@@ -126,7 +135,7 @@ impl Gathering {
             }
         };
         let publication = self.publication(known, RobotTopic::Setpoint, encode(&setpoint));
-        self.publications.push(Publication { expiry_s: Some(expiry_s), stopwatch, ..publication });
+        self.publications.push(Publication { until: Some(until), stopwatch, ..publication });
         self.is_urgent = true;
         if let Some(lives) = &mut self.lives {
             lives.sending(&known.name, command);
@@ -152,7 +161,7 @@ impl Gathering {
             topic: kind.of(&self.fleet, &known.name).to_string(),
             payload,
             qos: kind.quality_of_service(),
-            expiry_s: None,
+            until: None,
             stopwatch: None,
         }
     }

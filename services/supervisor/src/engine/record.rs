@@ -62,6 +62,10 @@ impl Gathering {
                     name.as_str(),
                 );
             }
+            Effect::BadTime { position } => {
+                let problem = format!("contact {position} says a time that cannot be right by the robot's clock");
+                self.suspect("bad_time", &problem, &name);
+            }
             Effect::Condition { whisker, from, to } => {
                 self.batch.records.push(Record::Health(HealthRow {
                     whisker_id: whisker_id(whisker),

@@ -10,6 +10,8 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
 use super::boots::Boots;
+use super::commands::Commands;
+use super::fingerprints::Fingerprints;
 use super::gathering::Gathering;
 use super::history::History;
 use super::keep::Keep;
@@ -32,6 +34,10 @@ pub(super) struct Known {
     pub(super) history: History,
     /// What of it is stored.
     pub(super) stored: Stored,
+    /// Setpoints that went out to it.
+    pub(super) commands: Commands,
+    /// What its newest contacts messages said.
+    pub(super) fingerprints: Fingerprints,
     /// Boots whose contacts are to be receipted.
     pub(super) receipts_due: SmallVec<[ShortText; 1]>,
     /// The database has refused its rows again and again: nothing happens to it for a while.
@@ -64,6 +70,8 @@ impl Known {
             stated: survey::Stated::default(),
             history: History::new(keep),
             stored: Stored::State,
+            commands: Commands::default(),
+            fingerprints: Fingerprints::default(),
             receipts_due: SmallVec::new(),
             rests: false,
         }

@@ -131,7 +131,10 @@ of_fleet! {
     /// Setpoints that a robot refused, by its reason.
     setpoints_rejected: Counters = "vibrissa_setpoints_rejected_total",
         "Setpoints that robots refused, by their reason.", labels::REJECTION;
-    /// Setpoints published once more.
+    /// Setpoints that were too old to go out.
+    setpoints_expired_unsent: IntCounter = "vibrissa_setpoints_expired_unsent_total",
+        "Setpoints not sent, or not sent again, because their time to live was over by the monotonic clock.";
+    /// Setpoints sent again because they were not answered.
     setpoints_resent: IntCounter = "vibrissa_setpoints_resent_total",
         "Setpoints published once more because no answer came.";
     /// Setpoints without a final answer.

@@ -71,16 +71,21 @@ pub(super) const TOPIC: Labels<1> = by_one("topic", || {
 pub(super) const REASON: Labels<1> = by_one("reason", || {
     [
         "bad_name",
+        "bad_time",
+        "conflicting_duplicate",
         "duplicate",
         "inbox_full",
         "malformed",
         "not_json",
+        "old_boot",
         "out_of_range",
+        "state_backward",
         "too_large",
         "too_many",
         "too_many_gaps",
         "too_many_robots",
         "unknown_boot",
+        "unknown_command",
         "unknown_model",
         "unknown_robot",
         "unknown_topic",
@@ -97,7 +102,8 @@ pub(super) const USED: Labels<1> = by_one(
         ContactUse::Unsettled,
         ContactUse::TooWeak,
         ContactUse::OnChamber,
-        ContactUse::GaugeFault
+        ContactUse::GaugeFault,
+        ContactUse::Implausible
     ),
 );
 pub(super) const CONNECTION: Labels<1> = by_one("connection", words!(Link::Online, Link::Offline, Link::Broken));

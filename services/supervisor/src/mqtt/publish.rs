@@ -1,12 +1,14 @@
 //! The connection that publishes: setpoints, receipts, requests, and whether the supervisor is there.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use prometheus::IntCounter;
 use rumqttc::{
     AsyncClient, Event, LastWill, Outgoing, Packet, PubAck, PubAckReason, PublishOptions, PublishProperties, QoS,
 };
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
+use tokio::time::timeout;
 use tracing::warn;
 use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
 
@@ -16,22 +18,36 @@ use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use crate::engine::Publication;
 
-/// Publications that wait for the connection.
-const WAITING: usize = 1000;
+/// Publications that the client is given ahead: as many as go out in one write. What it is given it keeps, however old it gets.
+const WAITING: usize = super::WRITE_BATCH;
+/// How often whoever waits for the connection looks whether there is anything left to wait for.
+const LOOK: Duration = Duration::from_millis(100);
 /// How long the good-bye may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Publishes what comes out of `outbox` until it is closed, then says good-bye.
-pub fn publish(connection: &Connection, mut outbox: mpsc::Receiver<Publication>) -> JoinHandle<()> {
+/// Publishes what comes out of `outbox` until it is closed, then says good-bye. What has waited there for too long is counted by
+/// `expired`, and does not go out.
+pub fn publish(
+    connection: &Connection,
+    mut outbox: mpsc::Receiver<Publication>,
+    expired: IntCounter,
+) -> JoinHandle<()> {
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options("out");
     options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
-    let mut polling = tokio::spawn(keep_up(connection.clone(), client.clone(), poller));
+    let (connected, mut is_connected) = watch::channel(false);
+    let mut polling = tokio::spawn(keep_up(connection.clone(), client.clone(), poller, connected));
     tokio::spawn(async move {
         while let Some(publication) = outbox.recv().await {
-            let options = options_of(&publication);
+            if !connection_stands(&mut is_connected, &outbox).await {
+                break;
+            }
+            let Some(options) = options_of(&publication, Instant::now()) else {
+                expired.inc();
+                continue;
+            };
             let Publication { topic, payload, stopwatch, .. } = publication;
             if client.publish(topic, payload, options).await.is_err() {
                 break;
@@ -53,8 +69,21 @@ pub fn publish(connection: &Connection, mut outbox: mpsc::Receiver<Publication>)
     })
 }
 
+/// Waits for the connection; false if nothing more comes and there is none.
+///
+/// Nothing is given to the client before: it would keep it, and send it when it is too late.
+async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mpsc::Receiver<Publication>) -> bool {
+    loop {
+        match timeout(LOOK, is_connected.wait_for(|&is_connected| is_connected)).await {
+            Ok(stands) => return stands.is_ok(),
+            Err(_) if outbox.is_closed() => return false,
+            Err(_) => {}
+        }
+    }
+}
+
 /// Polls, connects again, and says at each connection that the supervisor is there.
-async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller) {
+async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller, connected: watch::Sender<bool>) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut backoff = Backoff::new();
     loop {
@@ -65,6 +94,7 @@ async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller
                     warn!(%problem, "cannot hear what is said of the supervisor");
                 }
                 say_online(&client, &topic, &online);
+                connected.send_replace(true);
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 if is_a_predecessors(&connection, &publish.payload) {
@@ -82,6 +112,7 @@ async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller
             Ok(Event::Outgoing(Outgoing::Disconnect)) | Err(Failure::Finished) => return,
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => {
+                connected.send_replace(false);
                 connection.link.broken(Side::Publishing, &problem);
                 tokio::time::sleep(backoff.pause()).await;
             }
@@ -117,19 +148,50 @@ fn retained() -> PublishOptions {
     PublishOptions::at_least_once().retained()
 }
 
-fn options_of(publication: &Publication) -> PublishOptions {
+/// How a publication goes out at a moment; none if it is too late for it. The broker keeps it for no longer than what is left.
+fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions> {
     let options = PublishOptions::new(match publication.qos {
         QualityOfService::AtMostOnce => QoS::AtMostOnce,
         QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
     });
-    match publication.expiry_s {
-        None => options,
-        Some(expiry_s) => options
-            .properties(PublishProperties { message_expiry_interval: Some(expiry_s), ..PublishProperties::default() }),
-    }
+    let Some(until) = publication.until else { return Some(options) };
+    let left = until.checked_duration_since(now).filter(|left| !left.is_zero())?;
+    // Whole seconds, of which a broker may take 0 for none at all.
+    let left_s = left.as_secs_f64().ceil() as u32;
+    let properties = PublishProperties { message_expiry_interval: Some(left_s), ..PublishProperties::default() };
+    Some(options.properties(properties))
 }
 
 /// Whether the broker did not take a publication.
 pub(super) fn is_failure(ack: &PubAck) -> bool {
     !matches!(ack.reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_publication_keeps_what_is_left_of_its_time_and_does_not_go_out_after_it() {
+        let now = Instant::now();
+        let publication = |until| Publication {
+            topic: "whisker/v1/f/r/setpoint".to_owned(),
+            payload: Vec::new(),
+            qos: QualityOfService::AtLeastOnce,
+            until,
+            stopwatch: None,
+        };
+        let goes_out = |left_ms: u64| {
+            let until = now + Duration::from_millis(left_ms);
+            options_of(&publication(Some(until)), now).map(|options| format!("{options:?}"))
+        };
+        for (left_ms, expiry_s) in [(1, 1), (999, 1), (1001, 2), (9_500, 10)] {
+            let options = goes_out(left_ms).expect("in time");
+            assert!(options.contains(&format!("message_expiry_interval: Some({expiry_s})")), "{left_ms}: {options}");
+        }
+        assert_eq!(goes_out(0), None);
+        let late = publication(Some(now));
+        assert!(options_of(&late, now + Duration::from_secs(1)).is_none());
+        assert!(options_of(&publication(None), now).is_some());
+    }
 }

@@ -252,7 +252,9 @@ impl Known {
                 }
                 let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
                 let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
-                self.step(params, step, &event, (None, false), sink)?;
+                if self.step(params, step, &event, (None, false), sink)? == Outcome::BadTime {
+                    return Ok(vec![("bad_time", "a status with a time that cannot be right".to_owned())]);
+                }
             }
             Message::SetpointState(told) => return self.setpoint_state(params, step, told, sink),
             Message::Setpoint(told) => self.answers.recorded(told, &self.robot),
@@ -286,7 +288,7 @@ impl Known {
             }
             Outcome::Duplicate => refused.push(("duplicate", "contacts that were taken already".to_owned())),
             // What is refused are operators' actions, and nobody records these.
-            Outcome::Taken | Outcome::OldBoot | Outcome::Refused(_) => {}
+            Outcome::Taken | Outcome::OldBoot | Outcome::BadTime | Outcome::Refused(_) => {}
         }
         Ok(refused)
     }

@@ -65,6 +65,9 @@ enum Told<'a> {
     UnknownWhisker {
         position: usize,
     },
+    BadTime {
+        position: usize,
+    },
     Condition(Change<'a>),
     Fault(Change<'a>),
     Trim(TrimLine<'a>),
@@ -251,6 +254,7 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
     Some(match effect {
         Effect::Contact(contact) => Told::Contact(contact_line(contact, place(contact.whisker)?, source)),
         Effect::UnknownWhisker { position } => Told::UnknownWhisker { position: *position },
+        Effect::BadTime { position } => Told::BadTime { position: *position },
         Effect::Condition { whisker, from, to } => {
             Told::Condition(Change { place: place(*whisker)?, was: Some(from.word()), becomes: Some(to.word()) })
         }

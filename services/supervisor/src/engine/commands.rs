@@ -1,0 +1,186 @@
+//! The setpoints that went out to one robot: until when each may go out again, and what the robot has said of it.
+//!
+//! All of it is lost with the process. The age of a setpoint that an earlier supervisor sent counts from when it was issued.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use uuid::Uuid;
+use vibrissa_core::robot::effect::{Command, CommandKey};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{SetpointOutcome, SetpointState};
+
+/// Setpoints that are remembered beside those under way: robots may answer late, and twice.
+const REMEMBERED: usize = 32;
+
+/// The newest setpoints of one robot, in the order in which they were issued.
+#[derive(Debug, Default)]
+pub(super) struct Commands {
+    newest: VecDeque<Remembered>,
+    /// The number of the last `setpoint_state`, by the number of its boot.
+    answered: Option<(i64, u64)>,
+}
+
+#[derive(Debug)]
+struct Remembered {
+    key: CommandKey,
+    id: Uuid,
+    until: Instant,
+    /// What the robot has said of it last.
+    said: Option<SetpointOutcome>,
+}
+
+/// What a `setpoint_state` is, seen against what went out and was said before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Plausibility {
+    /// It can be so.
+    Fits,
+    /// No setpoint of that name went out to this robot.
+    UnknownCommand,
+    /// A later state of the setpoint was said before.
+    Backward,
+}
+
+impl Commands {
+    /// Until when a setpoint may go out, by the monotonic clock; `valid_for` counts from when it was issued, `now` is the wall
+    /// clock. It is found out once: clocks that are set do not make a setpoint live longer.
+    pub(super) fn until(
+        &mut self,
+        command: &Command,
+        id: Uuid,
+        (now, valid_for): (Micros, Micros),
+        under_way: usize,
+    ) -> Instant {
+        if let Some(known) = self.newest.iter().find(|one| one.key == command.key) {
+            return known.until;
+        }
+        let age = now.since(command.issued);
+        let left = Duration::from_micros(valid_for.0.saturating_sub(age.0).min(valid_for.0));
+        let until = Instant::now() + left;
+        while self.newest.len() >= REMEMBERED + under_way {
+            self.newest.pop_front();
+        }
+        self.newest.push_back(Remembered { key: command.key, id, until, said: None });
+        until
+    }
+
+    /// Judges a state, and remembers it. A message that MQTT delivers twice has the same number again.
+    pub(super) fn judge(&mut self, told: &SetpointState, boot: i64, is_under_way: bool) -> Plausibility {
+        let is_new = self.answered.is_none_or(|(before, seq)| before != boot || told.seq > seq);
+        if is_new {
+            self.answered = Some((boot, told.seq));
+        }
+        let mut buffer = Uuid::encode_buffer();
+        let mut is_named = |one: &Remembered| *one.id.hyphenated().encode_lower(&mut buffer) == told.command_id;
+        let Some(known) = self.newest.iter_mut().find(|one| is_named(one)) else {
+            return if is_under_way { Plausibility::Fits } else { Plausibility::UnknownCommand };
+        };
+        if !is_new {
+            return Plausibility::Fits;
+        }
+        let is_backward = known.said.is_some_and(|said| {
+            let contradicts = said.is_final() && said != told.state;
+            contradicts || stage(told.state) < stage(said)
+        });
+        if is_backward {
+            return Plausibility::Backward;
+        }
+        known.said = Some(told.state);
+        Plausibility::Fits
+    }
+}
+
+/// How far a setpoint has come.
+fn stage(state: SetpointOutcome) -> u8 {
+    match state {
+        SetpointOutcome::Received => 0,
+        SetpointOutcome::Applying => 1,
+        SetpointOutcome::Applied
+        | SetpointOutcome::Rejected
+        | SetpointOutcome::Failed
+        | SetpointOutcome::Superseded => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_core::robot::effect::Reason;
+    use vibrissa_core::units::Megapascal;
+    use vibrissa_protocol::BootId;
+
+    use super::*;
+
+    const S: u64 = 1_000_000;
+
+    fn command(version: u64, issued_s: u64) -> Command {
+        Command {
+            key: CommandKey { epoch: 1, version },
+            whisker: 0,
+            robot_boot_id: "b".to_owned(),
+            pressure: Megapascal::known(0.05),
+            slew_mpa_per_s: 0.02,
+            issued: Micros(issued_s * S),
+            expires: Micros(0),
+            reason: Reason::Release,
+            compensation: None,
+            gain: None,
+        }
+    }
+
+    fn state(id: Uuid, seq: u64, state: SetpointOutcome) -> SetpointState {
+        let boot_id = BootId::new("b").unwrap();
+        SetpointState { boot_id, seq, command_id: id.to_string(), state, t_us: 1, pressure_mpa: None, error: None }
+    }
+
+    #[test]
+    fn a_setpoint_lives_no_longer_when_the_wall_clock_is_set_back() {
+        let mut commands = Commands::default();
+        let valid_for = Micros(10 * S);
+        let first = commands.until(&command(1, 1000), Uuid::from_u128(1), (Micros(1000 * S), valid_for), 1);
+        let again = commands.until(&command(1, 1000), Uuid::from_u128(1), (Micros(10 * S), valid_for), 1);
+        assert_eq!(first, again);
+        assert!(first <= Instant::now() + Duration::from_secs(10));
+    }
+
+    #[test]
+    fn the_age_of_a_setpoint_of_an_earlier_supervisor_counts_from_when_it_was_issued() {
+        let mut commands = Commands::default();
+        let mut left_s = |version, now_s| {
+            let times = (Micros(now_s * S), Micros(10 * S));
+            let until = commands.until(&command(version, 1000), Uuid::from_u128(version.into()), times, 9);
+            until.saturating_duration_since(Instant::now()).as_secs_f64().round()
+        };
+        assert_eq!([left_s(1, 1004), left_s(2, 1011), left_s(3, 990)], [6.0, 0.0, 10.0]);
+    }
+
+    #[test]
+    fn a_state_must_be_of_a_setpoint_that_went_out_and_must_not_go_backward() {
+        use SetpointOutcome::{Applied, Applying, Failed, Received};
+        let mut commands = Commands::default();
+        let id = Uuid::from_u128(7);
+        commands.until(&command(1, 1000), id, (Micros(1000 * S), Micros(S)), 1);
+        let mut seq = 0;
+        let mut judge = |id, outcome, is_redelivered: bool| {
+            seq += u64::from(!is_redelivered);
+            commands.judge(&state(id, seq, outcome), 3, false)
+        };
+        let fits = [(Received, false), (Received, false), (Applying, false), (Received, true), (Applied, false)];
+        for (outcome, is_redelivered) in fits {
+            assert_eq!(judge(id, outcome, is_redelivered), Plausibility::Fits, "{outcome}");
+        }
+        assert_eq!(judge(id, Applied, false), Plausibility::Fits, "what became of it is said again");
+        for outcome in [Received, Applying, Failed] {
+            assert_eq!(judge(id, outcome, false), Plausibility::Backward, "{outcome}");
+        }
+        assert_eq!(judge(Uuid::from_u128(8), Applied, false), Plausibility::UnknownCommand);
+    }
+
+    #[test]
+    fn only_so_many_are_remembered() {
+        let mut commands = Commands::default();
+        for version in 0..1000 {
+            commands.until(&command(version, 1000), Uuid::from_u128(version.into()), (Micros(1000 * S), Micros(S)), 5);
+        }
+        assert_eq!(commands.newest.len(), REMEMBERED + 5);
+    }
+}

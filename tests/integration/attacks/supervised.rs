@@ -1,0 +1,149 @@
+//! The program as a process, with Mosquitto and either database: what it says and what it has recorded.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+
+use serde_json::json;
+use sqlx::postgres::PgConnection;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
+use sqlx::{ConnectOptions, Connection};
+use tempfile::TempDir;
+use vibrissa_protocol::ArrayType;
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::proxy::Proxy;
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+use vibrissa_tests::web::{send, try_get};
+
+/// Contacts until a whisker counts as learned: few, so that tests are quick.
+pub(crate) const LEARNED: usize = 60;
+
+/// A supervisor of fleet `f`. Between it and the broker is a proxy.
+pub(crate) struct Supervised {
+    pub(crate) proxy: Proxy,
+    process: Process,
+    broker: Mosquitto,
+    postgres: Option<Postgres>,
+    http: SocketAddr,
+    folder: TempDir,
+}
+
+impl Supervised {
+    pub(crate) async fn on_sqlite() -> Self {
+        Self::on(None).await
+    }
+
+    pub(crate) async fn on_postgres() -> Self {
+        Self::on(Some(Postgres::start().await)).await
+    }
+
+    async fn on(postgres: Option<Postgres>) -> Self {
+        let (folder, broker) = (tempfile::tempdir().unwrap(), Mosquitto::start());
+        let proxy = Proxy::to(broker.port()).await;
+        let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+        let database = match &postgres {
+            Some(server) => Postgres::url(server.port()),
+            None => format!("sqlite:{}", folder.path().join("v.sqlite3").display()),
+        };
+        let arguments = [
+            "run",
+            "--fleet",
+            "f",
+            "--http-listen",
+            &http.to_string(),
+            "--mqtt-url",
+            &format!("mqtt://127.0.0.1:{}", proxy.port()),
+            "--database-url",
+            &database,
+            "--detection-cold-start-contacts",
+            &LEARNED.to_string(),
+        ];
+        let launch = Launch {
+            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
+            log: folder.path().join("log"),
+        };
+        let one = Self { proxy, process: Process::start(launch), broker, postgres, http, folder };
+        one.is_ready().await;
+        one
+    }
+
+    /// Waits until robots are heard.
+    pub(crate) async fn is_ready(&self) {
+        until_true("a supervisor that is ready", async || self.answers("/readyz").await.is_some()).await;
+    }
+
+    /// The body of a good answer.
+    pub(crate) async fn answers(&self, path: &str) -> Option<String> {
+        try_get(self.http, path).await.ok().filter(|(status, _)| *status == 200).map(|(_, body)| body)
+    }
+
+    /// Kills it, as a power failure would, and starts it again.
+    pub(crate) async fn restart(&mut self) {
+        self.process.kill();
+        self.process.restart();
+        self.is_ready().await;
+    }
+
+    /// A robot with two whiskers; returns when its first message is taken.
+    pub(crate) async fn robot(&self, name: &str) -> HandRobot {
+        HandRobot::born(self.broker.port(), name, array(ArrayType::Type2, &[70.0, 69.3])).await
+    }
+
+    /// What was refused, by reason.
+    pub(crate) async fn refused(&self) -> BTreeMap<String, f64> {
+        let before = "vibrissa_messages_refused_total{fleet=\"f\",reason=\"";
+        let counted = |line: &str| {
+            let (reason, count) = line.strip_prefix(before)?.split_once("\"} ")?;
+            let count: f64 = count.parse().ok()?;
+            (count > 0.0).then(|| (reason.to_owned(), count))
+        };
+        self.answers("/metrics").await.expect("metrics").lines().filter_map(counted).collect()
+    }
+
+    /// Waits until exactly that was refused.
+    pub(crate) async fn has_refused(&self, reasons: &[(&str, f64)]) {
+        let expected: BTreeMap<String, f64> =
+            reasons.iter().map(|&(reason, count)| (reason.to_owned(), count)).collect();
+        until_true(&format!("refused: {expected:?}"), async || self.refused().await == expected).await;
+    }
+
+    /// One metric, by its name with labels.
+    pub(crate) async fn metric(&self, name: &str) -> f64 {
+        let metrics = self.answers("/metrics").await.expect("metrics");
+        let value = metrics.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok());
+        value.unwrap_or_default()
+    }
+
+    /// One number from the database.
+    pub(crate) async fn number(&self, sql: &'static str) -> i64 {
+        match &self.postgres {
+            Some(server) => {
+                let mut link: PgConnection = server.connect().connect().await.unwrap();
+                sqlx::query_scalar(sql).fetch_one(&mut link).await.unwrap()
+            }
+            None => {
+                let path = self.folder.path().join("v.sqlite3");
+                let options = SqliteConnectOptions::new().filename(path).read_only(true);
+                let mut link = SqliteConnection::connect_with(&options).await.unwrap();
+                sqlx::query_scalar(sql).fetch_one(&mut link).await.unwrap()
+            }
+        }
+    }
+
+    /// An operator sets the pressure of a whisker of robot `r` by hand.
+    pub(crate) async fn set_by_hand(&self, whisker: u16, pressure_mpa: f64) {
+        let path = format!("/v1/fleets/f/robots/r/arrays/left/whiskers/{whisker}/setpoint");
+        let body = json!({ "pressure_mpa": pressure_mpa, "reason": "a test" });
+        let answer = send(self.http, "POST", &path, &[], Some(&body)).await.unwrap();
+        assert_eq!(answer.status / 100, 2, "{}", answer.body);
+    }
+
+    /// Lines of its log with that text.
+    pub(crate) fn logged(&self, text: &str) -> usize {
+        std::fs::read_to_string(self.folder.path().join("log")).unwrap().matches(text).count()
+    }
+}

@@ -1,0 +1,80 @@
+//! Numbers that are within their units' ranges, and far from anything that a whisker does: nothing that is learned becomes infinite or
+//! no number.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use vibrissa_core::robot::effect::Effect;
+
+use crate::by_hand::ByHand;
+
+/// Each alone made the length of a whisker of 69.3 mm no number, in this order.
+const POISON: [(f64, f64, f64); 3] = [(5e-324, 1e-9, -0.0117), (0.85, 1000.0, 5e-324), (0.45, 999.999, 1.0)];
+const PLAIN: (f64, f64, f64) = (0.85, 2.4, 0.0117);
+
+/// Everything that is known of the robot, and all that came of it, is finite.
+fn assert_finite(one: &ByHand, what: &str) {
+    let view = one.robot.whisker(0).unwrap();
+    let numbers = [view.length.length.mm(), view.length.sd_mm];
+    assert!(numbers.iter().all(|number| number.is_finite()), "{what}: {numbers:?}");
+    let told = format!("{:?}", one.robot);
+    let odd = ["NaN", "inf,", "inf]", "inf}", "inf)", "inf "].iter().find_map(|odd| told.find(odd));
+    assert!(odd.is_none(), "{what}: {}", &told[odd.unwrap_or(0).saturating_sub(200)..][..300]);
+    for effect in &one.effects {
+        if let Effect::Contact(contact) = effect {
+            let numbers = [contact.residual, contact.standardised, Some(contact.length.sd_mm)];
+            assert!(numbers.iter().flatten().all(|number| number.is_finite()), "{what}: {contact:?}");
+        }
+    }
+}
+
+#[test]
+fn regress_three_contacts_within_the_ranges_leave_the_length_a_number() {
+    for learned in [0, 30, 200] {
+        let mut one = ByHand::born(69.3);
+        for _ in 0..learned {
+            one.passes_s(0.1);
+            one.touched(&[(PLAIN, 0)]);
+        }
+        for (at, poison) in POISON.iter().enumerate() {
+            one.passes_s(0.1);
+            one.touched(&[(*poison, 0)]);
+            assert_finite(&one, &format!("{learned} contacts, then up to {at}"));
+        }
+        let length_mm = one.robot.whisker(0).unwrap().length.length.mm();
+        assert!((length_mm - 69.3).abs() < 1.0, "{length_mm}");
+    }
+}
+
+fn extreme(random: &mut ChaCha8Rng, most: f64) -> f64 {
+    match random.random_range(0..8) {
+        0 => f64::from_bits(1),
+        1 => f64::MIN_POSITIVE,
+        2 => most,
+        3 => most * (1.0 - f64::EPSILON),
+        4 => 1e-9,
+        5 => 10_f64.powf(random.random_range(-320.0..0.0)) * most,
+        _ => random.random_range(0.0..1.0) * most,
+    }
+}
+
+#[test]
+fn property_no_sequence_of_extreme_contacts_makes_anything_infinite() {
+    for seed in 0..60 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut one = ByHand::born([69.3, 70.0, 1.0, 1000.0, 40.0][seed as usize % 5]);
+        let plain_share = f64::from(seed as u32 % 3) * 0.45;
+        for _ in 0..600 {
+            one.passes_s(0.2);
+            let contact = if random.random_bool(plain_share) {
+                let noise = random.random_range(0.9..1.1);
+                (PLAIN.0, PLAIN.1, PLAIN.2 * noise)
+            } else {
+                let sign = if random.random_bool(0.2) { -1.0 } else { 1.0 };
+                let ratio = extreme(&mut random, 1.0).max(f64::from_bits(1));
+                (ratio, extreme(&mut random, 1000.0), sign * extreme(&mut random, 1.0))
+            };
+            one.touched(&[(contact, 0)]);
+        }
+        assert_finite(&one, &format!("seed {seed}"));
+    }
+}
