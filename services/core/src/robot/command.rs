@@ -136,12 +136,14 @@ impl Robot {
 
     /// A setpoint that its robot would refuse as expired by now, or that has gone unanswered for so long by our own clock.
     fn expire(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let (robot_time, heard) = (self.clock.robot_time(now), self.clock.heard());
+        let (clock, heard) = (&self.clock, self.clock.heard());
         let whisker = &mut self.whiskers[index];
         let Some(flight) = &whisker.command else { return };
         let Command { key, issued, expires, pressure, .. } = flight.command;
         let is_pending = flight.state == CommandState::Pending;
-        let is_over = robot_time.is_some_and(|robot_time| robot_time > expires);
+        // One that the robot has taken is followed for as long as nothing is heard.
+        let known_until = if is_pending { now } else { heard.unwrap_or_default() };
+        let is_over = clock.robot_time(known_until).is_some_and(|robot_time| robot_time > expires);
         // A clock that was set back by more than that says nothing of its age.
         let valid_for = whisker.valid_for(params, pressure);
         let is_unanswered = is_pending && now.since(issued).max(issued.since(now)) > valid_for;

@@ -13,12 +13,17 @@ use vibrissa_protocol::{SetpointOutcome, SetpointState};
 /// Setpoints that are remembered beside those under way: robots may answer late, and twice.
 const REMEMBERED: usize = 32;
 
+/// How long after a take-up setpoints that are over may be answered: longer than any lives.
+const OTHERS_FOR: Duration = Duration::from_secs(60);
+
 /// The newest setpoints of one robot, in the order in which they were issued.
 #[derive(Debug, Default)]
 pub(super) struct Commands {
     newest: VecDeque<Remembered>,
     /// The number of the last `setpoint_state`, by the number of its boot.
     answered: Option<(i64, u64)>,
+    /// Until then what an earlier supervisor sent may still be answered.
+    others_until: Option<Instant>,
 }
 
 #[derive(Debug)]
@@ -42,6 +47,11 @@ pub(super) enum Plausibility {
 }
 
 impl Commands {
+    /// Of a robot that another supervisor may have had before.
+    pub(super) fn taken_up() -> Self {
+        Self { others_until: Some(Instant::now() + OTHERS_FOR), ..Self::default() }
+    }
+
     /// Until when a setpoint may go out, by the monotonic clock; `valid_for` counts from when it was issued, `now` is the wall
     /// clock. It is found out once: clocks that are set do not make a setpoint live longer.
     pub(super) fn until(
@@ -73,7 +83,8 @@ impl Commands {
         let mut buffer = Uuid::encode_buffer();
         let mut is_named = |one: &Remembered| *one.id.hyphenated().encode_lower(&mut buffer) == told.command_id;
         let Some(known) = self.newest.iter_mut().find(|one| is_named(one)) else {
-            return if is_under_way { Plausibility::Fits } else { Plausibility::UnknownCommand };
+            let is_others = self.others_until.is_some_and(|until| Instant::now() < until);
+            return if is_under_way || is_others { Plausibility::Fits } else { Plausibility::UnknownCommand };
         };
         if !is_new {
             return Plausibility::Fits;
@@ -173,6 +184,12 @@ mod tests {
             assert_eq!(judge(id, outcome, false), Plausibility::Backward, "{outcome}");
         }
         assert_eq!(judge(Uuid::from_u128(8), Applied, false), Plausibility::UnknownCommand);
+        let others = state(Uuid::from_u128(8), 0, Applied);
+        assert_eq!(
+            Commands::taken_up().judge(&others, 3, false),
+            Plausibility::Fits,
+            "of an earlier supervisor, perhaps"
+        );
     }
 
     #[test]

@@ -117,6 +117,7 @@ impl Known {
         self.robot.take_up(epoch, wall_clock());
         self.stated = survey::Stated::of(&self.robot, params);
         self.stored = Stored::Before;
+        self.commands = Commands::taken_up();
     }
 
     /// The number of a boot, 0 if it has none.

@@ -12,7 +12,7 @@ use vibrissa_protocol::Name;
 use super::{Metrics, RobotSample, WhiskerSample};
 
 /// A label with more values than this is said to have so many, without their names.
-const VALUES_SHOWN_MAX: usize = 16;
+const VALUES_SHOWN_MAX: usize = 32;
 /// Labels whose values are not the program's.
 const FREE: [&str; 11] =
     ["fleet", "robot", "array", "whisker", "version", "database", "broker", "supervisor", "method", "route", "status"];
