@@ -11,6 +11,8 @@ async fn forgeries_are_counted(supervised: Supervised) {
     let contacts = vec![robot.contact(0), robot.contact(1)];
     let said = robot.send(contacts).await;
     robot.receipted().await;
+    const DUPLICATES: &str = "vibrissa_messages_duplicate_total{fleet=\"f\"}";
+    let before = supervised.metric(DUPLICATES).await;
 
     // The same again is a duplicate, and something else under its number a forgery.
     robot.say(RobotTopic::Contacts, encode(&said)).await;
@@ -18,10 +20,7 @@ async fn forgeries_are_counted(supervised: Supervised) {
     forged.contacts[1].strain *= 1.000_001;
     robot.say(RobotTopic::Contacts, encode(&forged)).await;
     supervised.has_refused(&[("conflicting_duplicate", 1.0)]).await;
-    until_true("both are duplicates", async || {
-        supervised.metric("vibrissa_messages_duplicate_total{fleet=\"f\"}").await == 2.0
-    })
-    .await;
+    until_true("both are duplicates", async || supervised.metric(DUPLICATES).await == before + 2.0).await;
 
     robot.status().await;
     supervised.set_by_hand(0, 0.05).await;
