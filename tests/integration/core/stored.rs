@@ -361,15 +361,20 @@ fn property_a_tick_with_nothing_to_do_says_what_a_full_look_says() {
     }
 }
 
-/// The robots that version 4 of the state stored, each with its parts; they were written by the program of then.
-fn of_version_4() -> Vec<Vec<Vec<u8>>> {
-    let mut bytes: &[u8] = include_bytes!("../../data/state-4/robots.bin");
+/// The parts of robots that version 4 of the state stored; they were written by the program of then.
+fn parts_of(mut bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut parts = Vec::new();
     while let Some((length, rest)) = bytes.split_first_chunk() {
         let (part, rest) = rest.split_at(u32::from_le_bytes(*length) as usize);
         parts.push(part.to_vec());
         bytes = rest;
     }
+    parts
+}
+
+/// Two robots of then, each with its parts.
+fn of_version_4() -> Vec<Vec<Vec<u8>>> {
+    let parts = parts_of(include_bytes!("../../data/state-4/robots.bin"));
     parts.chunks(1 + usize::from(WHISKERS)).map(<[_]>::to_vec).collect()
 }
 
@@ -420,4 +425,26 @@ fn a_robot_of_version_4_goes_on_once_it_has_said_its_time_again() {
     });
     let left_s = Micros(sent.expect("a setpoint").expires.0 - now.0).as_s();
     assert!((10.0..15.0).contains(&left_s), "{left_s} s");
+}
+
+/// A version before could learn it from contacts.
+#[test]
+fn regress_a_whisker_whose_stored_length_is_no_number_is_learned_anew() {
+    let mut parts = of_version_4().swap_remove(0);
+    let whole = Robot::restore(&parts[0], &parts[1..]).unwrap();
+    let view = whole.whisker(0).unwrap();
+    assert!(view.contacts > 0);
+    let log_length = (view.length.length.mm() / view.sheet.length.mm()).ln() as f32;
+    let places: Vec<usize> =
+        (0..parts[1].len() - 4).filter(|&at| parts[1][at..at + 4] == log_length.to_le_bytes()).collect();
+    let [at] = places[..] else { panic!("the filter's log length {log_length} is at {places:?}") };
+    parts[1][at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    let mut robot = Robot::restore(&parts[0], &parts[1..]).unwrap();
+    let view = robot.whisker(0).unwrap();
+    assert_eq!((view.length.length.mm(), view.contacts), (view.sheet.length.mm(), 0));
+    assert!(view.length.sd_mm.is_finite() && !format!("{robot:?}").contains("NaN"));
+    let mut changed = Vec::new();
+    robot.take_changed_whiskers(|index| changed.push(index));
+    assert_eq!(changed, [0], "what is stored is written anew");
+    assert_eq!(robot.whisker(1).unwrap(), whole.whisker(1).unwrap());
 }

@@ -73,6 +73,9 @@ pub fn publish(
 ///
 /// Nothing is given to the client before: it would keep it, and send it when it is too late.
 async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mpsc::Receiver<Publication>) -> bool {
+    if *is_connected.borrow() {
+        return true;
+    }
     loop {
         match timeout(LOOK, is_connected.wait_for(|&is_connected| is_connected)).await {
             Ok(stands) => return stands.is_ok(),
