@@ -60,7 +60,7 @@ use committer::{Committer, LeaseLost};
 use gathering::{Gathering, Sealed};
 use rounds::{RECEIPTS, Rounds, TICK};
 use sealing::{Done, done};
-use shard::Shard;
+use shard::{Shard, shard_of};
 use snapshot::Pace;
 use suspects::Suspect;
 
@@ -118,10 +118,6 @@ pub struct Engine {
     /// What all fleets count together.
     program: Metrics,
     metrics: FleetMetrics,
-    /// When the message was received that was handled last.
-    handled: Micros,
-    /// Messages that had been shed at the last look.
-    shed: u64,
     /// When what is gathered is committed.
     rounds: Rounds,
     /// Robots are not counted before then.
@@ -213,10 +209,8 @@ impl Engine {
             kept: VecDeque::new(),
             outbox: None,
             workers: Handle::current(),
-            shed: metrics.messages_shed.get(),
             program,
             metrics,
-            handled: Micros::default(),
             rounds: Rounds::new(Instant::now()),
             survey_from: Instant::now(),
             is_ending: false,
@@ -285,6 +279,7 @@ impl Engine {
         let mut is_ticking = false;
         loop {
             let has_room = self.has_room();
+            inbox.begin_round(self.rounds.number());
             let due = self.rounds.due().filter(|_| self.committing.is_none());
             tokio::select! {
                 done = done(&mut self.committing) => self.committed(done)?,
@@ -323,7 +318,7 @@ impl Engine {
     /// message, because it finds everything cold.
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
-        self.listen_anew_if_deaf();
+        self.listen_anew_if_deaf(inbox);
         let (number, is_round) = self.rounds.tick();
         if is_round {
             self.look_at_receipts();
@@ -397,7 +392,8 @@ impl Engine {
 
     /// The time for the core: not later than what it has yet to hear.
     fn now(&self, inbox: &Inbox) -> Micros {
-        if inbox.is_empty() { wall_clock() } else { self.handled }
+        let now = wall_clock();
+        inbox.oldest().map_or(now, |oldest| oldest.min(now))
     }
 
     /// Tells the core what time it is; false if there was not room enough for what comes of it, and it goes on later.
@@ -415,13 +411,18 @@ impl Engine {
         is_done
     }
 
-    /// No robot was silent while the broker was away, or messages were left out.
-    fn listen_anew_if_deaf(&mut self) {
-        let shed = self.metrics.messages_shed.get();
-        if self.metrics.broker_connected.get() == 0 || shed != self.shed {
-            self.listen_anew();
+    /// No robot was silent while the broker was away, or while its messages were left out.
+    fn listen_anew_if_deaf(&mut self, inbox: &Inbox) {
+        let (robots, others) = inbox.take_shed();
+        if self.metrics.broker_connected.get() == 0 || others > 0 {
+            return self.listen_anew();
         }
-        self.shed = shed;
+        let now = wall_clock();
+        let names = robots.iter().filter_map(|shed| Name::robot(std::str::from_utf8(&shed.robot).ok()?).ok());
+        for name in names {
+            let at = shard_of(&name, self.shards.len());
+            self.shards[at].listen_to_one_from(&name, now);
+        }
     }
 
     /// No robot was silent while we were deaf.

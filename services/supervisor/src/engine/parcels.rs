@@ -11,6 +11,9 @@ use super::{Engine, Incoming, suspects};
 
 /// Parcels of one round that are worth several tasks.
 const WORTH_TASKS: usize = 128;
+/// Bytes that are worth a task of their own, about a millisecond's work: meanwhile this thread receives, so that nobody's messages
+/// wait in the broker behind those of a robot that sends much.
+const WORTH_A_TASK_BYTES: usize = 128 * 1024;
 
 impl Engine {
     /// Steps messages, in the order of each robot's.
@@ -18,7 +21,6 @@ impl Engine {
         let count = messages.len();
         let mut parcels: Vec<Vec<Parcel>> = self.shards.iter().map(|_| Vec::new()).collect();
         for incoming in messages.drain(..) {
-            self.handled = incoming.received;
             let Some((shard, parcel)) = self.address(incoming) else { continue };
             let Some(parcel) = self.unless_suspect(parcel) else { continue };
             if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) {
@@ -59,7 +61,9 @@ impl Engine {
     /// Gives each shard its parcels; each shard is one task's as long as it works.
     async fn handle_parcels(&mut self, parcels: &mut [Vec<Parcel>]) {
         let busy = parcels.iter().filter(|parcels| !parcels.is_empty()).count();
-        if busy <= 1 || parcels.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS {
+        let is_few = busy <= 1 || parcels.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
+        let bytes: usize = parcels.iter().flatten().map(|parcel| parcel.payload.len()).sum();
+        if is_few && bytes < WORTH_A_TASK_BYTES {
             for (shard, parcels) in self.shards.iter_mut().zip(parcels) {
                 shard.handle_all(parcels);
             }

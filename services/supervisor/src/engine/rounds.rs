@@ -34,6 +34,8 @@ pub(super) struct Rounds {
     receipts_due: bool,
     /// How often they have been passed over since.
     passed_over: u32,
+    /// Commits begun, and times that nothing had been gathered.
+    number: u64,
 }
 
 impl Rounds {
@@ -47,7 +49,16 @@ impl Rounds {
             ticks: 0,
             receipts_due: false,
             passed_over: 0,
+            number: 0,
         }
+    }
+
+    /// The round that is gathered for: another one with each commit, and each time that there is nothing to commit.
+    pub(super) fn number(&mut self) -> u64 {
+        if self.due.is_none() {
+            self.number += 1;
+        }
+        self.number
     }
 
     /// So many messages were handled.
@@ -104,6 +115,7 @@ impl Rounds {
     /// which is due at once.
     pub(super) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
         (self.due, self.since, self.gathered) = (None, None, 0);
+        self.number += 1;
         let receipts = self.receipts_due && !passes_over;
         self.receipts_due &= !receipts;
         self.passed_over = if self.receipts_due { self.passed_over + 1 } else { 0 };

@@ -168,6 +168,16 @@ impl Shard {
     }
 }
 
+impl Shard {
+    /// That robot was not silent while its messages were left out.
+    pub(super) fn listen_to_one_from(&mut self, name: &Name, now: Micros) {
+        if let Some(known) = self.robots.get_mut(name) {
+            known.robot.listen_from(now);
+            self.gathering.store_next(known);
+        }
+    }
+}
+
 /// Which of so many shards a robot belongs to: always the same one.
 pub(super) fn shard_of(name: &Name, shards: usize) -> usize {
     // FNV-1a, so that the answer is the same in each build.

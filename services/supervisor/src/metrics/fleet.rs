@@ -54,6 +54,9 @@ of_fleet! {
     /// Contacts messages not taken in because the inbox was full; robots send them again.
     messages_shed: IntCounter = "vibrissa_messages_shed_total",
         "Contacts messages not taken in because the inbox was full; robots send them again.";
+    /// Those of them whose robot held more than its share of the inbox.
+    messages_shed_over_share: IntCounter = "vibrissa_messages_shed_over_share_total",
+        "Contacts messages not taken in because their robot held more than its share of the inbox; they count as shed, too.";
     /// Contacts messages that are not waited for any more: their robot does not send them again.
     messages_given_up: IntCounter = "vibrissa_messages_given_up_total",
         "Contacts messages not waited for any more: lost.";

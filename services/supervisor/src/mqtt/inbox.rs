@@ -1,9 +1,10 @@
-//! What was received and is not handled yet: bounded in messages and bytes, whatever robots send.
+//! What was received and is not handled yet: bounded in messages and bytes, whatever robots send, and shared out fairly
+//! among them ([`super::fair`]).
 //!
 //! Messages that came together are handed over together: one lock, one wake-up and one allocation for all of them.
 
-use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use tokio::sync::Notify;
@@ -11,27 +12,19 @@ use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
+use super::fair::{Bounds, Fair, Filling, LeftOut, Shed};
 use crate::engine::{Incoming, wall_clock};
 use crate::metrics::FleetMetrics;
 
 /// The label under which messages other than contacts are counted as refused when there is no room for them.
 const INBOX_FULL: &str = "inbox_full";
-/// What a message takes beside its topic and payload, generously.
-const MESSAGE_BYTES: usize = 256;
+/// The same if the robot holds more than its share.
+const OVER_SHARE: &str = "over_share";
 /// Messages that came together share an allocation of this many bytes, unless one alone is larger: no message keeps
 /// more than this of others alive.
 const SHARED_BYTES: usize = 64 * 1024;
-/// Places for messages that are kept while the inbox is empty.
-const KEPT_PLACES: usize = 8192;
-
-/// How much may wait. Over the bounds nothing is taken; contacts leave the reserves to everything else.
-#[derive(Debug, Clone, Copy)]
-struct Bounds {
-    messages: usize,
-    messages_reserved: usize,
-    bytes: usize,
-    bytes_reserved: usize,
-}
+/// How often the log says that messages are left out.
+const TELL_EVERY: Duration = Duration::from_secs(10);
 
 /// A burst of 100,000 messages a second is through a commit of half a second before anything is shed.
 const BOUNDS: Bounds =
@@ -47,8 +40,7 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct Waiting {
-    messages: VecDeque<Incoming>,
-    bytes: usize,
+    messages: Fair,
     /// No more can come.
     ended: bool,
     /// Nobody takes anything any more.
@@ -61,26 +53,15 @@ impl Shared {
     }
 
     fn filling(&self) -> Filling {
-        let waiting = self.waiting();
-        Filling { messages: waiting.messages.len(), bytes: waiting.bytes }
+        self.waiting().messages.held()
     }
 }
 
 impl Waiting {
-    /// Gives up to `most` messages, and how many; none if nothing waits, but more can come.
+    /// Gives up to `most` messages, and how many; none if nothing can be given now, but later.
     fn give(&mut self, most: usize, to: &mut impl FnMut(Incoming)) -> Option<usize> {
-        let count = most.min(self.messages.len());
-        if count == 0 && !self.ended {
-            return None;
-        }
-        for message in self.messages.drain(..count) {
-            self.bytes -= weight(&message.topic, &message.payload);
-            to(message);
-        }
-        if self.messages.is_empty() {
-            self.messages.shrink_to(KEPT_PLACES);
-        }
-        Some(count)
+        let count = self.messages.give(most, to);
+        (count > 0 || self.ended && self.messages.is_empty()).then_some(count)
     }
 }
 
@@ -91,15 +72,6 @@ pub struct Inbox {
     bounds: Bounds,
 }
 
-/// How full an inbox is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Filling {
-    /// Messages.
-    pub messages: usize,
-    /// Bytes.
-    pub bytes: usize,
-}
-
 impl Inbox {
     /// The next message; none when no more can come. Nothing is lost if it is not waited for to the end.
     pub async fn recv(&mut self) -> Option<Incoming> {
@@ -108,8 +80,8 @@ impl Inbox {
         next
     }
 
-    /// Waits for at least one message, and gives up to `most` (at least 1) of those that are there, in order. 0 when no more can
-    /// come. Nothing is lost if it is not waited for to the end.
+    /// Waits for at least one message, and gives up to `most` (at least 1) of those that are there: robots in turns, each one's in
+    /// order. 0 when no more can come. Nothing is lost if it is not waited for to the end.
     pub async fn recv_many(&mut self, into: &mut Vec<Incoming>, most: usize) -> usize {
         self.take(most.max(1), |message| into.push(message)).await
     }
@@ -131,6 +103,23 @@ impl Inbox {
         self.shared.waiting().messages.is_empty()
     }
 
+    /// A transaction is gathered for, of this number: each robot has its share of it.
+    pub fn begin_round(&self, number: u64) {
+        self.shared.waiting().messages.begin_round(number);
+    }
+
+    /// When the oldest message was received that waits; those do not count that wait because their own robot sends too much.
+    #[must_use]
+    pub fn oldest(&self) -> Option<Micros> {
+        self.shared.waiting().messages.oldest()
+    }
+
+    /// The robots whose messages were left out since the last look because they sent more than their share, and how many
+    /// messages were left out because there was no room for anybody.
+    pub fn take_shed(&self) -> (Vec<Shed>, u64) {
+        self.shared.waiting().messages.take_shed()
+    }
+
     /// How much waits.
     #[must_use]
     pub fn filling(&self) -> Filling {
@@ -148,8 +137,7 @@ impl Drop for Inbox {
     fn drop(&mut self) {
         let mut waiting = self.shared.waiting();
         waiting.abandoned = true;
-        waiting.messages = VecDeque::new();
-        waiting.bytes = 0;
+        waiting.messages.clear();
     }
 }
 
@@ -159,15 +147,15 @@ pub(super) struct Intake {
     shared: Arc<Shared>,
     bounds: Bounds,
     metrics: FleetMetrics,
-    /// Taken in since the last hand-over, as they were received.
-    together: Vec<(Bytes, Bytes)>,
-    /// How much may come beside that: what the inbox had room for when the first of them came.
-    room: Filling,
-    /// When that was; each message of a look counts as received a microsecond after the one before, so that their times
+    /// Taken in since the last hand-over, as they were received, with the places of their queues.
+    together: Vec<(Bytes, Bytes, usize)>,
+    /// When the first of them came; each message of a look counts as received a microsecond after the one before, so that their times
     /// tell their order.
     received: Micros,
-    /// Something has been left out since there was room last; said once.
+    /// Something has been left out since there was room last.
     shedding: bool,
+    /// When the log said so last.
+    told: Option<Instant>,
     /// Something was left out that the broker retains.
     missed: bool,
 }
@@ -184,16 +172,12 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
         bounds,
         metrics,
         together: Vec::new(),
-        room: Filling { messages: 0, bytes: 0 },
         received: Micros::default(),
         shedding: false,
+        told: None,
         missed: false,
     };
     (intake, Inbox { shared, bounds })
-}
-
-fn weight(topic: &[u8], payload: &[u8]) -> usize {
-    topic.len() + payload.len() + MESSAGE_BYTES
 }
 
 impl Intake {
@@ -203,27 +187,12 @@ impl Intake {
     pub(super) fn take(&mut self, topic: Bytes, payload: Bytes) {
         if self.together.is_empty() {
             self.received = after(self.received, wall_clock());
-            let filling = self.shared.filling();
-            self.room = Filling {
-                messages: self.bounds.messages.saturating_sub(filling.messages),
-                bytes: self.bounds.bytes.saturating_sub(filling.bytes),
-            };
         }
-        let is_contacts = topic.ends_with(b"/contacts");
-        let weight = weight(&topic, &payload);
-        if !self.has_room(weight, is_contacts) {
-            self.leave_out(&topic, is_contacts);
-            return;
+        let place = self.shared.waiting().messages.reserve(&topic, &payload, &self.bounds);
+        match place {
+            Ok(at) => self.together.push((topic, payload, at)),
+            Err(why) => self.leave_out(&topic, why),
         }
-        self.room.messages -= 1;
-        self.room.bytes -= weight;
-        self.together.push((topic, payload));
-    }
-
-    fn has_room(&self, weight: usize, is_contacts: bool) -> bool {
-        let (messages, bytes) =
-            if is_contacts { (self.bounds.messages_reserved, self.bounds.bytes_reserved) } else { (0, 0) };
-        self.room.messages > messages && weight + bytes <= self.room.bytes
     }
 
     /// Puts what was taken in into the inbox: so many messages.
@@ -235,18 +204,22 @@ impl Intake {
         let mut rest = &together[..];
         let mut waiting = self.shared.waiting();
         let is_abandoned = waiting.abandoned;
+        if is_abandoned {
+            waiting.messages.clear();
+        }
         while !is_abandoned && !rest.is_empty() {
             let (count, bytes) = sharing(rest);
             let (first, others) = rest.split_at(count);
-            waiting.bytes += bytes + count * MESSAGE_BYTES;
-            waiting.messages.extend(copied(first, bytes, self.received));
+            for (message, (_, _, at)) in copied(first, bytes, self.received).zip(first) {
+                waiting.messages.push(*at, message);
+            }
             self.received.0 += count as u64;
             rest = others;
         }
         drop(waiting);
         self.shared.arrived.notify_one();
-        for (topic, _) in rest {
-            self.leave_out(topic, topic.ends_with(b"/contacts"));
+        for (topic, _, _) in rest {
+            self.leave_out(topic, LeftOut::Full);
         }
         let count = together.len();
         // Its places are used again.
@@ -255,16 +228,36 @@ impl Intake {
         count
     }
 
-    fn leave_out(&mut self, topic: &[u8], is_contacts: bool) {
-        if is_contacts {
-            self.metrics.messages_shed.inc();
-        } else {
-            self.metrics.messages_refused.count([INBOX_FULL]);
-            let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
-            self.missed |= retained.map(RobotTopic::as_str).any(|kind| topic.ends_with(kind.as_bytes()));
+    fn leave_out(&mut self, topic: &[u8], why: LeftOut) {
+        let is_contacts = topic.ends_with(b"/contacts");
+        match (why, is_contacts) {
+            (LeftOut::Full, true) => self.metrics.messages_shed.inc(),
+            (LeftOut::OverShare, true) => {
+                self.metrics.messages_shed.inc();
+                self.metrics.messages_shed_over_share.inc();
+            }
+            (LeftOut::Full, false) => {
+                self.metrics.messages_refused.count([INBOX_FULL]);
+                let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
+                self.missed |= retained.map(RobotTopic::as_str).any(|kind| topic.ends_with(kind.as_bytes()));
+            }
+            (LeftOut::OverShare, false) => self.metrics.messages_refused.count([OVER_SHARE]),
         }
-        if !std::mem::replace(&mut self.shedding, true) {
-            warn!(contacts = is_contacts, "more messages come in than are handled: some are left out, and counted");
+        if why == LeftOut::Full {
+            self.shared.waiting().messages.note_full();
+            self.shedding = true;
+        }
+        if self.told.is_none_or(|told| told.elapsed() >= TELL_EVERY) {
+            self.told = Some(Instant::now());
+            let topic = String::from_utf8_lossy(topic);
+            match why {
+                LeftOut::Full => {
+                    warn!(%topic, "more messages come in than are handled: some are left out, and counted")
+                }
+                LeftOut::OverShare => {
+                    warn!(%topic, "a robot sends more than its share: some of its messages are left out, and counted");
+                }
+            }
         }
     }
 
@@ -291,9 +284,9 @@ impl Drop for Intake {
 }
 
 /// How many of the first messages share an allocation, and its bytes.
-fn sharing(messages: &[(Bytes, Bytes)]) -> (usize, usize) {
+fn sharing(messages: &[(Bytes, Bytes, usize)]) -> (usize, usize) {
     let (mut count, mut bytes) = (0, 0);
-    for (topic, payload) in messages {
+    for (topic, payload, _) in messages {
         let more = topic.len() + payload.len();
         if count > 0 && bytes + more > SHARED_BYTES {
             break;
@@ -311,14 +304,14 @@ fn after(given: Micros, now: Micros) -> Micros {
 
 /// Copies of messages, `bytes` long together, in one allocation: as received they are pieces of a larger buffer, which
 /// one small message would keep alive.
-fn copied(messages: &[(Bytes, Bytes)], bytes: usize, received: Micros) -> impl Iterator<Item = Incoming> {
+fn copied(messages: &[(Bytes, Bytes, usize)], bytes: usize, received: Micros) -> impl Iterator<Item = Incoming> {
     let mut all = Vec::with_capacity(bytes);
-    for (topic, payload) in messages {
+    for (topic, payload, _) in messages {
         all.extend_from_slice(topic);
         all.extend_from_slice(payload);
     }
     let mut all = Bytes::from(all);
-    messages.iter().zip(received.0..).map(move |((topic, payload), received)| {
+    messages.iter().zip(received.0..).map(move |((topic, payload, _), received)| {
         let topic = all.split_to(topic.len());
         Incoming { topic, payload: all.split_to(payload.len()), received: Micros(received) }
     })
@@ -352,12 +345,28 @@ mod tests {
         most
     }
 
+    /// Takes in messages of many robots until one more does not fit.
+    fn fill(intake: &mut Intake, kind: &str) {
+        for robot in 0..=SMALL.messages {
+            intake.take(Bytes::from(format!("whisker/v1/f/r{robot}/{kind}")), Bytes::from_static(b"x"));
+        }
+        intake.hand_over();
+        assert_eq!(intake.shared.filling().messages, SMALL.messages);
+    }
+
+    async fn drain(inbox: &mut Inbox) {
+        while !inbox.is_empty() {
+            inbox.recv().await.unwrap();
+        }
+    }
+
     fn counted() -> FleetMetrics {
         Metrics::new(false).unwrap().of_fleet(&Name::new("f").unwrap())
     }
 
     fn left_out(metrics: &FleetMetrics) -> (u64, u64) {
-        (metrics.messages_shed.get(), metrics.messages_refused.of([INBOX_FULL]).get())
+        let refused = [INBOX_FULL, OVER_SHARE].map(|reason| metrics.messages_refused.of([reason]).get());
+        (metrics.messages_shed.get(), refused.iter().sum())
     }
 
     #[tokio::test]
@@ -394,17 +403,13 @@ mod tests {
     #[tokio::test]
     async fn what_is_retained_is_asked_for_again_once_there_is_room() {
         let (mut intake, mut inbox) = bounded(SMALL, counted());
-        flood(&mut intake, "factsheet", 10, SMALL.messages + 1);
+        fill(&mut intake, "factsheet");
         assert!(!intake.take_missed(), "there is no room yet");
-        for _ in 0..SMALL.messages {
-            inbox.recv().await.unwrap();
-        }
+        drain(&mut inbox).await;
         assert!(intake.take_missed());
         assert!(!intake.take_missed(), "once");
-        flood(&mut intake, "status", 10, SMALL.messages + 1);
-        for _ in 0..SMALL.messages {
-            inbox.recv().await.unwrap();
-        }
+        fill(&mut intake, "status");
+        drain(&mut inbox).await;
         assert!(!intake.take_missed(), "the broker keeps no status");
     }
 
@@ -421,7 +426,7 @@ mod tests {
     #[tokio::test]
     async fn what_came_together_is_given_in_order_and_as_it_came() {
         let (mut intake, mut inbox) = bounded(BOUNDS, counted());
-        let payload = |number: usize| Bytes::from(vec![number as u8; number * 1_000]);
+        let payload = |number: usize| Bytes::from(vec![number as u8; number % 50 * 20]);
         for number in 0..200 {
             intake.take(topic(&number.to_string()), payload(number));
         }
@@ -443,7 +448,7 @@ mod tests {
 
     #[test]
     fn messages_that_share_an_allocation_are_few_or_small() {
-        let message = |bytes: usize| (Bytes::new(), Bytes::from(vec![0; bytes]));
+        let message = |bytes: usize| (Bytes::new(), Bytes::from(vec![0; bytes]), 0);
         assert_eq!(sharing(&[message(10), message(20), message(SHARED_BYTES)]), (2, 30));
         assert_eq!(sharing(&[message(10 * SHARED_BYTES), message(1)]), (1, 10 * SHARED_BYTES));
         assert_eq!(sharing(&[message(SHARED_BYTES - 1), message(1), message(1)]), (2, SHARED_BYTES));

@@ -10,6 +10,7 @@ mod tls;
 
 mod receive;
 
+mod fair;
 mod inbox;
 
 mod publish;
@@ -32,6 +33,7 @@ use tokio::sync::watch;
 use vibrissa_protocol::{BootId, Name};
 
 pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, TlsOptions};
+pub use fair::{Filling, Shed};
 pub use inbox::Inbox;
 pub use link::LinkState;
 pub use publish::publish;

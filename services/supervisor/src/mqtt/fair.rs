@@ -1,0 +1,302 @@
+//! Messages of many robots that wait for the engine: each robot has a queue, and the queues take turns.
+//!
+//! Two rules keep robots apart. Room: a robot may hold at most as much as is still free, so that there is always room for the
+//! others (dynamic thresholds, Choudhury and Hahne 1998). Turns: each queue may give the same number of bytes in its turn
+//! (deficit round robin, Shreedhar and Varghese 1995), and only [`ROUND_BYTES`] for one transaction. So a message of a robot
+//! that sends little waits for one turn of each other robot at most, whatever they send. The order of one robot's messages
+//! stays.
+
+use std::collections::{HashMap, VecDeque};
+use std::hash::{BuildHasher, RandomState};
+
+use vibrissa_core::units::Micros;
+
+use crate::engine::Incoming;
+
+/// Memory of a message beside its topic and payload, bytes, rounded up.
+pub(super) const MESSAGE_BYTES: usize = 256;
+/// Bytes that a queue may give in its turn: two messages of 20 contacts, or some ten of one contact.
+const TURN_BYTES: usize = 8 * 1024;
+/// Bytes that the engine takes at a time: some 7,000 contacts, which it works on for some milliseconds.
+const TAKE_BYTES: usize = 1024 * 1024;
+/// Bytes of one robot for one transaction: some 1,700 contacts, which are committed in some 20 ms.
+const ROUND_BYTES: usize = 256 * 1024;
+/// A factsheet counts as so many bytes: the engine waits for the database before it takes anything else.
+const FACTSHEET_BYTES: usize = 64 * 1024;
+/// Robots that are named between two looks because messages of theirs were left out.
+const SHED_ROBOTS_MAX: usize = 256;
+/// Places that an empty queue keeps.
+const KEPT_PLACES: usize = 16;
+/// Empty queues that are kept.
+const KEPT_QUEUES: usize = 16_384;
+
+/// An amount of messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Filling {
+    /// Messages.
+    pub messages: usize,
+    /// Bytes.
+    pub bytes: usize,
+}
+
+impl Filling {
+    fn add(&mut self, bytes: usize) {
+        self.messages += 1;
+        self.bytes += bytes;
+    }
+
+    fn remove(&mut self, bytes: usize) {
+        self.messages -= 1;
+        self.bytes -= bytes;
+    }
+}
+
+/// How much may wait. Contacts leave the reserves to everything else.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    pub(super) messages: usize,
+    pub(super) messages_reserved: usize,
+    pub(super) bytes: usize,
+    pub(super) bytes_reserved: usize,
+}
+
+/// Why a message is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LeftOut {
+    /// There is no room for anybody.
+    Full,
+    /// Its robot holds as much as is free for all others.
+    OverShare,
+}
+
+/// A robot of which messages were left out because it sent more than its share.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shed {
+    /// Its level of the topic, as it came.
+    pub robot: Vec<u8>,
+    /// Messages since the last look.
+    pub messages: u64,
+}
+
+/// The messages of one robot.
+#[derive(Debug, Default)]
+struct Queue {
+    /// Hash of the robot's name.
+    robot: u64,
+    messages: VecDeque<Incoming>,
+    /// What it has room for: what waits, and what was taken in and is not handed over yet; contacts, and all else.
+    held: [Filling; 2],
+    /// Bytes that it may still give.
+    deficit: usize,
+    /// It is its turn, and its bytes are in the deficit.
+    is_its_turn: bool,
+    /// Bytes that it has given in this round.
+    given: usize,
+    round: u64,
+    /// It had to wait for another round since it was empty.
+    is_throttled: bool,
+    /// The last look in which it was shed, and its place in that look's list.
+    shed: Option<(u64, usize)>,
+}
+
+impl Queue {
+    fn is_unused(&self) -> bool {
+        self.held.iter().all(|held| held.messages == 0)
+    }
+}
+
+/// What waits of all robots.
+#[derive(Debug, Default)]
+pub(super) struct Fair {
+    queues: Vec<Queue>,
+    /// Places of queues that no robot has.
+    unused: Vec<usize>,
+    by_robot: HashMap<u64, usize>,
+    /// Queues with messages, in the order of their turns.
+    turns: VecDeque<usize>,
+    /// Of all queues.
+    held: Filling,
+    waiting: usize,
+    round: u64,
+    look: u64,
+    shed: Vec<Shed>,
+    shed_others: u64,
+    /// Keyed at random: nobody can choose names that share a queue.
+    names: RandomState,
+}
+
+/// Room that a message takes, bytes.
+pub(super) fn weight(topic: &[u8], payload: &[u8]) -> usize {
+    topic.len() + payload.len() + MESSAGE_BYTES
+}
+
+fn is_contacts(topic: &[u8]) -> bool {
+    topic.ends_with(b"/contacts")
+}
+
+/// What a message counts in its robot's turn, bytes.
+fn cost(message: &Incoming) -> usize {
+    let own = weight(&message.topic, &message.payload);
+    if message.topic.ends_with(b"/factsheet") { own.max(FACTSHEET_BYTES) } else { own }
+}
+
+/// The level of a topic that names the robot; all of a topic without one.
+fn robot_of(topic: &[u8]) -> &[u8] {
+    topic.split(|&byte| byte == b'/').nth(3).unwrap_or(topic)
+}
+
+impl Fair {
+    /// Room that is taken.
+    pub(super) fn held(&self) -> Filling {
+        self.held
+    }
+
+    /// Whether nothing waits.
+    pub(super) fn is_empty(&self) -> bool {
+        self.waiting == 0
+    }
+
+    /// Room for a message, in the queue whose place is given back. It must be pushed there, or the room given back.
+    pub(super) fn reserve(&mut self, topic: &[u8], payload: &[u8], bounds: &Bounds) -> Result<usize, LeftOut> {
+        let (weight, is_contacts) = (weight(topic, payload), is_contacts(topic));
+        let reserve = if is_contacts { (bounds.messages_reserved, bounds.bytes_reserved) } else { (0, 0) };
+        let free = Filling {
+            messages: bounds.messages.saturating_sub(self.held.messages + reserve.0),
+            bytes: bounds.bytes.saturating_sub(self.held.bytes + reserve.1),
+        };
+        if free.messages == 0 || free.bytes < weight {
+            return Err(LeftOut::Full);
+        }
+        let at = self.queue_of(robot_of(topic));
+        let own = &mut self.queues[at].held[usize::from(is_contacts)];
+        if own.messages > 0 && (own.messages >= free.messages || own.bytes + weight > free.bytes) {
+            self.note_shed(at, topic);
+            return Err(LeftOut::OverShare);
+        }
+        own.add(weight);
+        self.held.add(weight);
+        Ok(at)
+    }
+
+    fn queue_of(&mut self, robot: &[u8]) -> usize {
+        let key = self.names.hash_one(robot);
+        *self.by_robot.entry(key).or_insert_with(|| {
+            let at = self.unused.pop().unwrap_or_else(|| {
+                self.queues.push(Queue::default());
+                self.queues.len() - 1
+            });
+            self.queues[at].robot = key;
+            at
+        })
+    }
+
+    fn note_shed(&mut self, at: usize, topic: &[u8]) {
+        let place = self.queues[at].shed.filter(|&(look, _)| look == self.look).map(|(_, place)| place);
+        if let Some(shed) = place.and_then(|place| self.shed.get_mut(place)) {
+            shed.messages += 1;
+        } else if self.shed.len() < SHED_ROBOTS_MAX {
+            self.queues[at].shed = Some((self.look, self.shed.len()));
+            self.shed.push(Shed { robot: robot_of(topic).to_owned(), messages: 1 });
+        } else {
+            self.shed_others += 1;
+        }
+    }
+
+    /// A message that did not fit anywhere.
+    pub(super) fn note_full(&mut self) {
+        self.shed_others += 1;
+    }
+
+    /// Who was shed since the last look, and how many messages of others.
+    pub(super) fn take_shed(&mut self) -> (Vec<Shed>, u64) {
+        self.look += 1;
+        (std::mem::take(&mut self.shed), std::mem::take(&mut self.shed_others))
+    }
+
+    /// Puts a message into the queue that has room for it.
+    pub(super) fn push(&mut self, at: usize, message: Incoming) {
+        let queue = &mut self.queues[at];
+        if queue.messages.is_empty() {
+            self.turns.push_back(at);
+        }
+        queue.messages.push_back(message);
+        self.waiting += 1;
+    }
+
+    /// Frees the room of a message that was given.
+    fn let_go(&mut self, at: usize, weight: usize, is_contacts: bool) {
+        self.held.remove(weight);
+        let queue = &mut self.queues[at];
+        queue.held[usize::from(is_contacts)].remove(weight);
+        if queue.is_unused() {
+            self.by_robot.remove(&queue.robot);
+            let mut messages = std::mem::take(&mut queue.messages);
+            messages.shrink_to(KEPT_PLACES);
+            *queue = Queue { messages, ..Queue::default() };
+            self.unused.push(at);
+            if self.by_robot.is_empty() && self.queues.len() > KEPT_QUEUES {
+                (self.queues, self.unused) = (Vec::new(), Vec::new());
+            }
+        }
+    }
+
+    /// Another round begins: each robot has [`ROUND_BYTES`] again.
+    pub(super) fn begin_round(&mut self, round: u64) {
+        self.round = round;
+    }
+
+    /// Gives up to `most` messages in turns; says how many. None if nothing waits, or if all that waits is for another round.
+    pub(super) fn give(&mut self, most: usize, to: &mut impl FnMut(Incoming)) -> usize {
+        let (mut count, mut bytes, mut passed_over) = (0, 0, 0);
+        while count < most && bytes < TAKE_BYTES && passed_over < self.turns.len() {
+            let Some(&at) = self.turns.front() else { break };
+            let queue = &mut self.queues[at];
+            if queue.round != self.round {
+                (queue.round, queue.given) = (self.round, 0);
+            }
+            if queue.given >= ROUND_BYTES {
+                queue.is_throttled = true;
+                queue.is_its_turn = false;
+                self.turns.rotate_left(1);
+                passed_over += 1;
+                continue;
+            }
+            passed_over = 0;
+            if !std::mem::replace(&mut queue.is_its_turn, true) {
+                queue.deficit += TURN_BYTES;
+            }
+            let cost = queue.messages.front().map_or(0, cost);
+            if queue.deficit < cost {
+                queue.is_its_turn = false;
+                self.turns.rotate_left(1);
+                continue;
+            }
+            let Some(message) = queue.messages.pop_front() else { break };
+            queue.deficit -= cost;
+            queue.given += cost;
+            if queue.messages.is_empty() {
+                (queue.deficit, queue.is_its_turn, queue.is_throttled) = (0, false, false);
+                self.turns.pop_front();
+            }
+            (count, bytes, self.waiting) = (count + 1, bytes + cost, self.waiting - 1);
+            self.let_go(at, weight(&message.topic, &message.payload), is_contacts(&message.topic));
+            to(message);
+        }
+        count
+    }
+
+    /// When the oldest message was received that does not wait because its own robot sends too much.
+    pub(super) fn oldest(&self) -> Option<Micros> {
+        let queues = self.turns.iter().map(|&at| &self.queues[at]);
+        let own_pace = queues.filter(|queue| !queue.is_throttled);
+        own_pace.filter_map(|queue| queue.messages.front()).map(|message| message.received).min()
+    }
+
+    /// Nobody takes anything any more.
+    pub(super) fn clear(&mut self) {
+        *self = Self { look: self.look, round: self.round, ..Self::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests;
