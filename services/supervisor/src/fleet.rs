@@ -9,11 +9,12 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
-use crate::engine::{Ending, Engine, Keep};
+use crate::engine::{Ending, Engine, Keep, Limits};
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
+use crate::robots_file::RobotsFile;
 use crate::store::{Lease, Store, StoreError};
 use crate::thread;
 use crate::trace::Traces;
@@ -41,6 +42,10 @@ pub(crate) struct Shared {
     pub(crate) params: Arc<Params>,
     /// Which contacts are kept one by one.
     pub(crate) keep: Keep,
+    /// What robots may make the supervisor remember.
+    pub(crate) limits: Limits,
+    /// Which robots are allowed, if a file says so.
+    pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// One start of one supervisor.
     pub(crate) supervisor: Arc<str>,
 }
@@ -136,7 +141,10 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             shared.mailroom.clone(),
         );
         match started.await {
-            Ok(engine) => return Some((engine.keeping(shared.keep).traced(shared.traces.as_ref()), boot_id)),
+            Ok(engine) => {
+                let engine = engine.keeping(shared.keep).limited(shared.limits).allowing(shared.robots_file.clone());
+                return Some((engine.traced(shared.traces.as_ref()), boot_id));
+            }
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "not taken up");
                 return None;

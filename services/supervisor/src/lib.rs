@@ -28,6 +28,7 @@ pub mod store;
 mod backoff;
 pub mod exposure;
 pub mod fault;
+pub mod robots_file;
 pub mod secret;
 
 pub mod http;

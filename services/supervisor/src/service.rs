@@ -1,6 +1,7 @@
 //! The service put together: broker, database, the keeper of the leases, HTTP.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
@@ -13,7 +14,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::broker::Broker;
-use crate::engine::{Keep, wall_clock};
+use crate::engine::{Keep, Limits, wall_clock};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, HttpOptions, Serving};
@@ -22,6 +23,7 @@ use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
+use crate::robots_file;
 use crate::store::retention::Retention;
 use crate::store::{DatabaseAddress, Store, Supervisor};
 use crate::trace::{TraceOptions, Traces};
@@ -42,6 +44,15 @@ pub struct HistoryOptions {
     pub retention: Retention,
 }
 
+/// What robots may make the supervisor remember, and which robots.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LimitOptions {
+    /// How much.
+    pub limits: Limits,
+    /// A file with the robots that are allowed; none allows all, unless people have set a list over HTTP.
+    pub robots_file: Option<PathBuf>,
+}
+
 /// What to run.
 #[derive(Debug, Clone)]
 pub struct ServiceOptions {
@@ -55,6 +66,8 @@ pub struct ServiceOptions {
     pub lease_time_to_live: Duration,
     /// What of contacts is kept, and for how long.
     pub history: HistoryOptions,
+    /// What robots may make it remember, and which robots.
+    pub limits: LimitOptions,
     /// An external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
@@ -127,6 +140,9 @@ impl Service {
         let dropped = metrics.trace_spans_dropped.clone();
         let start = |to: &TraceOptions| Traces::start(to, &options.name, database, dropped);
         let traces = options.traces.as_ref().map(start).transpose()?;
+        let (stop, stopped) = watch::channel(false);
+        let follow = |path| robots_file::follow(path, stopped.clone()).map_err(anyhow::Error::msg);
+        let robots_file = options.limits.robots_file.map(follow).transpose().context("limits.robots_file")?;
         let readiness = Readiness::default();
         let mailroom = Mailroom::default();
         let params = Arc::new(options.params);
@@ -140,6 +156,8 @@ impl Service {
             traces: traces.clone(),
             params: params.clone(),
             keep: options.history.keep,
+            limits: options.limits.limits,
+            robots_file: robots_file.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -149,7 +167,6 @@ impl Service {
             time_to_live: options.lease_time_to_live,
         };
         let ownership = Ownership::new(supervisor, shared, is_prepared);
-        let (stop, stopped) = watch::channel(false);
         let access = Access::new(&options.access, options.http.listen.ip());
         if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
             anyhow::bail!(
@@ -167,7 +184,8 @@ impl Service {
             params,
             stopped.clone(),
         )
-        .traced(traces.clone());
+        .traced(traces.clone())
+        .allowing(robots_file);
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));

@@ -41,7 +41,8 @@ async fn look_after(store: &Store, retention: Retention, metrics: &Metrics) -> R
     let now_us = wall_clock().0 as i64;
     let mut told = |done| tell(&done, metrics);
     store.make_partitions(now_us, &mut told).await?;
-    store.look_after(retention, now_us, &mut told).await
+    let is_more = store.look_after(retention, now_us, &mut told).await?;
+    Ok(store.forget_announced(now_us, &mut told).await? || is_more)
 }
 
 fn tell(done: &Done, metrics: &Metrics) {

@@ -19,4 +19,8 @@ mod clocks;
 mod forgeries;
 mod odd_values;
 mod old_boots;
+mod allow_list;
+mod crowds;
+mod fair;
 mod supervised;
+mod with_limits;

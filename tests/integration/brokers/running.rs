@@ -45,6 +45,7 @@ impl Running {
             fleets: vec![Name::new("lab").unwrap()],
             database: DatabaseAddress::Sqlite(database(&folder)),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
+            limits: vibrissa::service::LimitOptions::default(),
             history: vibrissa::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: Some(broker),

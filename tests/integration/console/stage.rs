@@ -55,6 +55,7 @@ impl Stage {
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
+            limits: vibrissa::service::LimitOptions::default(),
             history: vibrissa::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: None,

@@ -26,6 +26,7 @@ async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Servi
         fleets: vec![fleet()],
         database: Postgres::url(database_port).parse().unwrap(),
         lease_time_to_live: std::time::Duration::from_secs(2),
+        limits: vibrissa::service::LimitOptions::default(),
         history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),

@@ -36,6 +36,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        limits: vibrissa::service::LimitOptions::default(),
         history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         traces: None,

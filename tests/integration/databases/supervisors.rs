@@ -339,6 +339,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         fleets: fleets.to_vec(),
         database: address,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        limits: vibrissa::service::LimitOptions::default(),
         history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),

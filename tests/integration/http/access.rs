@@ -71,7 +71,7 @@ async fn routes(served: &Served) -> Vec<(String, String, Role)> {
 fn expected(method: &str, path: &str) -> Role {
     match (method, path) {
         ("GET", _) => Role::Viewer,
-        ("PUT", _) => Role::Engineer,
+        ("PUT" | "DELETE", _) => Role::Engineer,
         (_, path) if path.contains("calibrations") => Role::Engineer,
         _ => Role::Operator,
     }

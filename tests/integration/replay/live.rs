@@ -136,6 +136,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         fleets: vec![fleet.clone()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        limits: vibrissa::service::LimitOptions::default(),
         history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", port)),

@@ -84,6 +84,7 @@ impl Running {
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
+            limits: vibrissa::service::LimitOptions::default(),
             history: vibrissa::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),

@@ -98,6 +98,12 @@ keys! {
         "Days after which contacts are removed; 0 keeps them for ever";
     RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which the minutes of whiskers are removed, 0 keeps them for ever; hours are always kept";
+    LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
+        "Robots of a fleet that are supervised; further ones are refused";
+    LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),
+        "Robots of a fleet that become known in a minute; the others are asked again later";
+    LimitsRobotsFile: "limits.robots_file", Kind::File, None,
+        "A file with the robots that are allowed, FLEET/ROBOT on each line, read again when it changes; a list set over HTTP adds to it";
     MqttUrl: "mqtt.url", Kind::Text, None,
         "An external broker, mqtt://HOST:1883 or mqtts://HOST:8883, instead of the embedded one";
     MqttPort: "mqtt.port", Kind::Whole { min: 0, max: 65_535 }, Some("1883"),

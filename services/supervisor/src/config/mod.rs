@@ -37,10 +37,12 @@ pub use problem::{Origin, Problem, Problems};
 use self::layers::Layers;
 use self::reader::Reader;
 use crate::calibration_file::{self, CalibrationFileError};
+use crate::engine::Limits;
 use crate::http::HttpOptions;
 use crate::http::access::AccessOptions;
 use crate::mqtt::BrokerAddress;
-use crate::service::{HistoryOptions, ServiceOptions};
+use crate::robots_file::RobotsFile;
+use crate::service::{HistoryOptions, LimitOptions, ServiceOptions};
 use crate::store::DatabaseAddress;
 use crate::store::retention::Retention;
 use crate::trace::TraceOptions;
@@ -63,6 +65,8 @@ pub struct Config {
     pub lease_time_to_live: Duration,
     /// What of contacts is kept, and for how long.
     pub history: HistoryOptions,
+    /// What robots may make the supervisor remember, and which robots.
+    pub limits: LimitOptions,
     /// The external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
     /// The embedded broker's port; 0 takes any free one.
@@ -134,6 +138,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
+    let limits = limits(reader);
     let broker = mqtt::broker(reader);
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
     let http = http::listeners(reader);
@@ -159,6 +164,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
             keep: keep?.into(),
             retention: Retention { contacts_days: contacts_days?, minutes_days: minutes_days? },
         },
+        limits: limits?,
         broker,
         mqtt_port: mqtt_port?,
         http: http?,
@@ -175,6 +181,20 @@ fn config(reader: &mut Reader) -> Option<Config> {
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
         secret_files: std::mem::take(&mut reader.secret_files),
+    })
+}
+
+/// The file of allowed robots is read to tell what is wrong with it, and again by the service.
+fn limits(reader: &mut Reader) -> Option<LimitOptions> {
+    let robots_per_fleet = reader.whole(Key::LimitsRobotsPerFleet);
+    let new_robots_per_minute = reader.whole(Key::LimitsNewRobotsPerMinute);
+    let robots_file = reader.file(Key::LimitsRobotsFile);
+    if let Some(Err(problem)) = robots_file.as_deref().map(RobotsFile::read) {
+        reader.refuse(Key::LimitsRobotsFile, problem);
+    }
+    Some(LimitOptions {
+        limits: Limits { robots_per_fleet: robots_per_fleet?, new_robots_per_minute: new_robots_per_minute? },
+        robots_file,
     })
 }
 
@@ -254,6 +274,7 @@ impl From<Config> for ServiceOptions {
             database: config.database,
             lease_time_to_live: config.lease_time_to_live,
             history: config.history,
+            limits: config.limits,
             broker: config.broker,
             mqtt_port: config.mqtt_port,
             http: config.http,

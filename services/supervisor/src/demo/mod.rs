@@ -55,6 +55,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         database: DatabaseAddress::Sqlite(database.clone()),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         metrics_per_whisker: false,
+        limits: crate::service::LimitOptions::default(),
         history: HistoryOptions::default(),
         broker: None,
         mqtt_port: options.mqtt_port,

@@ -4,9 +4,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use tokio::time::Instant;
 use tracing::{error, info, warn};
+use vibrissa_core::robot::Event;
 use vibrissa_protocol::{Name, RobotTopic};
 
-use super::Engine;
+use super::{Engine, wall_clock};
 use super::committer::{LeaseLost, Offender};
 use super::gathering::Sealed;
 use super::intake::Parcel;
@@ -109,7 +110,7 @@ impl Engine {
         let at = shard_of(name, self.shards.len());
         let epoch = self.lease.epoch();
         let Some(before) = self.shards[at].robots.get_mut(name) else { return };
-        let (seqs, versions) = (std::mem::take(&mut before.seqs), before.robot.clone());
+        let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
         let mut journey = Journey::default();
         match offender.stored {
             Some(stored) => {
@@ -123,8 +124,13 @@ impl Engine {
         let shard = &mut self.shards[at];
         let Some(known) = shard.robots.get_mut(name) else { return };
         journey.arrive_at(known, epoch, &mut shard.gathering);
-        known.robot.go_on_numbering_after(&versions);
+        known.robot.go_on_numbering_after(&later);
         (known.seqs, known.rests) = (seqs, rests);
+        if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
+            // Nothing of it was ever committed, not even its birth, which came before it became known.
+            let birth = Event::Connection { boot_id, link };
+            shard.gathering.step(known, wall_clock(), &birth, None);
+        }
     }
 
     /// Writes a message that the database refuses into the table for people to look at.
@@ -188,8 +194,8 @@ impl Engine {
             }
             match turn {
                 Turn::Receipt(parcel) => self.shards[shard].receipt_alone(&parcel),
-                Turn::Message(parcel) if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) => {
-                    self.handle_until_numbered(shard, parcel).await?;
+                Turn::Message(parcel) if parcel.kind == RobotTopic::Factsheet => {
+                    self.take_factsheet(shard, parcel).await?;
                 }
                 Turn::Message(parcel) => self.shards[shard].handle(&parcel),
             }

@@ -11,6 +11,7 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
+use super::allowed::{Allowed, TurnedAway};
 use super::intake::Parcel;
 use super::journal::Journal;
 use super::keep::Keep;
@@ -40,6 +41,10 @@ pub(super) struct Gathering {
     pub(super) metrics: FleetMetrics,
     /// Which contacts are kept one by one.
     pub(super) keep: Keep,
+    /// Which robots are taken.
+    pub(super) allowed: Allowed,
+    /// Those that were not.
+    pub(super) turned_away: TurnedAway,
     /// The number of the transaction in the fleet's journal.
     pub(super) number: i64,
     pub(super) batch: Batch,
@@ -98,6 +103,8 @@ impl Gathering {
             params,
             metrics,
             keep: Keep::default(),
+            allowed: Allowed::default(),
+            turned_away: TurnedAway::default(),
             number: 0,
             batch: Batch::default(),
             journal: Journal::default(),

@@ -1,9 +1,11 @@
 //! Messages in: decoded, held against what is known, and given to the core as events.
 
+use std::time::Instant;
+
 use bytes::Bytes;
 use tracing::{debug, warn};
-use vibrissa_core::robot::event::{Contact, WhiskerStatus};
-use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Robot, Sequence};
+use vibrissa_core::robot::event::{Contact, Factsheet, Link, WhiskerStatus};
+use vibrissa_core::robot::{Admission, Event, Outcome, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Refusal, RobotTopic, Topic};
 
@@ -16,9 +18,6 @@ use crate::metrics::FleetMetrics;
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
 use vibrissa_edge as edge;
-
-/// Robots of one fleet at the most: names come from topics, and whoever may publish can make them up.
-pub(super) const ROBOTS_MAX: usize = 10_000;
 
 const OLD_BIRTH: &str = "a birth of a boot that another one has followed";
 const OLD_FACTSHEET: &str = "a factsheet of a boot that another one has followed";
@@ -44,18 +43,24 @@ impl FleetMetrics {
 impl Shard {
     /// A message for which nothing needs a number.
     pub(super) fn handle(&mut self, parcel: &Parcel) {
+        if !self.permits(parcel) {
+            return;
+        }
         if parcel.kind == RobotTopic::Contacts {
             return self.handle_contacts(parcel);
         }
         let (Some(message), now) = (self.decode(parcel), parcel.received) else { return };
+        if let Message::Connection(told) = &message {
+            return self.take_connection(parcel, told);
+        }
         let gathering = &mut self.gathering;
-        let Some(known) = self.robots.get_mut(&parcel.robot) else { return self.unknown(parcel) };
+        let Some(known) = self.robots.get_mut(&parcel.robot) else { return self.unknown(parcel, None) };
         match &message {
             // Handled above.
             Message::Contacts(_) => {}
             Message::Status(told) => gathering.take_status(known, told, now),
             Message::SetpointState(told) => gathering.take_setpoint_state(known, told, now),
-            // Handled with their numbers.
+            // Handled before, and with its numbers.
             Message::Connection(_) | Message::Factsheet(_) => {}
             // Not from robots: other supervisors' messages, which the subscriptions leave out.
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
@@ -72,7 +77,7 @@ impl Shard {
                         let content = fingerprints::of_content(&self.gathering.hashers, &told);
                         self.gathering.take_contacts(known, &told, Some(content), parcel.received);
                     }
-                    None => self.unknown(parcel),
+                    None => self.unknown(parcel, Some((told.boot_id.as_str(), told.seq))),
                 }
                 self.gathering.list = told.contacts;
             }
@@ -80,55 +85,107 @@ impl Shard {
         }
     }
 
-    fn unknown(&self, parcel: &Parcel) {
-        let problem = "neither birth nor factsheet was received of this robot";
-        self.gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
+    /// Whether the robot may be in the fleet; counted if not.
+    fn permits(&mut self, parcel: &Parcel) -> bool {
+        let is_allowed = self.gathering.allowed.permits(&parcel.robot);
+        if !is_allowed {
+            let problem = "the robot is not among those that are allowed";
+            self.gathering.metrics.refuse("not_allowed", problem, parcel.robot.as_str());
+            self.gathering.turned_away.count(&parcel.robot, parcel.received);
+        }
+        is_allowed
     }
 
-    /// A birth, a farewell or a factsheet: a robot becomes known by it, and what comes before is not taken, and sent again.
-    /// The broker retains both.
-    pub(super) async fn handle_numbered(
+    /// A message of a robot that is not known. Contacts are refused, and make it asked for its factsheet if it was announced;
+    /// whatever else it says then comes again after its factsheet.
+    fn unknown(&mut self, parcel: &Parcel, contacts: Option<(&str, u64)>) {
+        let (gathering, name) = (&mut self.gathering, &parcel.robot);
+        let (reason, problem) = match (self.announced.has(name), contacts) {
+            (true, None) => return,
+            (true, Some((boot_id, seq))) => {
+                let event = Event::Contacts { boot_id, seq, contacts: &[] };
+                self.announced.early(gathering, name, parcel.received, &event);
+                ("unknown_boot", "no factsheet was received of this robot")
+            }
+            (false, _) => ("unknown_robot", "neither birth nor factsheet was received of this robot"),
+        };
+        gathering.metrics.refuse(reason, problem, name.as_str());
+    }
+
+    /// A birth or a farewell. Of a robot that is not known it is only remembered: it becomes known with its factsheet.
+    fn take_connection(&mut self, parcel: &Parcel, told: &protocol::Connection) {
+        let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+        let is_birth = told.state == protocol::ConnectionState::Online;
+        let Some(known) = self.robots.get_mut(&parcel.robot) else {
+            let epoch = self.epoch;
+            return self.announced.connection(&mut self.gathering, (&parcel.robot, epoch), parcel.received, &event);
+        };
+        if is_birth && known.boots.is_old(told.boot_id.as_str()) {
+            self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
+            return;
+        }
+        let is_new = is_birth && known.robot.connection_state().0 != Some(told.boot_id.as_str());
+        if is_new && !known.new_boots.take(Instant::now()) {
+            let problem = "too many new boots: the last good one stays in force until there is room for another";
+            self.gathering.metrics.refuse("too_many_boots", problem, parcel.robot.as_str());
+            known.refused_boot = Some(told.boot_id.clone());
+            return;
+        }
+        if is_birth || known.refused_boot.as_ref() == Some(&told.boot_id) {
+            known.refused_boot = None;
+        }
+        let outcome = self.gathering.step(known, parcel.received, &event, None);
+        if is_birth && outcome == Outcome::OldBoot {
+            self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
+        } else if is_birth {
+            self.gathering.ask_after_setpoints(known);
+        }
+    }
+
+    /// A factsheet that needs numbers; none if it is refused, which is counted, or if everything in it has numbers: then it is taken.
+    pub(super) fn factsheet(&mut self, parcel: &Parcel) -> Option<protocol::Factsheet> {
+        if !self.permits(parcel) {
+            return None;
+        }
+        let Message::Factsheet(told) = self.decode(parcel)? else { return None };
+        let factsheet = self.gathering.factsheet(&told, &parcel.robot)?;
+        let boot_id = told.boot_id.as_str();
+        if let Some(known) = self.robots.get_mut(&parcel.robot)
+            && known.boots.get(boot_id).is_some()
+            && known.is_laid_out(&factsheet)
+        {
+            self.gathering.step(known, parcel.received, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
+            return None;
+        }
+        if !self.robots.contains_key(&parcel.robot) && !self.announced.has_boot(&parcel.robot, boot_id) {
+            let problem = "no birth of that boot was received of this robot";
+            self.gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
+            return None;
+        }
+        Some(told)
+    }
+
+    /// The factsheet of a robot for which there is no room now.
+    pub(super) fn refuse_new(&mut self, parcel: &Parcel, reason: &'static str) {
+        let problem =
+            "the fleet takes no more new robots now: see limits.robots_per_fleet and limits.new_robots_per_minute";
+        self.gathering.metrics.refuse(reason, problem, parcel.robot.as_str());
+        self.announced.ask_later(&mut self.gathering, &parcel.robot, parcel.received);
+    }
+
+    /// A factsheet: a robot becomes known by it, and what comes before is not taken, and sent again. The broker retains it.
+    /// `is_again` says that the database was away the first time.
+    pub(super) async fn handle_factsheet(
         &mut self,
         parcel: &Parcel,
+        (told, is_again): (&protocol::Factsheet, bool),
         committer: &mut Committer,
-        is_full: bool,
     ) -> Result<(), StoreError> {
-        let Some(message) = self.decode(parcel) else { return Ok(()) };
         if !self.robots.contains_key(&parcel.robot) {
-            if is_full {
-                let problem = format!("the fleet has {ROBOTS_MAX} robots already");
-                self.gathering.metrics.refuse("too_many_robots", problem, parcel.robot.as_str());
-                return Ok(());
-            }
-            self.make_known(&parcel.robot, committer).await?;
+            self.make_known(parcel, committer).await?;
         }
         let Some(known) = self.robots.get_mut(&parcel.robot) else { return Ok(()) };
-        match &message {
-            Message::Connection(told) => {
-                if told.state == protocol::ConnectionState::Online && known.boots.is_old(told.boot_id.as_str()) {
-                    self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
-                    return Ok(());
-                }
-                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
-                let outcome = self.gathering.step(known, parcel.received, &event, None);
-                if told.state == protocol::ConnectionState::Online {
-                    if outcome == Outcome::OldBoot {
-                        self.gathering.suspect("old_boot", OLD_BIRTH, &known.name);
-                        return Ok(());
-                    }
-                    self.gathering.ask_after_setpoints(known);
-                }
-                Ok(())
-            }
-            Message::Factsheet(told) => self.gathering.take_factsheet(known, told, parcel.received, committer).await,
-            Message::Contacts(_)
-            | Message::Status(_)
-            | Message::SetpointState(_)
-            | Message::Receipt(_)
-            | Message::Setpoint(_)
-            | Message::Request(_)
-            | Message::SupervisorState(_) => Ok(()),
-        }
+        self.gathering.take_factsheet(known, (told, is_again), parcel.received, committer).await
     }
 
     /// The message; none if it is refused, which is counted.
@@ -162,41 +219,66 @@ impl Shard {
         self.gathering.take_contacts(known, &contacts, None, parcel.received);
     }
 
-    async fn make_known(&mut self, name: &Name, committer: &mut Committer) -> Result<(), StoreError> {
-        let robot_id = committer.writer.robot_id(&committer.lease, name.as_str()).await?;
-        let robot = Robot::new(committer.lease.epoch(), Numbers::default());
-        self.robots.insert(name.clone(), Known::new(name.clone(), robot_id, robot, self.gathering.keep));
+    async fn make_known(&mut self, parcel: &Parcel, committer: &mut Committer) -> Result<(), StoreError> {
+        let (name, now_us) = (&parcel.robot, parcel.received.0 as i64);
+        let robot_id = committer.writer.robot_id(&committer.lease, name.as_str(), now_us).await?;
+        if let Some(announcement) = self.announced.take(name) {
+            let mut known = Known::new(name.clone(), robot_id, announcement.robot, self.gathering.keep);
+            known.seqs = announcement.seqs;
+            self.robots.insert(name.clone(), known);
+        }
         Ok(())
     }
 }
 
 impl Gathering {
+    /// Takes the boot that was refused last, once there is room for it.
+    pub(super) fn take_refused_boot(&mut self, known: &mut Known, now: Micros) {
+        let Some(boot_id) = known.refused_boot.clone() else { return };
+        if known.new_boots.take(Instant::now()) {
+            known.refused_boot = None;
+            self.step(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online }, None);
+        }
+    }
+
+    /// What a factsheet says, if it can be used; else it is refused.
+    fn factsheet(&self, told: &protocol::Factsheet, robot: &Name) -> Option<Factsheet> {
+        let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
+        match edge::factsheet(told, &models) {
+            Ok(factsheet) => Some(factsheet),
+            Err(problem) => {
+                warn!(%robot, %problem, "factsheet refused");
+                self.metrics.refuse(problem.label(), problem, "factsheet");
+                None
+            }
+        }
+    }
+
     async fn take_factsheet(
         &mut self,
         known: &mut Known,
-        told: &protocol::Factsheet,
+        (told, is_again): (&protocol::Factsheet, bool),
         now: Micros,
         committer: &mut Committer,
     ) -> Result<(), StoreError> {
-        let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
-        let factsheet = match edge::factsheet(told, &models) {
-            Ok(factsheet) => factsheet,
-            Err(problem) => {
-                warn!(robot = %known.name, %problem, "factsheet refused");
-                self.metrics.refuse(problem.label(), problem, "factsheet");
-                return Ok(());
-            }
-        };
+        let Some(factsheet) = self.factsheet(told, &known.name) else { return Ok(()) };
         let boot_id = told.boot_id.as_str();
-        let Committer { lease, writer, .. } = committer;
         if known.boots.is_old(boot_id) {
             self.suspect("old_boot", OLD_FACTSHEET, &known.name);
             return Ok(());
         }
+        // Of an older boot, which was retained, or of one that was not announced or not taken: nothing is numbered for it, because a
+        // boot that has a number is older than the next that gets one.
         if known.robot.connection_state().0 != Some(boot_id) {
-            // Its birth is to come first. It has no number before that: a boot that has one is older than the next that gets one.
             return Ok(());
         }
+        let is_numbered = known.is_laid_out(&factsheet);
+        if !is_numbered && !is_again && !known.new_layouts.take(Instant::now()) {
+            let problem = "too many new layouts: the last one stays in force until there is room for another";
+            self.metrics.refuse("too_many_layouts", problem, known.name.as_str());
+            return Ok(());
+        }
+        let Committer { lease, writer, .. } = committer;
         if known.boots.get(boot_id).is_none() {
             let boot = writer.boot(lease, known.robot_id, boot_id, now.0 as i64).await?;
             if known.boots.newest().is_some_and(|newest| newest > boot) {
@@ -205,7 +287,6 @@ impl Gathering {
             }
             known.boots.insert(boot_id, boot);
         }
-        let is_numbered = known.robot.is_as_known(&factsheet) && known.whisker_ids.len() == known.robot.whisker_count();
         if !is_numbered {
             // The layout is numbered from a copy first, so that a database that is away changes nothing.
             let mut laid_out = known.robot.clone();

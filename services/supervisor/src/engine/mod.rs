@@ -4,6 +4,8 @@
 //! becomes one transaction ([`committer`]), while the next messages are stepped already; then setpoints and receipts
 //! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
 
+mod allowed;
+mod announced;
 mod boots;
 mod commands;
 mod committer;
@@ -14,6 +16,7 @@ mod history;
 mod intake;
 mod journal;
 pub mod keep;
+mod limits;
 pub mod mail;
 mod parcels;
 mod publication;
@@ -28,6 +31,7 @@ mod suspects;
 mod take_up;
 
 pub use keep::Keep;
+pub use limits::Limits;
 pub(crate) use publication::{command_uuid, compensation_uuid};
 pub(crate) use record::wide_id;
 pub use rollup::Resolution;
@@ -56,8 +60,11 @@ use crate::trace::{Lives, Traces};
 
 pub use publication::{Publication, Stopwatch};
 
+use allowed::AllowedSource;
+use announced::Announced;
 use committer::{Committer, LeaseLost};
 use gathering::{Gathering, Sealed};
+use limits::Bucket;
 use rounds::{RECEIPTS, Rounds, TICK};
 use sealing::{Done, done};
 use shard::{Shard, shard_of};
@@ -74,6 +81,8 @@ const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
 const MESSAGES_MAX: usize = 65_536;
 /// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
 const DECIDED_MAX: usize = 2500;
+/// Ticks until it is looked again which robots are allowed.
+const TICKS_A_LIST: u32 = 16;
 /// Ticks until what was asked of the fleet at other supervisors is looked at again, and all robots are counted for the metrics ...
 const TICKS_A_LOOK: u32 = 4;
 /// ... or less often, where it would take more than this part of the time.
@@ -141,6 +150,10 @@ pub struct Engine {
     /// Robots whose rows the database has refused.
     suspects: BTreeMap<Name, Suspect>,
     readiness: Readiness,
+    limits: Limits,
+    /// How many more new robots are taken.
+    new_robots: Bucket,
+    allowed: AllowedSource,
 }
 
 /// The time now, by the supervisor's clock.
@@ -176,10 +189,13 @@ impl Engine {
         let metrics = program.of_fleet(&fleet);
         let shard = || Shard {
             robots: Default::default(),
+            announced: Announced::of_shards(shard_count()),
+            epoch,
             told_until: None,
             gathering: Gathering::new(fleet.clone(), boot_id.clone(), params.clone(), metrics.clone()),
         };
         let mut shards: Vec<Shard> = (0..shard_count()).map(|_| shard()).collect();
+        let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = take_up::take_up(&mut writer, &lease, &mut shards).await?;
         let robots: usize = shards.iter().map(|shard| shard.robots.len()).sum();
         info!(%fleet, epoch, robots, "supervising");
@@ -219,7 +235,14 @@ impl Engine {
             journal: (last > 0).then_some((last, 0)).into_iter().collect(),
             journal_contacts: 0,
             pace: Pace::new(wall_clock()),
+            limits: Limits::default(),
+            new_robots: Bucket::new(0, 0),
+            allowed: AllowedSource::default(),
         };
+        engine = engine.limited(Limits::default());
+        if let Some(allowed) = &allowed {
+            engine.set_allowed(allowed);
+        }
         engine.number_gatherings();
         engine.show_params();
         engine.survey_robots();
@@ -250,6 +273,14 @@ impl Engine {
                 known.history.keep(keep);
             }
         }
+        self
+    }
+
+    /// The same with other limits on what robots may make it remember.
+    #[must_use]
+    pub(crate) fn limited(mut self, limits: Limits) -> Self {
+        self.limits = limits;
+        self.new_robots = Bucket::new(limits.new_robots_per_minute, limits.new_robots_per_minute);
         self
     }
 
@@ -298,11 +329,17 @@ impl Engine {
                     self.at_tick(&inbox).await?;
                     is_ticking = true;
                 }
-                () = bell.notified() => self.open_mail(self.now(&inbox)).await?,
+                () = bell.notified() => {
+                    self.open_mail(self.now(&inbox)).await?;
+                    self.look_at_allowed().await?;
+                }
                 _ = receipts.tick(), if !self.rounds.are_few() => self.look_at_receipts(),
             }
             if !self.suspects.is_empty() {
                 self.go_on_with_suspects().await?;
+            }
+            if std::mem::take(&mut self.allowed.has_changed) {
+                inbox.want_retained();
             }
             if is_ticking && self.has_room() {
                 is_ticking = !self.tick(self.now(&inbox));
@@ -322,6 +359,9 @@ impl Engine {
         let (number, is_round) = self.rounds.tick();
         if is_round {
             self.look_at_receipts();
+        }
+        if number.is_multiple_of(TICKS_A_LIST) {
+            self.look_at_allowed().await?;
         }
         if number.is_multiple_of(TICKS_A_LOOK) {
             // Asked at another supervisor, perhaps.

@@ -1,11 +1,13 @@
 //! Messages on their way to the shards: what needs numbers from the database first is handled by itself, in its turn;
 //! everything else by all shards at the same time.
 
+use std::time::Instant;
+
 use tracing::error;
 use vibrissa_protocol::{RobotTopic, Topic};
 
 use super::committer::{LeaseLost, Outage};
-use super::intake::{Parcel, ROBOTS_MAX};
+use super::intake::Parcel;
 use super::shard::{Shard, shard_of};
 use super::{Engine, Incoming, suspects};
 
@@ -23,9 +25,9 @@ impl Engine {
         for incoming in messages.drain(..) {
             let Some((shard, parcel)) = self.address(incoming) else { continue };
             let Some(parcel) = self.unless_suspect(parcel) else { continue };
-            if matches!(parcel.kind, RobotTopic::Connection | RobotTopic::Factsheet) {
+            if parcel.kind == RobotTopic::Factsheet {
                 self.handle_parcels(&mut parcels).await;
-                self.handle_until_numbered(shard, parcel).await?;
+                self.take_factsheet(shard, parcel).await?;
             } else {
                 parcels[shard].push(parcel);
             }
@@ -84,16 +86,23 @@ impl Engine {
         }
     }
 
-    /// Handles a message after which new robots, boots or whiskers have numbers from the database; one that is away is
-    /// waited for. Nothing is stepped before its numbers are there. A message whose numbers the database refuses for good is put
-    /// into quarantine.
-    pub(super) async fn handle_until_numbered(&mut self, shard: usize, parcel: Parcel) -> Result<(), LeaseLost> {
-        let mut outage = Outage::default();
+    /// Handles a factsheet, by which new robots, boots or whiskers have numbers from the database; one that is away is waited
+    /// for. Nothing is stepped before its numbers are there. A factsheet whose numbers the database refuses for good is put into
+    /// quarantine.
+    pub(super) async fn take_factsheet(&mut self, shard: usize, parcel: Parcel) -> Result<(), LeaseLost> {
+        let Some(told) = self.shards[shard].factsheet(&parcel) else { return Ok(()) };
+        if !self.shards[shard].robots.contains_key(&parcel.robot)
+            && let Some(reason) = self.has_no_room_for_another()
+        {
+            self.shards[shard].refuse_new(&parcel, reason);
+            return Ok(());
+        }
+        let (mut outage, mut is_again) = (Outage::default(), false);
         loop {
             self.settle().await?;
-            let is_full = self.shards.iter().map(|shard| shard.robots.len()).sum::<usize>() >= ROBOTS_MAX;
             let Some(committer) = &mut self.committer else { return Ok(()) };
-            let Err(problem) = self.shards[shard].handle_numbered(&parcel, committer, is_full).await else {
+            let told = (&told, std::mem::replace(&mut is_again, true));
+            let Err(problem) = self.shards[shard].handle_factsheet(&parcel, told, committer).await else {
                 if committer.end_of(&outage) {
                     self.listen_anew();
                 }
@@ -110,6 +119,15 @@ impl Engine {
             }
             committer.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
         }
+    }
+
+    /// Why no new robot is taken now, if so.
+    fn has_no_room_for_another(&mut self) -> Option<&'static str> {
+        let robots: usize = self.shards.iter().map(|shard| shard.robots.len()).sum();
+        if robots >= self.limits.robots_per_fleet as usize {
+            return Some("too_many_robots");
+        }
+        (!self.new_robots.take(Instant::now())).then_some("too_many_new_robots")
     }
 }
 

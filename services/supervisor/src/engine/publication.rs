@@ -134,7 +134,7 @@ impl Gathering {
                 None
             }
         };
-        let publication = self.publication(known, RobotTopic::Setpoint, encode(&setpoint));
+        let publication = self.publication(&known.name, RobotTopic::Setpoint, encode(&setpoint));
         self.publications.push(Publication { until: Some(until), stopwatch, ..publication });
         self.is_urgent = true;
         if let Some(lives) = &mut self.lives {
@@ -151,14 +151,14 @@ impl Gathering {
         }
     }
 
-    pub(super) fn publish_request(&mut self, known: &mut Known, request: RequestKind) {
-        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut known.seqs.request), request };
-        self.publications.push(self.publication(known, RobotTopic::Request, encode(&request)));
+    pub(super) fn publish_request(&mut self, robot: &Name, seqs: &mut Seqs, request: RequestKind) {
+        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut seqs.request), request };
+        self.publications.push(self.publication(robot, RobotTopic::Request, encode(&request)));
     }
 
-    fn publication(&self, known: &Known, kind: RobotTopic, payload: Vec<u8>) -> Publication {
+    fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
         Publication {
-            topic: kind.of(&self.fleet, &known.name).to_string(),
+            topic: kind.of(&self.fleet, robot).to_string(),
             payload,
             qos: kind.quality_of_service(),
             until: None,
@@ -187,7 +187,7 @@ impl Gathering {
             next: sequence.next(),
             held: sequence.held().iter().copied().take(HELD_MAX).collect(),
         };
-        self.publications.push(self.publication(known, RobotTopic::Receipt, encode(&receipt)));
+        self.publications.push(self.publication(&known.name, RobotTopic::Receipt, encode(&receipt)));
         self.metrics.receipts_sent.inc();
     }
 }

@@ -206,7 +206,9 @@ impl Gathering {
                 let whisker = i64::from(number);
                 self.batch.records.push(Record::Gone { robot_id, array, whisker, cleared_us: recorded_us });
             }
-            Effect::AskForFactsheet => self.publish_request(known, protocol::RequestKind::Factsheet),
+            Effect::AskForFactsheet => {
+                self.publish_request(&known.name, &mut known.seqs, protocol::RequestKind::Factsheet);
+            }
         }
     }
 }

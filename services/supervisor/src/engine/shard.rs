@@ -1,23 +1,31 @@
 //! A part of a fleet's robots: each has one owner, which moves it on. Shards share nothing, so that they work at the same
 //! time on as many cores as there are.
 
+use std::time::{Duration, Instant};
+
 use indexmap::IndexMap;
 use smallvec::SmallVec;
 use tracing::error;
+use vibrissa_core::robot::event::Factsheet;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
 use vibrissa_core::text::ShortText;
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{BootId, Name};
 
+use super::announced::Announced;
 use super::boots::Boots;
 use super::commands::Commands;
 use super::fingerprints::Fingerprints;
 use super::gathering::Gathering;
 use super::history::History;
 use super::keep::Keep;
+use super::limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
 use super::{publication, survey, wall_clock};
 use crate::store::StoredRobot;
 use crate::store::batch::Record;
+
+/// How often a robot is excused whose messages are left out: a third of the time after which it counts as silent.
+const LISTEN_EVERY: Duration = Duration::from_secs(5);
 
 /// A robot with its numbers in the database.
 pub(super) struct Known {
@@ -26,6 +34,14 @@ pub(super) struct Known {
     pub(super) robot: Robot,
     pub(super) whisker_ids: Vec<i64>,
     pub(super) boots: Boots,
+    /// How many more new boots are taken.
+    pub(super) new_boots: Bucket,
+    /// How many more layouts are taken.
+    pub(super) new_layouts: Bucket,
+    /// When it was excused last for what was left out of its messages.
+    pub(super) listened_anew: Option<Instant>,
+    /// The last boot that was refused because there were too many: it is taken once there is room for it.
+    pub(super) refused_boot: Option<BootId>,
     /// Next `seq` of each topic to this robot.
     pub(super) seqs: publication::Seqs,
     /// What was measured last of each compensation.
@@ -66,6 +82,10 @@ impl Known {
             robot,
             whisker_ids: Vec::new(),
             boots: Boots::default(),
+            new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
+            new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
+            listened_anew: None,
+            refused_boot: None,
             seqs: publication::Seqs::default(),
             stated: survey::Stated::default(),
             history: History::new(keep),
@@ -125,6 +145,11 @@ impl Known {
         self.boots.get(boot_id).unwrap_or_default()
     }
 
+    /// Whether a factsheet says nothing new, and all of its whiskers have numbers.
+    pub(super) fn is_laid_out(&self, factsheet: &Factsheet) -> bool {
+        self.robot.is_as_known(factsheet) && self.whisker_ids.len() == self.robot.whisker_count()
+    }
+
     pub(super) fn whisker_id(&self, index: usize) -> i64 {
         self.whisker_ids.get(index).copied().unwrap_or_default()
     }
@@ -134,7 +159,11 @@ impl Known {
 pub(super) struct Shard {
     /// In the order in which they became known: never removed, so that their places stay.
     pub(super) robots: IndexMap<Name, Known>,
+    /// Those whose factsheets are missing.
+    pub(super) announced: Announced,
     pub(super) gathering: Gathering,
+    /// The epoch of the fleet's lease.
+    pub(super) epoch: u64,
     /// How many have heard what time it is, as long as others are still to hear it.
     pub(super) told_until: Option<usize>,
 }
@@ -145,10 +174,14 @@ impl Shard {
     /// False if others are still to hear it.
     pub(super) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
         let told = self.told_until.take().unwrap_or_default();
+        if told == 0 {
+            self.announced.tick(&mut self.gathering, now);
+        }
         for (index, known) in self.robots.values_mut().enumerate().skip(told) {
             if known.rests {
                 continue;
             }
+            self.gathering.take_refused_boot(known, now);
             self.gathering.step(known, now, &Event::Tick, None);
             if self.gathering.waiting.next_whiskers() >= whiskers_max {
                 self.told_until = Some(index + 1);
@@ -169,9 +202,11 @@ impl Shard {
 }
 
 impl Shard {
-    /// That robot was not silent while its messages were left out.
+    /// That robot was not silent while its messages were left out. Its state is written for it, so not too often.
     pub(super) fn listen_to_one_from(&mut self, name: &Name, now: Micros) {
-        if let Some(known) = self.robots.get_mut(name) {
+        let Some(known) = self.robots.get_mut(name) else { return };
+        if known.listened_anew.is_none_or(|last| last.elapsed() >= LISTEN_EVERY) {
+            known.listened_anew = Some(Instant::now());
             known.robot.listen_from(now);
             self.gathering.store_next(known);
         }

@@ -97,6 +97,10 @@ pub(super) struct Journey {
 impl Journey {
     /// Puts a robot into its shard; whoever has whiskers can be given what is in the journal.
     pub(super) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
+        // It has only announced itself, to an earlier version of the program: see `announced`.
+        if stored.boots.is_empty() && stored.whisker_ids.is_empty() && !stored.held {
+            return;
+        }
         let at = shard_of(&name, shards.len());
         let shard = &mut shards[at];
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);

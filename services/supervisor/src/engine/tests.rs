@@ -10,10 +10,13 @@ use vibrissa_core::robot::event::{
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
-use vibrissa_protocol::{self as protocol, BootId, Name};
+use vibrissa_protocol::{self as protocol, BootId, Name, RobotTopic};
 
+use super::announced::Announced;
 use super::gathering::{Gathering, Sealed, Source};
+use super::intake::Parcel;
 use super::keep::Keep;
+use super::limits::{BOOTS_AT_ONCE, Bucket};
 use super::rollup::Resolution;
 use super::shard::{Known, Shard};
 use super::snapshot::Pace;
@@ -117,7 +120,8 @@ fn shard(robots: i64) -> Shard {
     let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
     let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
     let gathering = Gathering::new(fleet, boot, params, metrics);
-    let mut shard = Shard { robots: IndexMap::new(), gathering, told_until: None };
+    let announced = Announced::of_shards(1);
+    let mut shard = Shard { robots: IndexMap::new(), announced, gathering, epoch: 7, told_until: None };
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
         let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
@@ -334,4 +338,87 @@ fn receipts_of_many_robots_go_out_in_turn() {
     let all: std::collections::BTreeSet<_> = [first, second, rest].concat().into_iter().collect();
     assert_eq!(all.len(), 12, "each robot once");
     assert!(sent(usize::MAX).is_empty());
+}
+
+#[test]
+fn a_robot_that_was_only_announced_is_not_taken_up() {
+    let (mut shards, mut journey) = ([shard(0)], Journey::default());
+    let stored = |robot_id: i64, held: bool| StoredRobot {
+        robot_id,
+        robot: format!("r{robot_id}"),
+        state: None,
+        whisker_ids: Vec::new(),
+        whisker_states: Vec::new(),
+        boots: BTreeMap::new(),
+        rollups: Vec::new(),
+        journal_number: 0,
+        held,
+        numbers: Numbers::default(),
+    };
+    for (robot_id, held) in [(1, false), (2, true)] {
+        journey.place(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
+    }
+    let names: Vec<&str> = shards[0].robots.keys().map(Name::as_str).collect();
+    assert_eq!(names, ["r2"], "what an operator holds is not forgotten");
+}
+
+fn parcel(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> Parcel {
+    let robot = Name::robot(robot).unwrap();
+    let topic = kind.of(&Name::new("f").unwrap(), &robot);
+    Parcel { topic, robot, kind, payload: payload.into(), received: Micros(1) }
+}
+
+fn birth(robot: &str, boot_id: &str) -> Parcel {
+    let connection = protocol::Connection {
+        boot_id: BootId::new(boot_id).unwrap(),
+        seq: 0,
+        timestamp: protocol::Timestamp(0),
+        state: protocol::ConnectionState::Online,
+    };
+    parcel(robot, RobotTopic::Connection, protocol::encode(&connection))
+}
+
+#[test]
+fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() {
+    let mut shard = shard(1);
+    for number in 1..=BOOTS_AT_ONCE + 2 {
+        shard.handle(&birth("r1", &format!("new-{number}")));
+    }
+    let known = &shard.robots["r1"];
+    assert_eq!(known.robot.connection_state().0, Some("new-10"));
+    assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
+    assert_eq!(shard.gathering.metrics.messages_refused.of(["too_many_boots"]).get(), 2);
+    shard.tick(Micros(2), 1000);
+    assert_eq!(shard.robots["r1"].robot.connection_state().0, Some("new-10"), "not yet");
+    // As after a minute.
+    shard.robots["r1"].new_boots = Bucket::new(1, 1);
+    shard.tick(Micros(3), 1000);
+    let known = &shard.robots["r1"];
+    assert_eq!((known.robot.connection_state().0, &known.refused_boot), (Some("new-12"), &None));
+}
+
+#[test]
+fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
+    let mut shard = shard(0);
+    let factsheet = |robot: &str| {
+        let facts = protocol::Factsheet {
+            boot_id: BootId::new("b").unwrap(),
+            seq: 0,
+            timestamp: protocol::Timestamp(0),
+            model: "m".to_owned(),
+            on_supervisor_loss: protocol::OnSupervisorLoss::Hold,
+            arrays: Vec::new(),
+        };
+        parcel(robot, RobotTopic::Factsheet, protocol::encode(&facts))
+    };
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "no birth");
+    for number in 1..=5000 {
+        shard.handle(&birth(&format!("r{number}"), "b"));
+    }
+    assert!(shard.robots.is_empty() && shard.gathering.is_empty(), "nothing is written for a birth");
+    assert!(shard.factsheet(&factsheet("r5000")).is_some());
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "it was announced too long ago");
+    shard.tick(Micros(5_000_000), 1000);
+    let asked = shard.gathering.publications.len();
+    assert!((1000..=1024).contains(&asked), "their factsheets are asked for: {asked}");
 }

@@ -45,6 +45,7 @@ use crate::engine::mail;
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
+use crate::robots_file::RobotsFile;
 use crate::store::{Store, StoreError};
 use crate::trace::Traces;
 use access::{Access, Gate, origin};
@@ -72,6 +73,8 @@ pub struct App {
     pub mailroom: Mailroom,
     /// Where traces of requests go.
     pub traces: Option<Traces>,
+    /// Which robots are allowed, if a file says so.
+    pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
 }
 
 impl App {
@@ -87,7 +90,7 @@ impl App {
         stop: watch::Receiver<bool>,
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
-        Self { store, metrics, readiness, access, streams, stop, params, mailroom, traces: None }
+        Self { store, metrics, readiness, access, streams, stop, params, mailroom, traces: None, robots_file: None }
     }
 
     /// The same with traces of requests, if there is a collector.
@@ -100,6 +103,12 @@ impl App {
     #[must_use]
     pub fn with_streams(self, options: StreamOptions) -> Self {
         Self { streams: Streams::new(options), ..self }
+    }
+
+    /// The same with a file of allowed robots.
+    #[must_use]
+    pub fn allowing(self, robots_file: Option<watch::Receiver<Arc<RobotsFile>>>) -> Self {
+        Self { robots_file, ..self }
     }
 }
 

@@ -87,6 +87,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "too_many",
         "too_many_boots",
         "too_many_gaps",
+        "too_many_layouts",
         "too_many_new_robots",
         "too_many_robots",
         "unknown_boot",

@@ -23,6 +23,8 @@ const TAKE_BYTES: usize = 1024 * 1024;
 const ROUND_BYTES: usize = 256 * 1024;
 /// A factsheet counts as so many bytes: the engine waits for the database before it takes anything else.
 const FACTSHEET_BYTES: usize = 64 * 1024;
+/// With more bytes a queue is long: its last message waits for several turns.
+const LONG_BYTES: usize = 4 * TURN_BYTES;
 /// Robots that are named between two looks because messages of theirs were left out.
 const SHED_ROBOTS_MAX: usize = 256;
 /// Places that an empty queue keeps.
@@ -211,6 +213,11 @@ impl Fair {
     pub(super) fn take_shed(&mut self) -> (Vec<Shed>, u64) {
         self.look += 1;
         (std::mem::take(&mut self.shed), std::mem::take(&mut self.shed_others))
+    }
+
+    /// Whether what is put into that queue now waits for others of its robot.
+    pub(super) fn is_long(&self, at: usize) -> bool {
+        self.queues[at].held.iter().map(|held| held.bytes).sum::<usize>() > LONG_BYTES
     }
 
     /// Puts a message into the queue that has room for it.

@@ -41,6 +41,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Waiting {
     messages: Fair,
+    /// What the broker retains is to come once more.
+    wants_retained: bool,
     /// No more can come.
     ended: bool,
     /// Nobody takes anything any more.
@@ -118,6 +120,11 @@ impl Inbox {
     /// messages were left out because there was no room for anybody.
     pub fn take_shed(&self) -> (Vec<Shed>, u64) {
         self.shared.waiting().messages.take_shed()
+    }
+
+    /// Has the broker send once more what it retains: births and factsheets that were refused may be good now.
+    pub fn want_retained(&self) {
+        self.shared.waiting().wants_retained = true;
     }
 
     /// How much waits.
@@ -200,26 +207,33 @@ impl Intake {
         if self.together.is_empty() {
             return 0;
         }
-        let together = std::mem::take(&mut self.together);
-        let mut rest = &together[..];
+        let mut together = std::mem::take(&mut self.together);
         let mut waiting = self.shared.waiting();
         let is_abandoned = waiting.abandoned;
         if is_abandoned {
             waiting.messages.clear();
-        }
-        while !is_abandoned && !rest.is_empty() {
-            let (count, bytes) = sharing(rest);
-            let (first, others) = rest.split_at(count);
-            for (message, (_, _, at)) in copied(first, bytes, self.received).zip(first) {
-                waiting.messages.push(*at, message);
+        } else {
+            // What will wait for long shares no allocation with what will not: it would keep all of it alive.
+            if together.iter().any(|(_, _, at)| waiting.messages.is_long(*at)) {
+                together.sort_by_key(|(_, _, at)| waiting.messages.is_long(*at));
             }
-            self.received.0 += count as u64;
-            rest = others;
+            let long = together.partition_point(|(_, _, at)| !waiting.messages.is_long(*at));
+            for mut rest in [&together[..long], &together[long..]] {
+                while !rest.is_empty() {
+                    let (count, bytes) = sharing(rest);
+                    let (first, others) = rest.split_at(count);
+                    for (message, (_, _, at)) in copied(first, bytes, self.received).zip(first) {
+                        waiting.messages.push(*at, message);
+                    }
+                    self.received.0 += count as u64;
+                    rest = others;
+                }
+            }
         }
         drop(waiting);
         self.shared.arrived.notify_one();
-        for (topic, _, _) in rest {
-            self.leave_out(topic, LeftOut::Full);
+        if is_abandoned {
+            together.iter().for_each(|(topic, _, _)| self.leave_out(topic, LeftOut::Full));
         }
         let count = together.len();
         // Its places are used again.
@@ -261,8 +275,12 @@ impl Intake {
         }
     }
 
-    /// True once when there is room again after something retained was left out: it must be asked for.
+    /// True once when there is room again after something retained was left out, or when it is wanted anew: it must be asked
+    /// for.
     pub(super) fn take_missed(&mut self) -> bool {
+        if std::mem::take(&mut self.shared.waiting().wants_retained) {
+            return true;
+        }
         if !self.shedding {
             return false;
         }
@@ -443,6 +461,30 @@ mod tests {
         assert_eq!(counts, [90, 90, 20]);
         for (number, incoming) in all.iter().enumerate() {
             assert_eq!((&incoming.topic, &incoming.payload), (&topic(&number.to_string()), &payload(number)));
+        }
+    }
+
+    #[tokio::test]
+    async fn regress_a_message_that_waits_for_long_keeps_no_other_alive() {
+        let (mut intake, mut inbox) = bounded(BOUNDS, counted());
+        let payload = Bytes::from(vec![b'x'; 1_000]);
+        // One robot sends more than it may in a round; each look brings one message of it and many of others.
+        for _ in 0..500 {
+            intake.take(topic("contacts"), payload.clone());
+            for other in 0..20 {
+                intake.take(Bytes::from(format!("whisker/v1/f/other-{other}/contacts")), payload.clone());
+            }
+            intake.hand_over();
+            inbox.recv_many(&mut Vec::new(), 1_000).await;
+        }
+        inbox.begin_round(1);
+        let mut left = Vec::new();
+        inbox.recv_many(&mut left, 1_000).await;
+        assert!(left.len() > 100, "{}", left.len());
+        for message in left.drain(..).skip(50) {
+            drop(message.topic);
+            let alone = message.payload.try_into_mut().unwrap_or_else(|_| panic!("it shares an allocation"));
+            assert!(alone.capacity() < 2_000, "an allocation of {} bytes", alone.capacity());
         }
     }
 

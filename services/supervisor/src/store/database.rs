@@ -110,13 +110,15 @@ impl Pool {
             Either::Sqlite(pool) => {
                 let migrator = migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
                     4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
-                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo", 14 "0014_quarantine");
+                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
+                    14 "0014_quarantine", 15 "0015_allowed_robots");
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
             Either::Postgres(pool) => {
                 let migrator = migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
                     4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
-                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo", 14 "0014_quarantine");
+                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
+                    14 "0014_quarantine", 15 "0015_allowed_robots");
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
         }

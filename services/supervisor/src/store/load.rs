@@ -137,15 +137,17 @@ impl Writer {
     ///
     /// # Errors
     /// The database cannot be written, or the fleet is not ours any more.
-    pub async fn robot_id(&mut self, lease: &Lease, robot: &str) -> Result<i64, StoreError> {
+    pub async fn robot_id(&mut self, lease: &Lease, robot: &str, now_us: i64) -> Result<i64, StoreError> {
         const WHAT: &str = "number a robot";
-        const SQL: &str = "INSERT INTO robots (fleet, robot) VALUES ($1, $2) \
-             ON CONFLICT (fleet, robot) DO UPDATE SET robot = excluded.robot RETURNING robot_id";
+        // With its time, so that nobody forgets it before its first boot has a number.
+        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us) VALUES ($1, $2, $3) \
+             ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us RETURNING robot_id";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let id = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
                 .bind(lease.fleet().as_str())
                 .bind(robot)
+                .bind(now_us)
                 .fetch_one(&mut **tx)
                 .await)
             .map_err(failed(WHAT))?;

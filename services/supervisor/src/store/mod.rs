@@ -7,6 +7,7 @@
 pub mod actions;
 pub mod address;
 pub mod alarms;
+pub mod allowed;
 mod apart;
 pub mod backup;
 pub mod batch;

@@ -123,6 +123,37 @@ impl Store {
     }
 }
 
+/// A robot that has said no more than that it is there is forgotten after this.
+const ANNOUNCED_US: i64 = DAY_US;
+/// Such robots that are removed at once: PostgreSQL looks through other tables for each.
+const ROBOTS: i64 = 500;
+
+impl Store {
+    /// Removes robots of which nothing is known but that they were there: earlier versions of the program made rows of births.
+    /// True if there are more.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn forget_announced(&self, now_us: i64, told: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
+        const SQL: &str = "DELETE FROM robots WHERE robot_id IN (SELECT robot_id FROM robots r \
+             WHERE updated_us < $1 AND model IS NULL AND NOT held \
+             AND NOT EXISTS (SELECT 1 FROM boots b WHERE b.robot_id = r.robot_id) \
+             AND NOT EXISTS (SELECT 1 FROM arrays a WHERE a.robot_id = r.robot_id) LIMIT $2)";
+        let before_us = now_us - ANNOUNCED_US;
+        let rows = super::database::on!(&self.pool, |pool| sqlx::query(SQL)
+            .bind(before_us)
+            .bind(ROBOTS)
+            .execute(pool)
+            .await
+            .map(|done| done.rows_affected()))
+        .map_err(failed("forget robots that were only announced"))?;
+        if rows > 0 {
+            told(Done::Removed { table: "robots", rows });
+        }
+        Ok(rows == ROBOTS as u64)
+    }
+}
+
 async fn close(link: PgConnection) {
     // What is done is committed.
     let _ = sqlx::Connection::close(link).await;

@@ -72,6 +72,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         fleets: vec![Name::new("f").unwrap()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        limits: vibrissa::service::LimitOptions::default(),
         history: vibrissa::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         traces: None,

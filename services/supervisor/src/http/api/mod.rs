@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod alarm_actions;
+pub mod allowed;
 pub mod audit;
 pub mod calibrations;
 pub mod compensations;
@@ -32,6 +33,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(actions::routes())
         .merge(policy::routes())
         .merge(alarm_actions::routes())
+        .merge(allowed::routes())
         .merge(audit::routes())
         .merge(calibrations::routes())
         .merge(events::routes())

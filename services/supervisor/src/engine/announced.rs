@@ -1,0 +1,116 @@
+//! Robots that have said that they are there, and not yet what is on them.
+//!
+//! Nothing of them is in the database: anybody who may publish can make names up. They are asked for the factsheet, and become
+//! known with it.
+
+use std::time::{Duration, Instant};
+
+use indexmap::IndexMap;
+use vibrissa_core::robot::effect::Effect;
+use vibrissa_core::robot::event::Link;
+use vibrissa_core::robot::{Event, Numbers, Robot};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{Name, RequestKind};
+
+use super::gathering::Gathering;
+use super::publication::Seqs;
+
+/// Of one fleet at a time; beyond that the one is forgotten that was announced first.
+const ANNOUNCED_MAX: usize = 1024;
+/// How long a factsheet is waited for after the last birth.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// A robot whose factsheet is missing.
+#[derive(Debug)]
+pub(super) struct Announcement {
+    pub(super) robot: Robot,
+    pub(super) seqs: Seqs,
+    since: Instant,
+}
+
+/// The robots of a shard whose factsheets are missing, in the order of their last births.
+#[derive(Debug)]
+pub(super) struct Announced {
+    robots: IndexMap<Name, Announcement>,
+    most: usize,
+}
+
+impl Announced {
+    /// Of one shard of so many.
+    pub(super) fn of_shards(shards: usize) -> Self {
+        Self { robots: IndexMap::new(), most: (ANNOUNCED_MAX / shards.max(1)).max(1) }
+    }
+
+    /// A birth or a farewell.
+    pub(super) fn connection(
+        &mut self,
+        gathering: &mut Gathering,
+        (name, epoch): (&Name, u64),
+        now: Micros,
+        event: &Event<'_>,
+    ) {
+        let known = self.robots.shift_remove(name);
+        let is_birth = matches!(event, Event::Connection { link: Link::Online, .. });
+        if known.is_none() && !is_birth {
+            return;
+        }
+        if known.is_none() && self.robots.len() >= self.most {
+            self.robots.shift_remove_index(0);
+        }
+        let (robot, seqs) = known.map_or_else(
+            || (Robot::new(epoch, Numbers::default()), Seqs::default()),
+            |known| (known.robot, known.seqs),
+        );
+        let mut announcement = Announcement { robot, seqs, since: Instant::now() };
+        announcement.step(gathering, name, now, event);
+        self.robots.insert(name.clone(), announcement);
+    }
+
+    /// Whether a robot was announced.
+    pub(super) fn has(&self, name: &Name) -> bool {
+        self.robots.contains_key(name)
+    }
+
+    /// Something that only a factsheet makes useful.
+    pub(super) fn early(&mut self, gathering: &mut Gathering, name: &Name, now: Micros, event: &Event<'_>) {
+        if let Some(announcement) = self.robots.get_mut(name) {
+            announcement.step(gathering, name, now, event);
+        }
+    }
+
+    /// Time has passed: missing factsheets are asked for, and those that do not come are waited for no more.
+    pub(super) fn tick(&mut self, gathering: &mut Gathering, now: Micros) {
+        self.robots.retain(|_, announcement| announcement.since.elapsed() < PATIENCE);
+        for (name, announcement) in &mut self.robots {
+            announcement.step(gathering, name, now, &Event::Tick);
+        }
+    }
+
+    /// Whether that boot of a robot was announced.
+    pub(super) fn has_boot(&self, name: &Name, boot_id: &str) -> bool {
+        self.robots.get(name).is_some_and(|announcement| announcement.robot.connection_state().0 == Some(boot_id))
+    }
+
+    /// The factsheet cannot be taken now: it is asked for again in some seconds.
+    pub(super) fn ask_later(&mut self, gathering: &mut Gathering, name: &Name, now: Micros) {
+        let Some(announcement) = self.robots.get_mut(name) else { return };
+        let (boot_id, link) = announcement.robot.connection_state();
+        let Some(boot_id) = boot_id.map(str::to_owned) else { return };
+        announcement.step(gathering, name, now, &Event::Connection { boot_id: &boot_id, link });
+    }
+
+    /// Takes a robot out, because it becomes known.
+    pub(super) fn take(&mut self, name: &Name) -> Option<Announcement> {
+        self.robots.shift_remove(name)
+    }
+}
+
+impl Announcement {
+    fn step(&mut self, gathering: &mut Gathering, name: &Name, now: Micros, event: &Event<'_>) {
+        let mut effects = Vec::new();
+        self.robot.step(&gathering.params, now, event, &mut effects);
+        if effects.iter().any(|effect| matches!(effect, Effect::AskForFactsheet)) {
+            gathering.publish_request(name, &mut self.seqs, RequestKind::Factsheet);
+        }
+    }
+}

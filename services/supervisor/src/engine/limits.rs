@@ -1,0 +1,83 @@
+//! How often what: the bounds that keep one robot, or somebody who makes names up, from filling the database.
+
+use std::time::{Duration, Instant};
+
+/// New boots, and new layouts, of a robot at once.
+pub(super) const BOOTS_AT_ONCE: u32 = 10;
+/// New boots, and new layouts, of a robot in a minute, once it has had these.
+pub(super) const BOOTS_PER_MINUTE: u32 = 1;
+
+/// Limits on what robots may make the supervisor remember.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Robots of a fleet.
+    pub robots_per_fleet: u32,
+    /// New robots of a fleet in a minute; as many at once if there were none for a minute.
+    pub new_robots_per_minute: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { robots_per_fleet: 10_000, new_robots_per_minute: 3_000 }
+    }
+}
+
+/// A token bucket: so many at once, and then so many a minute.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bucket {
+    at_once: u32,
+    per_minute: u32,
+    /// What is in it, as the time that fills as much: none before it was first used, because then it is full.
+    left: Option<(Duration, Instant)>,
+}
+
+impl Bucket {
+    pub(super) const fn new(at_once: u32, per_minute: u32) -> Self {
+        Self { at_once, per_minute, left: None }
+    }
+
+    /// One more; false if that is too often.
+    pub(super) fn take(&mut self, now: Instant) -> bool {
+        let each = Duration::from_secs(60) / self.per_minute.max(1);
+        let full = each * self.at_once;
+        let left = match self.left {
+            None => full,
+            Some((left, since)) => (left + now.saturating_duration_since(since)).min(full),
+        };
+        let rest = left.checked_sub(each);
+        self.left = Some((rest.unwrap_or(left), now));
+        rest.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: Duration = Duration::from_secs(1);
+
+    #[test]
+    fn a_bucket_gives_some_at_once_and_then_one_after_the_other() {
+        let begin = Instant::now();
+        let mut bucket = Bucket::new(10, 1);
+        let taken = |bucket: &mut Bucket, at: Duration| (0..100).filter(|_| bucket.take(begin + at)).count();
+        assert_eq!(taken(&mut bucket, Duration::ZERO), 10);
+        assert_eq!(taken(&mut bucket, 59 * S), 0);
+        assert_eq!(taken(&mut bucket, 60 * S), 1);
+        assert_eq!(taken(&mut bucket, 240 * S), 3);
+        assert_eq!(taken(&mut bucket, 86_400 * S), 10, "no more than at once");
+    }
+
+    #[test]
+    fn property_a_bucket_never_gives_more_than_its_rate() {
+        let begin = Instant::now();
+        for (at_once, per_minute) in [(1, 1), (10, 1), (3_000, 3_000), (5, 60_000)] {
+            let mut bucket = Bucket::new(at_once, per_minute);
+            let mut given = 0;
+            for ms in (0..300_000).step_by(7) {
+                given += u64::from(bucket.take(begin + Duration::from_millis(ms)));
+                assert!(given <= u64::from(at_once) + 1 + ms * u64::from(per_minute) / 60_000, "{given} in {ms} ms");
+            }
+        }
+    }
+}

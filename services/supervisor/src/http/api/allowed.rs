@@ -1,0 +1,240 @@
+//! Which robots a fleet takes, and who else has tried.
+
+use axum::extract::{DefaultBodyLimit, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Json, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use uuid::Uuid;
+use vibrissa_protocol::Name;
+
+use super::paths::FleetPath;
+use crate::http::App;
+use crate::http::asking::{Asker, Why, answered, number_of, reason};
+use crate::http::extract::{Body, OptionalBody, Path};
+use crate::http::problem::{Kind, Problem};
+use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
+use crate::store::lists::actions::ActionRow;
+use crate::store::time::Time;
+
+/// Robots of a list at the most.
+const ROBOTS_MAX: usize = 10_000;
+/// Bytes of a list at the most: so many names of full length.
+const BODY_BYTES_MAX: usize = 1024 * 1024;
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(get_allowed, put_allowed, delete_allowed))
+        .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
+}
+
+/// A robot that is not allowed, and has tried.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct TurnedAway {
+    /// Name.
+    pub robot: String,
+    /// Messages of it that were refused.
+    #[schema(minimum = 1)]
+    pub tries: i64,
+    /// When it tried first.
+    pub first_at: Time,
+    /// When it tried last.
+    pub last_at: Time,
+}
+
+impl From<TurnedAwayReading> for TurnedAway {
+    fn from(row: TurnedAwayReading) -> Self {
+        Self { robot: row.robot, tries: row.tries, first_at: Time(row.first_us), last_at: Time(row.last_us) }
+    }
+}
+
+/// Which robots a fleet takes: everybody if both lists are null, else whoever is in one of them.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct AllowedRobots {
+    /// Fleet.
+    pub fleet: String,
+    /// Rises with each change; 0 before the first.
+    #[schema(minimum = 0)]
+    pub version: i64,
+    /// The list that was set here; null if there is none.
+    pub robots: Option<Vec<String>>,
+    /// The list in this supervisor's file (`limits.robots_file`); null if it has none.
+    pub in_file: Option<Vec<String>>,
+    /// When the list was set or removed; null if never.
+    pub changed_at: Option<Time>,
+    /// Who did it.
+    pub changed_by: Option<String>,
+    /// Why.
+    pub reason: Option<String>,
+    /// Robots in no list whose messages were refused, at most some hundreds, the last first; a few seconds old.
+    pub turned_away: Vec<TurnedAway>,
+}
+
+/// A list of robots.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = NewAllowedRobots)]
+pub struct AllowedBody {
+    /// Names; an empty list allows nobody.
+    #[schema(value_type = Vec<String>, max_items = 10_000)]
+    pub robots: Vec<Name>,
+    /// Why, in your words.
+    #[schema(max_length = 1000)]
+    pub reason: Option<String>,
+}
+
+async fn in_force(app: &App, at: &FleetPath) -> Result<Option<AllowedReading>, Problem> {
+    if !app.store.has_fleet(at.fleet.as_str()).await? {
+        return Err(Problem::not_found(at));
+    }
+    Ok(app.store.allowed_robots(at.fleet.as_str()).await?)
+}
+
+fn etag(version: i64) -> String {
+    format!("\"{version}\"")
+}
+
+/// Which robots the fleet takes, and who else has tried. Its `ETag` is what a change must name.
+#[utoipa::path(
+    get, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots", params(FleetPath),
+    responses((
+        status = 200, description = "The lists", body = AllowedRobots,
+        headers(("ETag" = String, description = "The version of the list that was set"))
+    ))
+)]
+async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Response, Problem> {
+    let reading = in_force(&app, &at).await?;
+    let version = reading.as_ref().map_or(0, |reading| reading.version);
+    let sorted = |names: Vec<String>| {
+        let mut names = names;
+        names.sort_unstable();
+        names
+    };
+    let in_file = app.robots_file.as_ref().map(|file| {
+        let robots = file.borrow().of_fleet(&at.fleet);
+        sorted(robots.iter().map(Name::to_string).collect())
+    });
+    let robots = reading.as_ref().and_then(|reading| reading.robots.as_deref());
+    let turned_away = app.store.turned_away(at.fleet.as_str()).await?;
+    let body = AllowedRobots {
+        fleet: at.fleet.to_string(),
+        version,
+        robots: robots.map(|names| names_of(names).map(|name| name.to_string()).collect()),
+        in_file,
+        changed_at: reading.as_ref().map(|reading| Time(reading.changed_us)),
+        changed_by: reading.as_ref().map(|reading| reading.changed_by.clone()),
+        reason: reading.and_then(|reading| reading.reason),
+        turned_away: turned_away.into_iter().map(TurnedAway::from).collect(),
+    };
+    let mut response = Json(body).into_response();
+    if let Ok(tag) = HeaderValue::from_str(&etag(version)) {
+        response.headers_mut().insert(header::ETAG, tag);
+    }
+    Ok(response)
+}
+
+/// The version that the caller has read.
+async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64, Problem> {
+    let now = in_force(app, at).await?.map_or(0, |reading| reading.version);
+    let Some(told) = headers.get(header::IF_MATCH) else {
+        let tag = etag(now);
+        return Err(Problem::new(
+            Kind::VersionMissing,
+            format!("read the list first, and send its ETag as If-Match: {tag}"),
+        ));
+    };
+    let told = told.to_str().unwrap_or_default().trim();
+    if told == "*" || told.split(',').any(|tag| tag.trim() == etag(now)) {
+        return Ok(now);
+    }
+    Err(changed(now, told))
+}
+
+fn changed(now: i64, told: &str) -> Problem {
+    Problem::new(Kind::VersionChanged, format!("the list in force is {}, not {told}: read it again", etag(now)))
+}
+
+async fn set(
+    app: &App,
+    at: &FleetPath,
+    headers: &HeaderMap,
+    asker: Asker,
+    (robots, why): (Option<Vec<Name>>, Option<String>),
+) -> Result<Response, Problem> {
+    let why = reason(why)?;
+    let version = expected(app, at, headers).await?;
+    let text = robots.map(|robots| {
+        let mut names: Vec<&str> = robots.iter().map(Name::as_str).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.join("\n")
+    });
+    // A long list is not repeated in the audit log: its versions are kept.
+    let parameters = json!({
+        "expected_version": version,
+        "robots": text.as_ref().map(|text| text.lines().count()),
+        "list": text.as_ref().map(|text| Uuid::new_v5(&Uuid::NAMESPACE_OID, text.as_bytes()).to_string()),
+    });
+    let mut action = asker.action("ALLOWED_ROBOTS", &parameters, why);
+    action.fleet = Some(at.fleet.to_string());
+    let asked = app.store.set_allowed_robots(at.fleet.as_str(), version, text.as_deref(), &action).await?;
+    let action_id = number_of(asked.ok_or_else(|| changed(version + 1, &etag(version)))?)?;
+    app.mailroom.ring(&at.fleet);
+    answered(app, action_id, StatusCode::OK).await
+}
+
+/// Allow these robots and no others, in place of the list that was read.
+///
+/// Whoever has the fleet goes by it within five seconds. Messages of other robots are refused as `not_allowed`; what they have
+/// recorded stays. Robots in the file of a supervisor (`limits.robots_file`) are allowed as well.
+#[utoipa::path(
+    put, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",
+    params(
+        FleetPath,
+        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 without"),
+        ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")
+    ),
+    request_body = AllowedBody,
+    responses((status = 200, description = "It is set", body = ActionRow)),
+    extensions(("x-required-role" = json!("ENGINEER")))
+)]
+async fn put_allowed(
+    State(app): State<App>,
+    Path(at): Path<FleetPath>,
+    headers: HeaderMap,
+    asker: Asker,
+    Body(body): Body<AllowedBody>,
+) -> Result<Response, Problem> {
+    if body.robots.len() > ROBOTS_MAX {
+        return Err(Problem::invalid("robots", format!("must have at most {ROBOTS_MAX} names")));
+    }
+    if let Some(reserved) = body.robots.iter().find(|name| Name::robot(name.as_str()).is_err()) {
+        return Err(Problem::invalid("robots", format!("no robot can be named {reserved}")));
+    }
+    set(&app, &at, &headers, asker, (Some(body.robots), body.reason)).await
+}
+
+/// Remove the list: every robot is allowed, unless a file says otherwise.
+#[utoipa::path(
+    delete, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",
+    params(
+        FleetPath,
+        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 without"),
+        ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")
+    ),
+    request_body = Option<Why>,
+    responses((status = 200, description = "It is removed", body = ActionRow)),
+    extensions(("x-required-role" = json!("ENGINEER")))
+)]
+async fn delete_allowed(
+    State(app): State<App>,
+    Path(at): Path<FleetPath>,
+    headers: HeaderMap,
+    asker: Asker,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    set(&app, &at, &headers, asker, (None, why.reason)).await
+}

@@ -1,0 +1,164 @@
+//! The file of `limits.robots_file`: which robots may be in which fleets, `FLEET/ROBOT` on each line.
+
+use std::collections::{BTreeMap, HashSet};
+use std::fs::{File, Metadata};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use tokio::sync::watch;
+use tokio::time::{Duration, timeout};
+use tracing::{info, warn};
+use vibrissa_protocol::Name;
+
+/// Bytes of the file at the most: some 100,000 names of full length.
+const BYTES_MAX: u64 = 16 * 1024 * 1024;
+/// How often it is looked whether the file has changed.
+const LOOK_EVERY: Duration = Duration::from_secs(2);
+
+/// The robots that a file allows, by fleet.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RobotsFile(BTreeMap<Name, Arc<HashSet<Name>>>);
+
+impl RobotsFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, is too long, or a line is no `FLEET/ROBOT`; the text says which.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        Self::read_with_stamp(path).map(|(file, _)| file)
+    }
+
+    fn read_with_stamp(path: &Path) -> Result<(Self, Stamp), String> {
+        let shown = path.display();
+        let failed = |problem: std::io::Error| format!("the file {shown} cannot be read: {problem}");
+        let file = File::open(path).map_err(failed)?;
+        let stamp = Stamp::of(&file.metadata().map_err(failed)?);
+        let mut text = String::new();
+        file.take(BYTES_MAX + 1).read_to_string(&mut text).map_err(failed)?;
+        if text.len() as u64 > BYTES_MAX {
+            return Err(format!("the file {shown} is longer than {BYTES_MAX} bytes"));
+        }
+        Self::parse(&text).map(|file| (file, stamp)).map_err(|problem| format!("the file {shown}, {problem}"))
+    }
+
+    /// Reads the text of a file: `FLEET/ROBOT` on each line; `#` begins a comment, and empty lines do not count.
+    ///
+    /// # Errors
+    /// The first line that is something else, with its number.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut fleets: BTreeMap<Name, HashSet<Name>> = BTreeMap::new();
+        for (line, number) in text.lines().zip(1..) {
+            let entry = line.split('#').next().unwrap_or_default().trim();
+            if entry.is_empty() {
+                continue;
+            }
+            let named = |problem: vibrissa_protocol::BadName| format!("line {number}: {problem}");
+            let (fleet, robot) = entry.split_once('/').ok_or_else(|| {
+                let shown: String = entry.chars().take(80).collect();
+                format!("line {number}: must be FLEET/ROBOT, not {shown:?}")
+            })?;
+            let (fleet, robot) = (Name::new(fleet).map_err(named)?, Name::robot(robot).map_err(named)?);
+            fleets.entry(fleet).or_default().insert(robot);
+        }
+        Ok(Self(fleets.into_iter().map(|(fleet, robots)| (fleet, Arc::new(robots))).collect()))
+    }
+
+    /// The robots of a fleet; nobody of a fleet that the file does not name.
+    #[must_use]
+    pub fn of_fleet(&self, fleet: &Name) -> Arc<HashSet<Name>> {
+        self.0.get(fleet).cloned().unwrap_or_default()
+    }
+}
+
+/// What tells one state of a file from another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stamp {
+    modified: Option<SystemTime>,
+    bytes: u64,
+    #[cfg(unix)]
+    inode: u64,
+}
+
+impl Stamp {
+    fn of(metadata: &Metadata) -> Self {
+        Self {
+            modified: metadata.modified().ok(),
+            bytes: metadata.len(),
+            #[cfg(unix)]
+            inode: std::os::unix::fs::MetadataExt::ino(metadata),
+        }
+    }
+}
+
+/// Reads the file, and again each time that it changes, until `stop`. A file that is wrong or gone changes nothing.
+///
+/// # Errors
+/// It is wrong at the start.
+pub(crate) fn follow(
+    path: PathBuf,
+    mut stop: watch::Receiver<bool>,
+) -> Result<watch::Receiver<Arc<RobotsFile>>, String> {
+    let (first, stamp) = RobotsFile::read_with_stamp(&path)?;
+    let (sender, receiver) = watch::channel(Arc::new(first));
+    tokio::spawn(async move {
+        let (mut last, mut is_missing) = (stamp, false);
+        while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
+            let stamp = match std::fs::metadata(&path) {
+                Ok(metadata) => Stamp::of(&metadata),
+                Err(problem) => {
+                    if !std::mem::replace(&mut is_missing, true) {
+                        warn!(path = %path.display(), %problem, "limits.robots_file: the robots of before stay allowed");
+                    }
+                    continue;
+                }
+            };
+            if stamp == last && !is_missing {
+                continue;
+            }
+            (last, is_missing) = (stamp, false);
+            match RobotsFile::read_with_stamp(&path) {
+                Ok((file, read)) => {
+                    last = read;
+                    info!(path = %path.display(), fleets = file.0.len(), "limits.robots_file was read again");
+                    sender.send_replace(Arc::new(file));
+                }
+                Err(problem) => warn!(problem, "limits.robots_file: the robots of before stay allowed"),
+            }
+        }
+    });
+    Ok(receiver)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_names_robots_by_fleet_with_comments() {
+        let file = RobotsFile::parse("# the press\n\npress/r1\n  press/r2  # spare\nlab/r1\n").unwrap();
+        let robots = |fleet: &str| {
+            let mut names: Vec<String> =
+                file.of_fleet(&Name::new(fleet).unwrap()).iter().map(ToString::to_string).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(robots("press"), ["r1", "r2"]);
+        assert_eq!(robots("lab"), ["r1"]);
+        assert!(robots("other").is_empty());
+    }
+
+    #[test]
+    fn a_line_that_is_wrong_is_named() {
+        for (text, expected) in [
+            ("a/b\nrobot", "line 2: must be FLEET/ROBOT, not \"robot\""),
+            ("a/b\n\n\na/b/c", "line 4: \"b/c\" is no name"),
+            ("a/supervisor", "line 1: a robot cannot be named \"supervisor\""),
+            ("/b", "line 1: \"\" is no name"),
+        ] {
+            let problem = RobotsFile::parse(text).unwrap_err();
+            assert!(problem.starts_with(expected), "{problem}");
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! One robot that sends as fast as it can, among others.
+//!
+//! `cargo test --release -p vibrissa-tests --test attacks fair -- --nocapture --test-threads=1` prints the times.
+
+use std::time::{Duration, Instant};
+
+use tokio::task::JoinSet;
+use vibrissa_protocol::{ArrayType, Message, Receipt};
+use vibrissa_simulator::load::{LoadPlan, Quality, run};
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+
+use crate::with_limits::{Kind, Supervised};
+
+/// Robots beside the one that floods.
+const ROBOTS: usize = 40;
+/// Contacts of each message of theirs.
+const CONTACTS: usize = 5;
+/// From one message of a robot to the next.
+const EVERY: Duration = Duration::from_millis(100);
+/// Contacts of each message of the flood.
+const FLOOD_CONTACTS: usize = 100;
+/// How long times are taken, without the flood and with it.
+const MEASURED: Duration = Duration::from_secs(8);
+/// How long the flood lasts before times are taken with it.
+const FILLING: Duration = Duration::from_secs(4);
+/// The longest wait of an honest robot for a receipt.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Sends for a while; gives the robot back with the times until its messages were receipted.
+async fn work(mut robot: HandRobot, lasts: Duration) -> (HandRobot, Vec<Duration>) {
+    let begun = Instant::now();
+    let mut times = Vec::new();
+    while begun.elapsed() < lasts {
+        let sent = Instant::now();
+        let contacts = (0..CONTACTS).map(|_| robot.contact(0)).collect();
+        let message = robot.send(contacts).await;
+        let is_its = |receipt: &Receipt| receipt.robot_boot_id == message.boot_id && receipt.covers(message.seq);
+        robot
+            .hear("a receipt", |heard| {
+                matches!(&heard.message, Message::Receipt(receipt) if is_its(receipt)).then_some(())
+            })
+            .await;
+        times.push(sent.elapsed());
+        tokio::time::sleep(EVERY.saturating_sub(sent.elapsed())).await;
+    }
+    (robot, times)
+}
+
+/// All of them at once; the times ascending.
+async fn measure(robots: &mut Vec<HandRobot>) -> Vec<Duration> {
+    let mut tasks = JoinSet::new();
+    for robot in robots.drain(..) {
+        tasks.spawn(work(robot, MEASURED));
+    }
+    let mut all = Vec::new();
+    while let Some(done) = tasks.join_next().await {
+        let (robot, times) = done.unwrap();
+        robots.push(robot);
+        all.extend(times);
+    }
+    all.sort_unstable();
+    all
+}
+
+fn quantile(ascending: &[Duration], q: f64) -> Duration {
+    ascending[((ascending.len() - 1) as f64 * q) as usize]
+}
+
+fn flood(port: u16) -> LoadPlan {
+    LoadPlan {
+        mqtt_url: format!("mqtt://127.0.0.1:{port}"),
+        fleet: "f".parse().unwrap(),
+        robots: 1,
+        whiskers: 10,
+        array_whiskers: 10,
+        messages: 10_000_000,
+        contacts: FLOOD_CONTACTS,
+        qos: Quality::AtLeastOnce,
+        rate: None,
+        connections: 1,
+        window: 1000,
+        unreceipted: Some(10_000_000),
+        no_receipts: false,
+        learn: 0,
+        trim_every: None,
+        status_every_s: 10.0,
+        patience_s: 60.0,
+    }
+}
+
+async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
+    let supervised = Supervised::start(kind, &[]).await;
+    let mut robots = Vec::new();
+    for number in 0..ROBOTS {
+        let name = format!("honest-{number}");
+        robots.push(HandRobot::born(supervised.port(), &name, array(ArrayType::Type2, &[70.0])).await);
+    }
+    let without = measure(&mut robots).await;
+
+    let plan = flood(supervised.port());
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let flooding = std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            tokio::select! {
+                ended = run(plan, || {}) => panic!("the flood has ended: {:?}", ended.err()),
+                _ = stopped => {}
+            }
+        });
+    });
+    let came = "vibrissa_messages_received_total{fleet=\"f\",topic=\"contacts\"}";
+    let before = supervised.metric(came).await;
+    until_true("the flood has begun", async || supervised.metric(came).await > before + 1_000.0).await;
+    tokio::time::sleep(FILLING).await;
+    let (begun, contacts) =
+        (Instant::now(), supervised.metric("vibrissa_received_to_commit_seconds_count{fleet=\"f\"}").await);
+    let with = measure(&mut robots).await;
+    let messages = supervised.metric("vibrissa_received_to_commit_seconds_count{fleet=\"f\"}").await - contacts;
+    let shed = supervised.metric("vibrissa_messages_shed_over_share_total{fleet=\"f\"}").await;
+    // It panics if the flood has ended before.
+    stop.send(()).unwrap();
+    flooding.join().unwrap();
+
+    let [p50, p99] = [0.5, 0.99].map(|q| (quantile(&without, q), quantile(&with, q)));
+    let ratio = |(without, with): (Duration, Duration)| with.as_secs_f64() / without.as_secs_f64();
+    eprintln!(
+        "{kind:?}: {} and {} messages; p50 {:.0?} to {:.0?} ({:.2}), p99 {:.0?} to {:.0?} ({:.2}), longest {:.0?} to {:.0?}; \
+         {:.0} messages/s of all committed meanwhile, {shed} of the flood shed",
+        without.len(),
+        with.len(),
+        p50.0,
+        p50.1,
+        ratio(p50),
+        p99.0,
+        p99.1,
+        ratio(p99),
+        without.last().unwrap(),
+        with.last().unwrap(),
+        messages / begun.elapsed().as_secs_f64(),
+    );
+    assert!(*with.last().unwrap() <= PATIENCE, "an honest robot has waited for {:?}", with.last());
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn regress_others_are_receipted_while_one_robot_floods_on_sqlite() {
+    others_are_receipted_while_one_robot_floods(Kind::Sqlite).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn regress_others_are_receipted_while_one_robot_floods_on_postgres() {
+    others_are_receipted_while_one_robot_floods(Kind::Postgres).await;
+}

@@ -1,0 +1,124 @@
+//! The real program with a real broker and a database of each kind.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions, Connection};
+use tempfile::TempDir;
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::wait::until_true;
+use vibrissa_tests::web::{Answer, send, try_get};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+
+/// Which database.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Sqlite,
+    Postgres,
+}
+
+/// A supervisor of fleet `f`, as a process.
+pub(crate) struct Supervised {
+    pub(crate) broker: Mosquitto,
+    pub(crate) http: SocketAddr,
+    pub(crate) folder: TempDir,
+    postgres: Option<Postgres>,
+    _process: Process,
+}
+
+impl Supervised {
+    /// Starts everything; returns when robots are heard.
+    pub(crate) async fn start(kind: Kind, arguments: &[&str]) -> Self {
+        Self::start_in(tempfile::tempdir().unwrap(), kind, arguments).await
+    }
+
+    /// The same with a folder of its own, which may have files in it.
+    pub(crate) async fn start_in(folder: TempDir, kind: Kind, arguments: &[&str]) -> Self {
+        // As in the configuration that is shipped.
+        let broker = Mosquitto::builder().line("max_inflight_messages 65535").line("max_queued_bytes 67108864").start();
+        let postgres = match kind {
+            Kind::Sqlite => None,
+            Kind::Postgres => Some(Postgres::start().await),
+        };
+        let database = match &postgres {
+            None => format!("sqlite:{}", folder.path().join("v.sqlite3").display()),
+            Some(server) => Postgres::url(server.port()),
+        };
+        let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+        let own = [
+            "run".to_owned(),
+            "--fleet=f".to_owned(),
+            format!("--http={http}"),
+            format!("--mqtt-url=mqtt://127.0.0.1:{}", broker.port()),
+            format!("--database-url={database}"),
+        ];
+        let process = Process::start(Launch {
+            program: program(),
+            arguments: own.into_iter().chain(arguments.iter().map(ToString::to_string)).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
+            log: folder.path().join("log"),
+        });
+        let supervised = Self { broker, http, folder, postgres, _process: process };
+        until_true("the supervisor is ready", async || {
+            matches!(try_get(http, "/readyz").await, Ok((200, _)))
+                && supervised.metric("vibrissa_broker_connected{fleet=\"f\"}").await == 1.0
+        })
+        .await;
+        supervised
+    }
+
+    pub(crate) fn port(&self) -> u16 {
+        self.broker.port()
+    }
+
+    /// A metric by its name with labels; 0 if it is not there.
+    pub(crate) async fn metric(&self, name: &str) -> f64 {
+        let (_, text) = try_get(self.http, "/metrics").await.unwrap();
+        let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        value.map_or(0.0, |value| value.parse().unwrap())
+    }
+
+    /// Messages that were refused for a reason.
+    pub(crate) async fn refused(&self, reason: &str) -> f64 {
+        self.metric(&format!("vibrissa_messages_refused_total{{fleet=\"f\",reason=\"{reason}\"}}")).await
+    }
+
+    /// The texts that a query finds, in its order.
+    pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
+        match &self.postgres {
+            None => {
+                let file = self.folder.path().join("v.sqlite3");
+                let mut link = SqliteConnectOptions::new().filename(file).read_only(true).connect().await.unwrap();
+                let found = sqlx::query_scalar(sql).fetch_all(&mut link).await.unwrap();
+                link.close().await.unwrap();
+                found
+            }
+            Some(server) => {
+                let mut link = server.connect().connect().await.unwrap();
+                let found = sqlx::query_scalar(sql).fetch_all(&mut link).await.unwrap();
+                link.close().await.unwrap();
+                found
+            }
+        }
+    }
+
+    /// The fleet's robots in the database.
+    pub(crate) async fn robots(&self) -> Vec<String> {
+        self.texts("SELECT robot FROM robots ORDER BY robot").await
+    }
+
+    /// Asks with a method and headers.
+    pub(crate) async fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)], body: Option<&Value>) -> Answer {
+        send(self.http, method, path, headers, body).await.unwrap()
+    }
+}
+
+/// The program; another build of it, to see that an attack succeeds there, by the variable `ATTACKED_PROGRAM`.
+fn program() -> PathBuf {
+    std::env::var_os("ATTACKED_PROGRAM").map_or_else(|| PROGRAM.into(), PathBuf::from)
+}
