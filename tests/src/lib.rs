@@ -4,6 +4,7 @@ pub mod actions;
 pub mod certificates;
 pub mod large_array;
 pub mod mosquitto;
+pub mod mqtt_proxy;
 pub mod observer;
 pub mod postgres;
 pub mod process;

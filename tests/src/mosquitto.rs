@@ -267,6 +267,15 @@ impl Mosquitto {
         self.process.id()
     }
 
+    /// What it has said since it was first started.
+    ///
+    /// # Panics
+    /// The thread that reads the log has panicked.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        self.log.lock().expect("no panic while it was held").clone()
+    }
+
     /// How many lines of its log hold that text.
     ///
     /// # Panics

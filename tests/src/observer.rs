@@ -126,7 +126,11 @@ async fn poll(mut event_loop: EventLoop, sender: mpsc::UnboundedSender<Heard>) {
         let Event::Incoming(Packet::Publish(publish)) = event else {
             continue;
         };
-        let topic = Topic::parse(std::str::from_utf8(&publish.topic).expect("text")).expect("a topic of the contract");
+        let topic = std::str::from_utf8(&publish.topic).expect("text");
+        if RobotTopic::probed_on(topic).is_some() {
+            continue;
+        }
+        let topic = Topic::parse(topic).expect("a topic of the contract");
         let heard = Heard {
             message: decode(&topic, &publish.payload).expect("a message that keeps the contract"),
             payload: publish.payload.to_vec(),

@@ -102,6 +102,22 @@ impl RobotTopic {
         format!("{ROOT}{fleet}/+/{self}")
     }
 
+    /// The topic of the supervisor's probes for [`Self::fleet_filter`]: `whisker/v1/{fleet}/supervisor/contacts`. The filter
+    /// matches it as it matches robots' topics, and no robot may publish there.
+    #[must_use]
+    pub fn probe_topic(self, fleet: &Name) -> String {
+        format!("{ROOT}{fleet}/{}/{self}", Name::RESERVED)
+    }
+
+    /// The topic that a probe on `topic` is for; none if `topic` is not a probe's.
+    #[must_use]
+    pub fn probed_on(topic: &str) -> Option<Self> {
+        let (fleet, kind) = topic.strip_prefix(ROOT)?.split_once('/')?;
+        let kind = kind.strip_prefix(Name::RESERVED)?.strip_prefix('/')?;
+        Name::new(fleet).ok()?;
+        Self::ALL.into_iter().filter(|one| one.is_from_robot()).find(|one| one.as_str() == kind)
+    }
+
     /// This topic of one robot.
     #[must_use]
     pub fn of(self, fleet: &Name, robot: &Name) -> Topic {
@@ -193,6 +209,20 @@ mod tests {
     fn one_wildcard_stands_for_every_robot() {
         let fleet = Name::new("f1").unwrap();
         assert_eq!(RobotTopic::Contacts.fleet_filter(&fleet), "whisker/v1/f1/+/contacts");
+    }
+
+    #[test]
+    fn a_probes_topic_is_no_robots_and_matches_the_filter_that_it_proves() {
+        let fleet = Name::new("f1").unwrap();
+        for kind in RobotTopic::ALL {
+            let topic = kind.probe_topic(&fleet);
+            assert_eq!(topic, kind.fleet_filter(&fleet).replace('+', "supervisor"));
+            assert_eq!(RobotTopic::probed_on(&topic), Some(kind).filter(|kind| kind.is_from_robot()));
+            assert!(Topic::parse(&topic).is_err(), "{topic}");
+        }
+        for other in ["whisker/v1/f1/r/contacts", "whisker/v1/f1/supervisor/state", "whisker/v1/supervisor/contacts"] {
+            assert_eq!(RobotTopic::probed_on(other), None, "{other}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Runs a fleet of simulated robots against a broker until it is told to stop.
 
+use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -77,7 +78,9 @@ fn main() -> anyhow::Result<()> {
 
 async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     let broker = arguments.broker()?;
-    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(std::io::stderr).init();
+    // Colours are for terminals, and for people who have not asked for none.
+    let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty());
+    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(stderr).with_ansi(has_colours).init();
     let scenario = arguments.scenario.as_ref().context("--scenario is missing")?;
     let path = scenario.display();
     let text = std::fs::read_to_string(scenario).with_context(|| format!("cannot read {path}"))?;

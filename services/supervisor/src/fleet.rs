@@ -1,6 +1,6 @@
 //! One fleet under supervision, from taking it up to giving it back: the engine and its two connections.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
@@ -54,6 +54,8 @@ pub(crate) struct Shared {
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
+    /// Through what it is heard, once it is taken up.
+    link: Arc<OnceLock<LinkState>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,
 }
@@ -66,8 +68,14 @@ impl Fleet {
         // Ready means: robots are heard.
         shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("its robots are being taken up".to_owned()));
         shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
-        let task = tokio::spawn(supervise(lease.clone(), shared.clone(), stopping));
-        Self { lease, stop, task }
+        let link = Arc::new(OnceLock::new());
+        let task = tokio::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
+        Self { lease, link, stop, task }
+    }
+
+    /// Through what it is heard; none while it is being taken up.
+    pub(crate) fn link(&self) -> Option<&LinkState> {
+        self.link.get()
     }
 
     /// The right to it.
@@ -91,7 +99,7 @@ impl Fleet {
     }
 }
 
-async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>) {
+async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
     let fleet = lease.fleet().clone();
     let metrics = shared.metrics.of_fleet(&fleet);
     let engine = tokio::select! {
@@ -105,7 +113,7 @@ async fn supervise(lease: Lease, shared: Shared, mut stop: watch::Receiver<bool>
             fleet: fleet.clone(),
             boot_id,
             epoch: lease.epoch(),
-            link: LinkState::default(),
+            link: heard.get_or_init(LinkState::default).clone(),
         };
         shared.readiness.listens(&fleet, connection.link.clone());
         shared.readiness.set_of(&fleet, TAKING_UP, None);
@@ -164,7 +172,7 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
-    let mut publisher = mqtt::publish(connection, publications, metrics.setpoints_expired_unsent.clone());
+    let mut publisher = mqtt::publish(connection, metrics.clone(), publications);
     let (cut_off, cutting_off) = watch::channel(false);
     // Together: a message of a fleet that does little wakes one thread then.
     let working = async move {

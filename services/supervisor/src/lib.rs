@@ -6,6 +6,7 @@
 
 pub mod service;
 
+mod ears;
 mod fleet;
 pub mod mailroom;
 mod ownership;

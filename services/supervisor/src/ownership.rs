@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
-use tokio::time::{Duration, sleep};
+use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
 use vibrissa_protocol::Name;
 
+use crate::ears::Ears;
 use crate::fleet::{Fleet, Shared};
 use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
@@ -34,6 +35,30 @@ pub(crate) struct Ownership {
     ending: JoinSet<()>,
     ending_names: BTreeMap<Name, AbortHandle>,
     is_prepared: bool,
+    ears: Ears,
+    outage: Outage,
+}
+
+/// A time in which leases cannot be kept. Its begin and its end are logged, and nothing in between.
+#[derive(Debug, Default)]
+struct Outage(Option<Instant>);
+
+impl Outage {
+    /// Notes how an attempt went; true if that is news, which is logged.
+    fn note(&mut self, problem: Option<&StoreError>) -> bool {
+        match (problem, self.0) {
+            (Some(problem), None) => {
+                self.0 = Some(Instant::now());
+                warn!(%problem, "cannot keep the leases; trying again until it works");
+            }
+            (None, Some(since)) => {
+                self.0 = None;
+                info!(seconds = since.elapsed().as_secs_f32(), "the leases can be kept again");
+            }
+            (Some(_), Some(_)) | (None, None) => return false,
+        }
+        true
+    }
 }
 
 impl Ownership {
@@ -49,6 +74,8 @@ impl Ownership {
             ending: JoinSet::new(),
             ending_names: BTreeMap::new(),
             is_prepared,
+            ears: Ears::default(),
+            outage: Outage::default(),
         }
     }
 
@@ -59,13 +86,11 @@ impl Ownership {
                 turn = self.turn() => turn,
                 () = stopped(&mut stop) => break,
             };
-            if let Err(problem) = &turn {
-                self.shared.metrics.database_failed();
-                warn!(%problem, "cannot keep the leases; trying again");
+            match &turn {
+                Ok(_) => self.shared.metrics.database_up.set(1),
+                Err(_) => self.shared.metrics.database_failed(),
             }
-            if turn.is_ok() {
-                self.shared.metrics.database_up.set(1);
-            }
+            self.outage.note(turn.as_ref().err());
             let pause = *turn.as_ref().unwrap_or(&self.pause());
             self.shared.readiness.set(PART, turn.err().map(|problem| problem.told()));
             tokio::select! {
@@ -91,8 +116,15 @@ impl Ownership {
         }
         self.bury();
         let held: Vec<_> = self.fleets.values().map(|fleet| fleet.lease().clone()).collect();
-        let roll = self.writer.sign_in(&self.supervisor, &held).await?;
+        if self.shared.store.is_shared() {
+            let links = self.fleets.iter().map(|(name, fleet)| (name, fleet.link()));
+            self.ears.listen(links, &self.shared);
+        }
+        let roll = self.writer.sign_in_hearing(&self.supervisor, &held, &self.ears.told()).await?;
         self.drop_lost(&roll);
+        if self.shared.store.is_shared() {
+            self.ears.try_doubtful(&roll, &self.supervisor.id, &self.shared);
+        }
         let shares = shares(&roll);
         let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
         let too_many: Vec<Name> = self.fleets.keys().filter(|fleet| !mine(fleet)).cloned().collect();
@@ -192,6 +224,23 @@ impl Ownership {
         }
         if let Err(problem) = self.writer.sign_out(&self.supervisor).await {
             warn!(%problem, "not signed out");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_an_outage_is_logged_at_its_begin_and_at_its_end() {
+        let problem = StoreError::NoAnswer { what: "keep the leases", patience: Duration::from_secs(2) };
+        let mut outage = Outage::default();
+        assert!(!outage.note(None), "nothing was wrong");
+        for _ in 0..2 {
+            let logged = (0..100).filter(|_| outage.note(Some(&problem))).count();
+            assert_eq!(logged, 1);
+            assert!(outage.note(None) && !outage.note(None));
         }
     }
 }

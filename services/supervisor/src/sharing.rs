@@ -5,32 +5,39 @@ use std::collections::BTreeMap;
 
 use vibrissa_protocol::Name;
 
-use crate::store::Roll;
+use crate::store::{Present, Roll};
 
-/// Who should have each fleet. Owners that are there keep what they have, except what evens out the numbers;
-/// fleets without one go to whoever has the fewest.
+/// Who should have each fleet. Owners that are there keep what they have, except what evens out the numbers, and what they do not
+/// hear and another has proved to hear; fleets without one go to whoever has the fewest.
 #[must_use]
 pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
-    let mut present: Vec<(&str, &[Name])> =
-        roll.present.iter().map(|(supervisor, fleets)| (supervisor.as_str(), fleets.as_slice())).collect();
-    present.sort_unstable();
-    let may = |supervisor: &str, fleet: &Name| {
-        present.iter().any(|(one, fleets)| *one == supervisor && fleets.contains(fleet))
+    let mut present: Vec<&Present> = roll.present.iter().collect();
+    present.sort_unstable_by_key(|one| one.supervisor.as_str());
+    let owner = |fleet: &Name| {
+        let lease = roll.leases.iter().find(|lease| lease.fleet == *fleet && !lease.free)?;
+        present.iter().find(|one| lease.owner.as_deref() == Some(&*one.supervisor) && one.fleets.contains(fleet))
+    };
+    let is_deaf = |one: &Present, fleet: &Name| one.hearing.deaf.contains(fleet);
+    // Nobody takes what it does not hear; from an owner that does not hear it, only whoever has proved to do better.
+    let may = |one: &Present, fleet: &Name| {
+        let must_prove = owner(fleet).is_some_and(|owner| is_deaf(owner, fleet));
+        one.fleets.contains(fleet) && !is_deaf(one, fleet) && (!must_prove || one.hearing.heard.contains(fleet))
     };
     let mut shares: BTreeMap<Name, String> = BTreeMap::new();
-    for lease in roll.leases.iter().filter(|lease| !lease.free) {
-        if let Some(owner) = lease.owner.as_deref().filter(|owner| may(owner, &lease.fleet)) {
-            shares.insert(lease.fleet.clone(), owner.to_owned());
+    for fleet in roll.leases.iter().map(|lease| &lease.fleet) {
+        if let Some(owner) = owner(fleet)
+            && !(is_deaf(owner, fleet) && present.iter().any(|one| may(one, fleet)))
+        {
+            shares.insert(fleet.clone(), owner.supervisor.clone());
         }
     }
     let mut unowned: Vec<&Name> = roll.leases.iter().map(|lease| &lease.fleet).collect();
     unowned.retain(|fleet| !shares.contains_key(*fleet));
     unowned.sort_unstable();
     for fleet in unowned {
-        let least =
-            present.iter().map(|(one, _)| *one).filter(|one| may(one, fleet)).min_by_key(|one| held(&shares, one));
-        if let Some(least) = least {
-            shares.insert(fleet.clone(), least.to_owned());
+        let able = present.iter().filter(|one| may(one, fleet)).map(|one| &one.supervisor);
+        if let Some(least) = able.min_by_key(|one| held(&shares, one)) {
+            shares.insert(fleet.clone(), least.clone());
         }
     }
     while let Some((fleet, to)) = step_towards_even(&shares, &present, &may) {
@@ -47,25 +54,25 @@ fn held(shares: &BTreeMap<Name, String>, supervisor: &str) -> usize {
 /// squares of the numbers, so that they come to an end.
 fn step_towards_even(
     shares: &BTreeMap<Name, String>,
-    present: &[(&str, &[Name])],
-    may: &impl Fn(&str, &Name) -> bool,
+    present: &[&Present],
+    may: &impl Fn(&Present, &Name) -> bool,
 ) -> Option<(Name, String)> {
     // From behind: the fleets that come first stay where they are.
     shares.iter().rev().find_map(|(fleet, owner)| {
         let to = present
             .iter()
-            .map(|(one, _)| *one)
             .filter(|one| may(one, fleet))
+            .map(|one| &one.supervisor)
             .min_by_key(|one| held(shares, one))
             .filter(|one| held(shares, one) + 1 < held(shares, owner))?;
-        Some((fleet.clone(), to.to_owned()))
+        Some((fleet.clone(), to.clone()))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::FleetLease;
+    use crate::store::{FleetLease, FleetsHeard};
 
     fn fleets(count: usize) -> Vec<Name> {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()
@@ -82,7 +89,10 @@ mod tests {
             free: owner.is_none(),
             free_in: None,
         });
-        let present = present.iter().map(|one| ((*one).to_owned(), fleets.clone())).collect();
+        let hearing = FleetsHeard::default();
+        let one =
+            |one: &&str| Present { supervisor: (*one).to_owned(), fleets: fleets.clone(), hearing: hearing.clone() };
+        let present = present.iter().map(one).collect();
         Roll { leases: leases.collect(), present }
     }
 
@@ -118,10 +128,57 @@ mod tests {
     #[test]
     fn nobody_gets_a_fleet_that_it_may_not_have() {
         let mut roll = roll(&["a", "b"], &[None, None, None, None]);
-        roll.present[1].1.truncate(1);
+        roll.present[1].fleets.truncate(1);
         let shares = shares(&roll);
         assert_eq!(counts(&shares, &["a", "b"]), [3, 1]);
         assert_eq!(shares[&fleets(1)[0]], "b");
+    }
+
+    /// One fleet of `a`, and what each says of how it hears it: D deaf, H proved to hear it, anything else nothing.
+    fn owner_of_one(owner: Option<&str>, said: &str) -> Option<String> {
+        let names = ["a", "b", "c"];
+        let mut roll = roll(&names[..said.len()], &[owner]);
+        for (one, said) in roll.present.iter_mut().zip(said.chars()) {
+            match said {
+                'D' => one.hearing.deaf = fleets(1),
+                'H' => one.hearing.heard = fleets(1),
+                _ => {}
+            }
+        }
+        shares(&roll).remove(&fleets(1)[0])
+    }
+
+    #[test]
+    fn an_owner_that_does_not_hear_gives_way_to_whoever_has_proved_to_hear_and_to_nobody_else() {
+        for (owner, said, expected) in [
+            (Some("a"), "D-", Some("a")),
+            (Some("a"), "DH", Some("b")),
+            (Some("a"), "DD", Some("a")),
+            (Some("a"), "D-H", Some("c")),
+            (Some("a"), "-H", Some("a")),
+            // It has given way: it takes nothing before it hears, whoever else goes.
+            (None, "D-", Some("b")),
+            (None, "D", None),
+            (Some("b"), "D-", Some("b")),
+            (Some("b"), "DD", Some("b")),
+            (Some("b"), "HD", Some("a")),
+        ] {
+            assert_eq!(owner_of_one(owner, said).as_deref(), expected, "{owner:?} {said}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_not_evened_out_towards_whoever_does_not_hear() {
+        let mut roll = roll(&["a", "b"], &[Some("a"); 4]);
+        roll.present[1].hearing.deaf = fleets(4);
+        assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
+        // Nor away from an owner that does not hear, without a proof.
+        roll.present[1].hearing.deaf.clear();
+        roll.present[0].hearing.deaf = fleets(4);
+        assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
+        roll.present[1].hearing.heard = fleets(1);
+        assert_eq!(shares(&roll)[&fleets(1)[0]], "b");
+        assert_eq!(counts(&shares(&roll), &["a", "b"]), [3, 1]);
     }
 
     /// Every roll of up to 4 supervisors and 6 fleets: all owned, even, and at rest once it was followed.

@@ -1,26 +1,34 @@
 //! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead a fleet.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "a test that cannot go on has failed, and it picks the messages that it waits for"
+)]
 
+mod access;
+mod allow_list;
+mod clocks;
 mod connections;
+mod crowds;
 mod database_errors;
+mod deaf;
+mod fair;
+mod forgeries;
 mod headers;
 mod http_program;
-mod monitoring;
-mod planted;
-mod refused_rows;
-mod stage;
-mod access;
 mod jwt;
-mod routes;
-mod started;
-mod startup;
-mod clocks;
-mod forgeries;
+mod listener;
+mod monitoring;
 mod odd_values;
 mod old_boots;
-mod allow_list;
-mod crowds;
-mod fair;
+mod planted;
+mod refused_rows;
+mod routes;
+mod stage;
+mod started;
+mod startup;
 mod supervised;
+mod takeover;
+mod unheard_owner;
 mod with_limits;

@@ -51,6 +51,7 @@ async fn a_robot_writes_its_own_level_in_the_contracts_direction_and_nothing_els
     }
     for forbidden in [
         "whisker/v1/lab/supervisor/state",
+        "whisker/v1/lab/supervisor/contacts",
         "whisker/v1/yard/supervisor/state",
         "whisker/v1/lab/one/state",
         "whisker/v1/lab/one/contacts/more",
@@ -101,12 +102,19 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
         assert_eq!(supervisor.publish(&topic("lab/one", kind), false).await, !kind.is_from_robot(), "{kind}");
     }
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", false).await);
+    for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()) {
+        // Its own probes. `listener` hears them, too: they are taken away below.
+        assert!(supervisor.publish(&topic("lab/supervisor", kind), false).await, "a probe of {kind}");
+    }
     assert!(!supervisor.publish("anything", false).await);
     let mut robot = client(&broker, "lab.one", "lab/one").await;
     for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()) {
         assert!(robot.publish(&topic("lab/one", kind), false).await);
     }
     let mut heard = listener.heard_until("whisker/v1/lab/one/setpoint_state").await;
+    let all = heard.len();
+    heard.retain(|topic| RobotTopic::probed_on(topic).is_none());
+    assert_eq!(all - heard.len(), 5, "every probe is heard");
     heard.sort();
     let mut robots: Vec<_> = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).collect();
     robots.sort_by_key(|kind| kind.as_str());

@@ -61,7 +61,7 @@ impl Link {
         let (stop, stopped) = watch::channel(false);
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);
-        let publishing = mqtt::publish(&connection, publications);
+        let publishing = mqtt::publish(&connection, metrics.clone(), publications);
         Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [tokio::spawn(receiving), publishing] }
     }
 

@@ -73,8 +73,12 @@ fn info() -> Value {
          {PAYLOAD_MAX_BYTES} bytes.\n\n\
          Beyond its schema a message is refused for:\n\n{}\n\n\
          The rules that a robot keeps over time, such as sending again what no receipt covers, are told with the \
-         messages they are about.",
-        beyond.join("\n")
+         messages they are about.\n\n\
+         Level `{}` of a fleet belongs to the supervisor. Every few seconds it publishes a probe there for each topic \
+         that robots send, such as `whisker/v1/lab/supervisor/contacts`, and expects to receive it through its own \
+         subscriptions. The broker must let the supervisor publish there, and no robot.",
+        beyond.join("\n"),
+        Name::RESERVED
     );
     json!({
         "title": "Soft whiskers: the robot",

@@ -1,5 +1,6 @@
 //! `vibrissa run` and `vibrissa demo`.
 
+use std::io::{IsTerminal, stderr};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -81,7 +82,12 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
 pub(super) fn log(filter: &str) {
     let filter = EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours()).init();
+}
+
+/// Colours are for terminals, and for people who have not asked for none (`NO_COLOR`).
+fn has_colours() -> bool {
+    stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty())
 }
 
 pub(super) fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {

@@ -50,9 +50,9 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
             }
             Some(DatabaseAddress::Sqlite(path))
         }
-        DatabaseAddress::Postgres(options) => Some(DatabaseAddress::Postgres(match filed {
-            Some(password) => Box::new(options.password(password.reveal())),
-            None => options,
+        DatabaseAddress::Postgres(address) => Some(DatabaseAddress::Postgres(match filed {
+            Some(password) => address.with_password(password),
+            None => address,
         })),
     }
 }

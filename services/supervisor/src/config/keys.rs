@@ -120,6 +120,8 @@ keys! {
         "This supervisor's own certificate, PEM, for brokers that ask for one";
     MqttClientKeyFile: "mqtt.client_key_file", Kind::File, None,
         "The private key of that certificate, PEM";
+    MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", Kind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
+        "After how many seconds without hearing its robots a fleet is given to another supervisor that hears them, if there is one";
     HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
         "Where HTTP listens; port 0 takes any free one. Beyond loopback a token is asked for";
     HttpMonitoringListen: "http.monitoring_listen", Kind::Text, None,

@@ -1,6 +1,7 @@
 //! The broker: where it is, and how to know it and be known.
 
 use std::str::FromStr;
+use std::time::Duration;
 
 use super::keys::Key;
 use super::reader::Reader;
@@ -17,11 +18,16 @@ pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
     let found = reader.parsed(Key::MqttUrl, |text| BrokerAddress::from_str(text).map_err(|bad| bad.to_string()));
     let credentials = credentials(reader);
     let (ca_file, client) = (reader.file(Key::MqttCaFile), client(reader));
+    let deaf_release_after = reader.number(Key::MqttDeafReleaseAfterS).map(Duration::from_secs_f64);
     if !is_external {
         for key in CREDENTIAL_KEYS.into_iter().chain(TLS_KEYS) {
             if reader.is_explicit(key) {
                 reader.refuse(key, "is of no use without mqtt.url: only an external broker asks for it");
             }
+        }
+        if reader.is_explicit(Key::MqttDeafReleaseAfterS) {
+            let what = "is of no use without mqtt.url: no other supervisor hears through the embedded broker";
+            reader.refuse(Key::MqttDeafReleaseAfterS, what);
         }
     }
     if is_external && reader.is_explicit(Key::MqttPort) {
@@ -38,7 +44,7 @@ pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
         }
     }
     let tls = broker.tls.is_some().then_some(TlsOptions { ca_file, client });
-    Some(BrokerAddress { credentials, tls, ..broker })
+    Some(BrokerAddress { credentials, tls, deaf_release_after: deaf_release_after?, ..broker })
 }
 
 fn credentials(reader: &mut Reader) -> Option<Credentials> {

@@ -1,6 +1,5 @@
 //! Reads keys as what they should be, and remembers everything that is not.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -13,9 +12,6 @@ use crate::secret::Secret;
 
 /// What stands for a secret when it is shown, and is therefore none.
 pub(super) const MASK: &str = "***";
-
-/// The longest password file, bytes: a longer one is another file.
-const PASSWORD_MAX_BYTES: u64 = 4096;
 
 /// The longest text, bytes: far above any real one.
 const TEXT_MAX_BYTES: usize = 4096;
@@ -190,24 +186,9 @@ impl Reader {
     /// The password in a file, without the end of its line.
     pub(super) fn secret_file(&mut self, key: Key) -> Option<Secret> {
         let path = PathBuf::from(self.text(key)?);
-        let file = self.opens(key, &path).ok()?;
+        self.opens(key, &path).ok()?;
         self.secret_files.push((key, path.clone()));
-        let mut text = String::new();
-        let mut refuse = |what: &str| {
-            self.refuse(key, format!("the file {} {what}", path.display()));
-            None
-        };
-        if let Err(problem) = file.take(PASSWORD_MAX_BYTES + 1).read_to_string(&mut text) {
-            return refuse(&format!("cannot be read: {problem}"));
-        }
-        if text.len() as u64 > PASSWORD_MAX_BYTES {
-            return refuse(&format!("is longer than {PASSWORD_MAX_BYTES} bytes: name a file with a password only"));
-        }
-        let password = text.trim_end_matches(['\r', '\n']);
-        if password.is_empty() || password.contains(char::is_control) {
-            return refuse("must have the password on one line and nothing else");
-        }
-        Some(Secret::new(password))
+        Secret::from_file(&path).map_err(|what| self.refuse(key, what)).ok()
     }
 }
 

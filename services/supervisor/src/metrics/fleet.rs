@@ -162,10 +162,19 @@ of_fleet! {
     database_commit_seconds: Histogram = "vibrissa_database_commit_seconds", "Time of a commit.", COMMIT_SECONDS;
     /// 1 while the fleet's messages are received.
     broker_connected: IntGauge = "vibrissa_broker_connected",
-        "1 while the fleet's messages are received from the broker.";
+        "1 while the fleet's messages are received from the broker, as probes prove.";
     /// Connections made to the broker on which the fleet's messages are received.
     broker_connections: IntCounter = "vibrissa_broker_connections_total",
         "Connections made to the broker on which the fleet's messages are received.";
+    /// Connections that the broker ended because another client connected with their client id.
+    mqtt_session_takeovers: IntCounter = "vibrissa_mqtt_session_takeovers_total",
+        "Connections that the broker ended because another client connected with their client id.";
+    /// Probes that did not come back in time, by topic.
+    mqtt_probe_failures: Counters = "vibrissa_mqtt_probe_failures_total",
+        "Probes that the supervisor sent to itself and that did not come back in time, by topic.", labels::TOPIC;
+    /// From the sending of the newest probes to their return.
+    mqtt_probe_round_trip_seconds: Gauge = "vibrissa_mqtt_probe_round_trip_seconds",
+        "From the sending of the newest probes through the broker to the return of the last of them.";
     /// 1 while the fleet is supervised here.
     lease_held: IntGauge = "vibrissa_lease_held", "1 while the fleet is supervised here.";
     /// The epoch in which it was supervised here last.
@@ -213,7 +222,11 @@ impl FleetMetrics {
         for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect] {
             gauge.set(0);
         }
-        for gauge in [&self.last_contact_timestamp_seconds, &self.compensation_error_limit_ratio] {
+        for gauge in [
+            &self.last_contact_timestamp_seconds,
+            &self.compensation_error_limit_ratio,
+            &self.mqtt_probe_round_trip_seconds,
+        ] {
             gauge.set(0.0);
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 use url::{Host, Url};
 
@@ -19,7 +20,12 @@ pub struct BrokerAddress {
     pub credentials: Option<Credentials>,
     /// How to know the broker, and to be known; none speaks in plain text.
     pub tls: Option<TlsOptions>,
+    /// For how long a fleet that is not heard through it is kept while another supervisor hears it.
+    pub deaf_release_after: Duration,
 }
+
+/// For how long a fleet that is not heard is kept, unless it is told otherwise.
+const DEAF_RELEASE_AFTER: Duration = Duration::from_secs(10);
 
 /// A user of the broker.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,7 +58,8 @@ impl BrokerAddress {
     /// A broker that is spoken to in plain text and asks for no password.
     #[must_use]
     pub fn new(host: impl Into<String>, port: u16) -> Self {
-        Self { host: host.into(), port, credentials: None, tls: None }
+        let host = host.into();
+        Self { host, port, credentials: None, tls: None, deaf_release_after: DEAF_RELEASE_AFTER }
     }
 
     /// Whether nobody else can listen to what is said: the host is this one.
@@ -117,7 +124,7 @@ impl FromStr for BrokerAddress {
         if port == 0 {
             return Err(malformed("port 0"));
         }
-        Ok(Self { host, port, credentials: None, tls })
+        Ok(Self { tls, ..Self::new(host, port) })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Whether there is a connection, why not, and when to try again.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use tracing::{info, warn};
 
@@ -26,26 +26,98 @@ enum State {
     Broken(String),
 }
 
+impl State {
+    fn problem(&self) -> Option<String> {
+        match self {
+            Self::Connected => None,
+            Self::New => Some("not connected to the MQTT broker yet".to_owned()),
+            Self::Broken(why) => Some(why.clone()),
+        }
+    }
+}
+
+/// Takeovers of our client ids are logged this often at the most.
+const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
+
 /// Why a fleet's robots cannot be heard or answered; shared by the two connections and whoever asks.
 #[derive(Debug, Clone, Default)]
-pub struct LinkState(Arc<Mutex<[State; 2]>>);
+pub struct LinkState(Arc<Mutex<Link>>);
+
+#[derive(Debug)]
+struct Link {
+    receiving: State,
+    publishing: State,
+    /// Since when robots are not known to be heard.
+    deaf_since: Option<Instant>,
+    /// Takeovers that were not logged yet, and when one was logged last.
+    takeovers: u64,
+    takeover_logged: Option<Instant>,
+    /// The last break was not logged: nor is its end.
+    is_quiet: bool,
+    /// What is wrong with a file of secrets.
+    secrets: Option<String>,
+}
+
+impl Default for Link {
+    fn default() -> Self {
+        Self {
+            receiving: State::New,
+            publishing: State::New,
+            deaf_since: Some(Instant::now()),
+            takeovers: 0,
+            takeover_logged: None,
+            is_quiet: false,
+            secrets: None,
+        }
+    }
+}
+
+impl Link {
+    /// The connection's own state, and the other's.
+    fn sides(&mut self, side: Side) -> (&mut State, &State) {
+        match side {
+            Side::Receiving => (&mut self.receiving, &self.publishing),
+            Side::Publishing => (&mut self.publishing, &self.receiving),
+        }
+    }
+
+    /// How many takeovers to log now; none if one was logged a moment ago.
+    fn takeovers_to_log(&mut self, now: Instant) -> Option<u64> {
+        self.takeovers += 1;
+        let is_due = self.takeover_logged.is_none_or(|logged| now >= logged + TAKEOVERS_LOGGED_EVERY);
+        is_due.then(|| {
+            self.takeover_logged = Some(now);
+            std::mem::take(&mut self.takeovers)
+        })
+    }
+}
 
 impl LinkState {
     /// One sentence for people: what is wrong, with which host, file or user, and what to do; none while
     /// both connections stand.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
-        let states = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        states.iter().find_map(|state| match state {
-            State::Connected => None,
-            State::New => Some("not connected to the MQTT broker yet".to_owned()),
-            State::Broken(why) => Some(why.clone()),
-        })
+        let link = self.link();
+        [&link.receiving, &link.publishing].into_iter().find_map(State::problem)
+    }
+
+    /// For how long robots have not been heard, and why; none while they are.
+    #[must_use]
+    pub fn deafness(&self) -> Option<(Duration, String)> {
+        let link = self.link();
+        let deaf_for = link.deaf_since?.elapsed();
+        Some((deaf_for, link.receiving.problem().unwrap_or_default()))
     }
 
     /// A connection stands, and does what it is for.
     pub(super) fn connected(&self, side: Side) {
-        if self.change(side, State::Connected).is_some() {
+        let mut link = self.link();
+        if side == Side::Receiving {
+            link.deaf_since = None;
+        }
+        let is_quiet = std::mem::take(&mut link.is_quiet);
+        let (own, _) = link.sides(side);
+        if std::mem::replace(own, State::Connected) != State::Connected && !is_quiet {
             match side {
                 Side::Receiving => info!("connected to the MQTT broker: robots are heard"),
                 Side::Publishing => info!("connected to the MQTT broker: robots are answered"),
@@ -57,23 +129,36 @@ impl LinkState {
     /// for both connections.
     pub(super) fn broken(&self, side: Side, problem: &Problem) {
         let why = problem.to_string();
-        let Some(other) = self.change(side, State::Broken(why.clone())) else { return };
-        if other != State::Broken(why.clone()) {
+        let mut link = self.link();
+        if side == Side::Receiving && link.deaf_since.is_none() {
+            link.deaf_since = Some(Instant::now());
+        }
+        let (own, other) = link.sides(side);
+        let broken = State::Broken(why.clone());
+        let is_news = *own != broken && *other != broken;
+        *own = broken;
+        if problem.is_takeover() {
+            let takeovers = link.takeovers_to_log(Instant::now());
+            link.is_quiet = takeovers.is_none();
+            if let Some(takeovers) = takeovers {
+                warn!(takeovers, "{why}");
+            }
+        } else if is_news {
             warn!("{why}");
         }
     }
 
-    /// The other connection's state, if this one's has changed.
-    fn change(&self, side: Side, to: State) -> Option<State> {
-        let mut states = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let [receiving, publishing] = &mut *states;
-        let (own, other) = match side {
-            Side::Receiving => (receiving, publishing),
-            Side::Publishing => (publishing, receiving),
-        };
-        let is_news = *own != to;
-        *own = to;
-        is_news.then(|| other.clone())
+    /// What is wrong with a file of secrets, or nothing. Logged when it changes.
+    pub(super) fn secrets(&self, problem: Option<String>) {
+        let mut link = self.link();
+        if let Some(problem) = problem.as_deref().filter(|_| link.secrets != problem) {
+            warn!(problem, "using the secrets that were read before");
+        }
+        link.secrets = problem;
+    }
+
+    fn link(&self) -> MutexGuard<'_, Link> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -144,5 +229,34 @@ mod tests {
         assert_eq!(link.problem(), Some(problem.to_string()));
         link.connected(Side::Publishing);
         assert_eq!(link.problem(), None);
+    }
+
+    #[test]
+    fn deafness_lasts_from_the_first_loss_to_the_next_proof_and_is_the_receivers_alone() {
+        let link = LinkState::default();
+        assert!(link.deafness().is_some(), "nothing was heard yet");
+        link.connected(Side::Publishing);
+        assert!(link.deafness().is_some());
+        link.connected(Side::Receiving);
+        assert_eq!(link.deafness(), None);
+        let problem = |cause| Problem::new(&BrokerAddress::new("h", 1), cause);
+        link.broken(Side::Publishing, &problem(Cause::Refused));
+        assert_eq!(link.deafness(), None);
+        link.broken(Side::Receiving, &problem(Cause::Silent));
+        let (first, _) = link.deafness().unwrap();
+        std::thread::sleep(Duration::from_millis(2));
+        link.broken(Side::Receiving, &problem(Cause::Refused));
+        let (later, why) = link.deafness().unwrap();
+        assert!(later > first && why == problem(Cause::Refused).to_string(), "{why}");
+    }
+
+    #[test]
+    fn takeovers_are_logged_once_a_minute_with_their_number() {
+        let (mut link, now) = (Link::default(), Instant::now());
+        assert_eq!(link.takeovers_to_log(now), Some(1));
+        for _ in 0..200 {
+            assert_eq!(link.takeovers_to_log(now + TAKEOVERS_LOGGED_EVERY / 2), None);
+        }
+        assert_eq!(link.takeovers_to_log(now + TAKEOVERS_LOGGED_EVERY), Some(201));
     }
 }

@@ -1,9 +1,9 @@
 //! Two connections to the broker: one receives, one publishes, so that setpoints never wait behind a burst.
 //!
-//! Nothing rests on the broker's sessions: each connection starts clean under a name of its own, and
-//! subscribes anew, so that retained births and factsheets come again.
+//! Nothing rests on the broker's sessions: each connection starts clean under a name that nobody can guess (`identity`), and
+//! subscribes anew, so that retained births and factsheets come again. The receiving one proves that it hears (`hearing`).
 //!
-//! [`tap`] is a third, for recordings, and [`Talk`] a fourth, to test a robot with. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
+//! [`tap`] is a third, for recordings, [`Talk`] a fourth, to test a robot with, and [`try_hearing`] a fifth, for a moment. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
 
 mod address;
 mod tls;
@@ -11,6 +11,7 @@ mod tls;
 mod receive;
 
 mod fair;
+mod hearing;
 mod inbox;
 
 mod publish;
@@ -19,7 +20,10 @@ mod tap;
 
 mod talk;
 
+mod trial;
+
 mod dial;
+mod identity;
 mod link;
 mod pace;
 mod poll;
@@ -41,6 +45,7 @@ pub use receive::receive;
 pub use talk::{Said, Talk};
 pub use tap::tap;
 pub use tls::{PrepareError, Prepared, prepare};
+pub use trial::try_hearing;
 
 /// The largest packet that is taken. Larger ones the broker must not send; without this limit, one would
 /// end every connection.
@@ -69,9 +74,9 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// What a client is told, and where it says whether TCP has stood.
+    /// What a client is told, and where it says whether TCP has stood. The client id is new each time.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
-        let id = format!("vibrissa-{}-{}-{role}", self.fleet, self.boot_id);
+        let id = identity::client_id(&self.fleet, role);
         let (host, port) = (self.broker.host.clone(), self.broker.port);
         let mut options = MqttOptions::new(id, (host.clone(), port));
         options
@@ -82,16 +87,40 @@ impl Connection {
             .set_read_batch_size(pace::LOOK_MAX)
             .set_max_request_batch(WRITE_BATCH)
             .set_connect_timeout(dial::CONNECT_TIMEOUT);
+        self.show_secrets(&mut options);
+        let reached = Arc::new(AtomicBool::new(false));
+        let dialled = reached.clone();
+        options.set_socket_connector(move |_, _| dial::dial(host.clone(), port, dialled.clone()));
+        (options, reached)
+    }
+
+    /// Password and certificates.
+    fn show_secrets(&self, options: &mut MqttOptions) {
         if let Some(credentials) = &self.broker.credentials {
             options.set_credentials(&credentials.username, credentials.password.reveal().to_owned());
         }
         if let Some(tls) = &self.prepared.tls {
             options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(tls.clone())));
         }
-        let reached = Arc::new(AtomicBool::new(false));
-        let dialled = reached.clone();
-        options.set_socket_connector(move |_, _| dial::dial(host.clone(), port, dialled.clone()));
-        (options, reached)
+    }
+
+    /// The same with what the files of password and certificates hold now. A file that cannot be used keeps what was read
+    /// from it before.
+    fn with_secrets_read_again(&self) -> Self {
+        let mut renewed = self.clone();
+        let mut problem = None;
+        if let Some(credentials) = &mut renewed.broker.credentials {
+            match credentials.password.read_again() {
+                Ok(password) => credentials.password = password,
+                Err(why) => problem = Some(format!("mqtt.password_file: {why}")),
+            }
+        }
+        match self.prepared.read_again(&self.broker) {
+            Ok(prepared) => renewed.prepared = prepared,
+            Err(why) => problem = Some(why.to_string()),
+        }
+        self.link.secrets(problem);
+        renewed
     }
 }
 

@@ -1,13 +1,16 @@
 //! The polling half of a client: one event after the other, and every failure under its cause.
 
+use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rumqttc::{ConnAck, ConnectionError, Event, EventLoop, Packet};
+use tokio::time::sleep_until;
 
 use super::Connection;
 use super::address::BrokerAddress;
+use super::hearing::Hearing;
 use super::problem::{Cause, Problem};
 
 /// Both sides say something at least this often, so that a dead one is noticed after two of them.
@@ -65,6 +68,35 @@ impl Poller {
                 let connected = std::mem::take(&mut self.connected);
                 Err(Failure::Broken(Problem::of(&self.broker, &error, reached, connected)))
             }
+        }
+    }
+
+    /// The next event. Meanwhile `judge` is called whenever something is due of `hearing`.
+    ///
+    /// # Errors
+    /// Those of `judge`, at once.
+    pub(super) async fn next_while<E>(
+        &mut self,
+        hearing: &mut Hearing,
+        mut judge: impl FnMut(&mut Hearing) -> Result<(), E>,
+    ) -> Result<Result<Event, Failure>, E> {
+        // Polled on after each judgement: nothing that the client has begun is cut off.
+        let mut next = pin!(self.next());
+        loop {
+            tokio::select! {
+                biased;
+                event = &mut next => return Ok(event),
+                () = sleep_until(hearing.due().into()) => judge(hearing)?,
+            }
+        }
+    }
+
+    /// Takes other credentials, and another client id if it is given, for the next connection.
+    pub(super) fn renew(&mut self, connection: &Connection, client_id: Option<String>) {
+        let options = &mut self.events.options;
+        connection.show_secrets(options);
+        if let Some(client_id) = client_id {
+            options.set_client_id(client_id);
         }
     }
 

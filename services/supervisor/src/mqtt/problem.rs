@@ -4,11 +4,13 @@
 use std::fmt;
 use std::io;
 
-use rumqttc::{ConnectReturnCode, ConnectionError, StateError, TlsError};
+use rumqttc::{ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateError, TlsError};
 use rustls::{AlertDescription, CertificateError};
+use vibrissa_protocol::{Name, RobotTopic};
 
 use super::address::BrokerAddress;
 use super::dial::{CONNECT_TIMEOUT, LookupError};
+use super::hearing::PATIENCE;
 
 /// A cause, with the broker that it is about.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,6 +66,17 @@ pub(super) enum Cause {
     Lost(String),
     /// The connection stands, but nothing comes through it.
     Silent,
+    /// Another client has connected with our client id.
+    TakenOver,
+    /// Probes for these topics did not come back.
+    Unheard {
+        fleet: Name,
+        topics: Vec<RobotTopic>,
+        /// Nor did anything else.
+        is_silent: bool,
+    },
+    /// It does not let us publish probes.
+    ProbeRefused { fleet: Name, why: String },
 }
 
 impl Problem {
@@ -81,6 +94,10 @@ impl Problem {
             ConnectionError::Timeout(_) if reached => Cause::Mute,
             ConnectionError::Timeout(_) => Cause::NoAnswer,
             ConnectionError::MqttState(StateError::AwaitPingResp) => Cause::Silent,
+            ConnectionError::MqttState(StateError::ServerDisconnect {
+                reason_code: DisconnectReasonCode::SessionTakenOver,
+                ..
+            }) => Cause::TakenOver,
             other => match tls_of(other) {
                 Some(problem) => of_tls(problem),
                 None if connected => Cause::Lost(short(other)),
@@ -90,6 +107,11 @@ impl Problem {
             },
         };
         Self::new(broker, cause)
+    }
+
+    /// Whether another client has connected with our client id.
+    pub(super) fn is_takeover(&self) -> bool {
+        self.cause == Cause::TakenOver
     }
 }
 
@@ -237,6 +259,17 @@ impl fmt::Display for Problem {
             ),
             Cause::Lost(why) => write!(f, "the connection broke ({why}); trying again"),
             Cause::Silent => f.write_str("it has stopped answering; trying again"),
+            Cause::TakenOver => f.write_str(
+                "it has ended the connection because another client connected with the same client id, which nobody else \
+                 can know unless the broker or its log tells it; connecting again under a new one",
+            ),
+            Cause::Unheard { .. } => self.unheard(f),
+            Cause::ProbeRefused { fleet, why } => write!(
+                f,
+                "it does not let {} publish the probes that prove that robots are heard ({why}): allow \
+                 whisker/v1/{fleet}/supervisor/+ in the broker's access list",
+                self.user()
+            ),
         }
     }
 }
@@ -260,6 +293,21 @@ impl Problem {
                 if self.broker.tls.is_some() { "on at that port" } else { "off at that port (else write mqtts://)" }
             )
         }
+    }
+
+    fn unheard(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Cause::Unheard { fleet, topics, is_silent } = &self.cause else { return Ok(()) };
+        let seconds = PATIENCE.as_secs();
+        if *is_silent {
+            f.write_str("it has stopped answering: ")?;
+        }
+        let topics: Vec<String> = topics.iter().map(|topic| topic.fleet_filter(fleet)).collect();
+        write!(
+            f,
+            "a probe did not come back within {seconds} s from {}, so robots are not heard there; subscribing again on a new \
+             connection",
+            topics.join(", ")
+        )
     }
 
     fn untrusted(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

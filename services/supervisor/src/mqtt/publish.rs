@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use prometheus::IntCounter;
 use rumqttc::{
     AsyncClient, Event, LastWill, Outgoing, Packet, PubAck, PubAckReason, PublishOptions, PublishProperties, QoS,
 };
@@ -13,10 +12,12 @@ use tracing::warn;
 use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
 
 use super::Connection;
+use super::identity::client_id;
 use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use crate::engine::Publication;
+use crate::metrics::FleetMetrics;
 
 /// Publications that the client is given ahead: as many as go out in one write. What it is given it keeps, however old it gets.
 const WAITING: usize = super::WRITE_BATCH;
@@ -25,20 +26,24 @@ const LOOK: Duration = Duration::from_millis(100);
 /// How long the good-bye may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Publishes what comes out of `outbox` until it is closed, then says good-bye. What has waited there for too long is counted by
-/// `expired`, and does not go out.
+const ROLE: &str = "out";
+
+/// Publishes what comes out of `outbox` until it is closed, then says good-bye. What has waited there for too long is counted, and
+/// does not go out.
 pub fn publish(
     connection: &Connection,
+    metrics: FleetMetrics,
     mut outbox: mpsc::Receiver<Publication>,
-    expired: IntCounter,
 ) -> JoinHandle<()> {
+    let connection = &connection.with_secrets_read_again();
+    let expired = metrics.setpoints_expired_unsent.clone();
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
-    let (mut options, reached) = connection.options("out");
+    let (mut options, reached) = connection.options(ROLE);
     options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
     let (connected, mut is_connected) = watch::channel(false);
-    let mut polling = tokio::spawn(keep_up(connection.clone(), client.clone(), poller, connected));
+    let mut polling = tokio::spawn(keep_up(connection.clone(), metrics, client.clone(), poller, connected));
     tokio::spawn(async move {
         while let Some(publication) = outbox.recv().await {
             if !connection_stands(&mut is_connected, &outbox).await {
@@ -86,7 +91,17 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
 }
 
 /// Polls, connects again, and says at each connection that the supervisor is there.
-async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller, connected: watch::Sender<bool>) {
+///
+/// It keeps its client id from one connection to the next, so that the broker ends what is left of the old one before the new one
+/// speaks: else the last will of the old one would come late, and say that the supervisor has gone. Only an id that somebody else
+/// knows is given up.
+async fn keep_up(
+    connection: Connection,
+    metrics: FleetMetrics,
+    client: AsyncClient,
+    mut poller: Poller,
+    connected: watch::Sender<bool>,
+) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut backoff = Backoff::new();
     loop {
@@ -117,7 +132,13 @@ async fn keep_up(connection: Connection, client: AsyncClient, mut poller: Poller
             Err(Failure::Broken(problem)) => {
                 connected.send_replace(false);
                 connection.link.broken(Side::Publishing, &problem);
+                let is_takeover = problem.is_takeover();
+                if is_takeover {
+                    metrics.mqtt_session_takeovers.inc();
+                }
                 tokio::time::sleep(backoff.pause()).await;
+                let client_id = is_takeover.then(|| client_id(&connection.fleet, ROLE));
+                poller.renew(&connection.with_secrets_read_again(), client_id);
             }
         }
     }

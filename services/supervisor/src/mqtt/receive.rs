@@ -1,23 +1,31 @@
 //! The connection that receives: everything that robots say goes into the inbox.
 
+use std::convert::Infallible;
 use std::time::Instant;
 
-use rumqttc::{AsyncClient, Event, Packet, QoS, SubAck, SubscribeFilterInput, SubscribeReasonCode};
+use rumqttc::{
+    AsyncClient, ClientError, Event, Packet, PublishOptions, PublishProperties, QoS, SubAck, SubscribeFilterInput,
+    SubscribeReasonCode,
+};
 use tokio::sync::watch;
 use tokio::task::yield_now;
 use vibrissa_protocol::{Name, RobotTopic};
 
+use super::hearing::{Hearing, Tick};
 use super::inbox::{Inbox, Intake, inbox};
 use super::link::{Backoff, Side};
 use super::pace::{PAUSE, Pace};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
+use super::publish::is_failure;
 use super::{Connection, stopped};
 use crate::metrics::FleetMetrics;
 
-/// Publications of ours without an acknowledgement: there are none here, and the client goes through a table of this size
-/// with each write.
+/// Publications of ours without an acknowledgement: probes, one a topic. The client goes through a table of this size with each
+/// write.
 const IN_FLIGHT: u16 = 8;
+/// How long a broker may keep a probe for a subscriber that is away, in seconds.
+const PROBE_EXPIRY_S: u32 = 15;
 
 /// The inbox, and what fills it with everything that robots say, until `stop`: in a thread that has nothing to do but this and
 /// what comes of it, for it sleeps between two looks at the network ([`super::pace`]).
@@ -27,8 +35,8 @@ pub fn receive(
     mut stop: watch::Receiver<bool>,
 ) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
-    let mut receiver =
-        Receiver { connection: connection.clone(), metrics: metrics.clone(), intake, backoff: Backoff::new() };
+    let connection = connection.with_secrets_read_again();
+    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff: Backoff::new() };
     let receiving = async move {
         tokio::select! {
             () = receiver.run() => {}
@@ -52,19 +60,31 @@ impl Receiver {
         loop {
             let problem = self.listen().await;
             self.metrics.broker_connected.set(0);
+            if problem.is_takeover() {
+                self.metrics.mqtt_session_takeovers.inc();
+            }
             self.connection.link.broken(Side::Receiving, &problem);
             tokio::time::sleep(self.backoff.pause()).await;
+            self.connection = self.connection.with_secrets_read_again();
         }
     }
 
     /// One connection, from the attempt to its end. The client is a new one each time: nothing that waited
     /// for the last connection goes to the next.
     async fn listen(&mut self) -> Problem {
+        match self.hear().await {
+            Ok(never) => match never {},
+            Err(problem) => problem,
+        }
+    }
+
+    async fn hear(&mut self) -> Result<Infallible, Problem> {
         let (mut options, reached) = self.connection.options("in");
         options.set_outgoing_inflight_upper_limit(IN_FLIGHT);
         let (client, events) = AsyncClient::builder(options).capacity(64).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut pace = Pace::new(Instant::now());
+        let mut hearing = Hearing::new(&self.connection.fleet, heard(), Instant::now());
         loop {
             let event = match poller.ready() {
                 Some(event) => event,
@@ -75,61 +95,81 @@ impl Receiver {
                         yield_now().await;
                     }
                     // A new subscription brings what is retained once more.
-                    if self.intake.take_missed()
-                        && let Err(problem) = client.try_subscribe_many(self.filters(RobotTopic::is_retained))
-                    {
-                        return self.problem(Cause::Lost(problem.to_string()));
+                    if self.intake.take_missed() {
+                        let retained = filters(&self.connection.fleet, RobotTopic::is_retained);
+                        client.try_subscribe_many(retained).map_err(|error| self.lost(&error))?;
                     }
-                    if pace.pauses(Instant::now(), messages) {
+                    let now = Instant::now();
+                    if pace.pauses(now, messages) {
                         // Not awaited: what comes meanwhile would wake the runtime, one message after the other.
                         std::thread::sleep(PAUSE);
                     }
-                    match poller.next().await {
+                    let judge = |hearing: &mut Hearing| {
+                        judge(&client, hearing, &self.connection, |topics| {
+                            for topic in topics {
+                                self.metrics.mqtt_probe_failures.count([topic.as_str()]);
+                            }
+                        })
+                    };
+                    // Where messages never stop coming, no time is left below.
+                    if now >= hearing.due() {
+                        judge(&mut hearing)?;
+                    }
+                    match poller.next_while(&mut hearing, judge).await? {
                         Ok(event) => event,
-                        Err(Failure::Broken(problem)) => return problem,
-                        Err(Failure::Finished) => return self.problem(Cause::Lost("it was ended".to_owned())),
+                        Err(Failure::Broken(problem)) => return Err(problem),
+                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost("it was ended".to_owned()))),
                     }
                 }
             };
-            let asked = match event {
-                Event::Incoming(Packet::ConnAck(_)) => client.try_subscribe_many(self.filters(|_| true)),
+            match event {
+                Event::Incoming(Packet::ConnAck(_)) => {
+                    let all = filters(&self.connection.fleet, |_| true);
+                    client.try_subscribe_many(all).map_err(|error| self.lost(&error))?;
+                }
                 Event::Incoming(Packet::SubAck(ack)) => {
-                    if let Some(refused) = self.refused(&ack) {
-                        return self.problem(Cause::Subscription(refused));
+                    if let Some(refused) = refused(&ack, &self.connection.fleet) {
+                        return Err(self.problem(Cause::Subscription(refused)));
                     }
-                    // Connected means: robots are heard.
-                    self.backoff.reset();
-                    if self.metrics.broker_connected.get() == 0 {
-                        self.metrics.broker_connections.inc();
-                    }
-                    self.metrics.broker_connected.set(1);
-                    self.connection.link.connected(Side::Receiving);
-                    Ok(())
+                    hearing.subscribed(Instant::now());
                 }
+                Event::Incoming(Packet::PubAck(ack)) if is_failure(&ack) => {
+                    hearing.refused();
+                    self.metrics.broker_connected.set(0);
+                    let (fleet, why) = (self.connection.fleet.clone(), format!("{:?}", ack.reason));
+                    let problem = self.problem(Cause::ProbeRefused { fleet, why });
+                    self.connection.link.broken(Side::Receiving, &problem);
+                }
+                Event::Incoming(Packet::PubAck(_)) => hearing.acknowledged(),
                 Event::Incoming(Packet::Publish(publish)) => {
-                    self.intake.take(publish.topic, publish.payload);
-                    Ok(())
+                    let was_proven = hearing.is_proven();
+                    if !hearing.take(&publish.topic, &publish.payload) {
+                        self.intake.take(publish.topic, publish.payload);
+                    }
+                    if !was_proven && hearing.is_proven() {
+                        self.proven(&hearing);
+                    }
                 }
-                Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_) => Ok(()),
-            };
-            if let Err(problem) = asked {
-                return self.problem(Cause::Lost(problem.to_string()));
+                Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_) => {}
             }
         }
     }
 
-    fn filters(&self, which: impl Fn(RobotTopic) -> bool) -> Vec<SubscribeFilterInput> {
-        let asked = |kind| SubscribeFilterInput::new(filter(kind, &self.connection.fleet), QoS::AtLeastOnce);
-        heard().filter(|&kind| which(kind)).map(asked).collect()
+    /// Something came through each subscription: robots are heard.
+    fn proven(&mut self, hearing: &Hearing) {
+        if let Some(round_trip) = hearing.round_trip() {
+            self.metrics.mqtt_probe_round_trip_seconds.set(round_trip.as_secs_f64());
+        }
+        self.backoff.reset();
+        if self.metrics.broker_connected.get() == 0 {
+            self.metrics.broker_connections.inc();
+        }
+        self.metrics.broker_connected.set(1);
+        self.connection.link.connected(Side::Receiving);
     }
 
-    /// What the broker does not let us read, and why; none if it lets us read everything.
-    fn refused(&self, ack: &SubAck) -> Option<String> {
-        let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
-        let (at, code) = ack.return_codes.iter().enumerate().find(|(_, code)| is_refused(code))?;
-        // In the order in which they were asked for; the first to be asked for again come first there, too.
-        let topic = heard().nth(at).map(|kind| filter(kind, &self.connection.fleet));
-        Some(format!("{} ({code:?})", topic.as_deref().unwrap_or("the robots' topics")))
+    fn lost(&self, error: &ClientError) -> Problem {
+        self.problem(Cause::Lost(error.to_string()))
     }
 
     fn problem(&self, cause: Cause) -> Problem {
@@ -137,11 +177,51 @@ impl Receiver {
     }
 }
 
-/// What robots say.
-fn heard() -> impl Iterator<Item = RobotTopic> {
-    RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
+/// Publishes probes when they are due.
+///
+/// # Errors
+/// Some did not come back in time; `deaf` is told which.
+pub(super) fn judge(
+    client: &AsyncClient,
+    hearing: &mut Hearing,
+    connection: &Connection,
+    deaf: impl FnOnce(&[RobotTopic]),
+) -> Result<(), Problem> {
+    let problem = |cause| Problem::new(&connection.broker, cause);
+    match hearing.tick(Instant::now()) {
+        Tick::Wait => Ok(()),
+        Tick::Probe => hearing.probes().try_for_each(|(topic, payload)| {
+            let sent = client.try_publish(topic, payload.to_vec(), probe_options());
+            sent.map_err(|error| problem(Cause::Lost(error.to_string())))
+        }),
+        Tick::Deaf { topics, is_silent } => {
+            deaf(&topics);
+            Err(problem(Cause::Unheard { fleet: connection.fleet.clone(), topics, is_silent }))
+        }
+    }
 }
 
-fn filter(kind: RobotTopic, fleet: &Name) -> String {
-    kind.fleet_filter(fleet)
+/// With QoS 1 the broker says whether it takes them.
+fn probe_options() -> PublishOptions {
+    let expiry = PublishProperties { message_expiry_interval: Some(PROBE_EXPIRY_S), ..PublishProperties::default() };
+    PublishOptions::at_least_once().properties(expiry)
+}
+
+pub(super) fn filters(fleet: &Name, which: impl Fn(RobotTopic) -> bool) -> Vec<SubscribeFilterInput> {
+    let asked = |kind: RobotTopic| SubscribeFilterInput::new(kind.fleet_filter(fleet), QoS::AtLeastOnce);
+    heard().filter(|&kind| which(kind)).map(asked).collect()
+}
+
+/// What the broker does not let us read, and why; none if it lets us read everything.
+pub(super) fn refused(ack: &SubAck, fleet: &Name) -> Option<String> {
+    let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
+    let (at, code) = ack.return_codes.iter().enumerate().find(|(_, code)| is_refused(code))?;
+    // In the order in which they were asked for; the first to be asked for again come first there, too.
+    let topic = heard().nth(at).map(|kind| kind.fleet_filter(fleet));
+    Some(format!("{} ({code:?})", topic.as_deref().unwrap_or("the robots' topics")))
+}
+
+/// What robots say.
+pub(super) fn heard() -> impl Iterator<Item = RobotTopic> {
+    RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
 }

@@ -8,6 +8,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 use super::Connection;
+use super::hearing::is_probe_on;
 use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
@@ -35,6 +36,7 @@ pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<At
 
 /// One connection, from the attempt to its end: why it ended, and whether anything could be heard.
 async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Problem, bool) {
+    let connection = &connection.with_secrets_read_again();
     let filter = format!("whisker/v1/{}/#", connection.fleet);
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("record");
@@ -57,6 +59,8 @@ async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Pro
                 was_heard = true;
                 connection.link.connected(Side::Receiving);
             }
+            // What supervisors say to themselves.
+            Ok(Event::Incoming(Packet::Publish(publish))) if is_probe_on(&publish.topic, &publish.payload) => {}
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 let incoming = Incoming { topic: publish.topic, payload: publish.payload, received: wall_clock() };
                 if heard.send(incoming).await.is_err() {

@@ -1,6 +1,7 @@
-//! What is read from files before the first connection: authorities, and the supervisor's own certificate.
+//! What is read from files before a connection: authorities, and the supervisor's own certificate.
 
 use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,6 +17,31 @@ use super::address::{BrokerAddress, ClientCertificate, TlsOptions};
 #[derive(Clone, Default)]
 pub struct Prepared {
     pub(super) tls: Option<Arc<ClientConfig>>,
+    /// How the files were before they were read.
+    stamps: Vec<Stamp>,
+}
+
+/// How a file is known to be another: length, time of change in seconds and nanoseconds, and inode; none if it cannot be read.
+type Stamp = Option<(u64, i64, i64, u64)>;
+
+fn stamp(path: &Path) -> Stamp {
+    let about = std::fs::metadata(path).ok()?;
+    Some((about.len(), about.mtime(), about.mtime_nsec(), about.ino()))
+}
+
+fn stamps(options: &TlsOptions) -> Vec<Stamp> {
+    let client = options.client.iter().flat_map(|client| [&client.certificate_file, &client.key_file]);
+    options.ca_file.iter().chain(client).map(|path| stamp(path)).collect()
+}
+
+impl Prepared {
+    /// The same, or what the files hold now if one of them has changed.
+    pub(super) fn read_again(&self, broker: &BrokerAddress) -> Result<Self, PrepareError> {
+        match &broker.tls {
+            Some(options) if stamps(options) != self.stamps => prepared(options),
+            Some(_) | None => Ok(self.clone()),
+        }
+    }
 }
 
 impl std::fmt::Debug for Prepared {
@@ -103,8 +129,8 @@ const CA: &str = "mqtt.ca_file";
 const CERTIFICATE: &str = "mqtt.client_certificate_file";
 const KEY: &str = "mqtt.client_key_file";
 
-/// Reads and checks the files that a connection needs. Once: a broker that is away for a while costs no
-/// reading of files, and a file that is wrong is said at the start.
+/// Reads and checks the files that a connection needs: a file that is wrong is said at the start. They are read again before
+/// a connection if they have changed.
 ///
 /// # Errors
 /// A file is missing or wrong; the error names it, and its setting.
@@ -120,7 +146,13 @@ pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
     if ServerName::try_from(broker.host.as_str()).is_err() {
         return Err(PrepareError::BadHost(broker.host.clone()));
     }
-    Ok(Prepared { tls: Some(Arc::new(client_config(options)?)) })
+    prepared(options)
+}
+
+fn prepared(options: &TlsOptions) -> Result<Prepared, PrepareError> {
+    // Before they are read: what changes meanwhile is read again.
+    let stamps = stamps(options);
+    Ok(Prepared { tls: Some(Arc::new(client_config(options)?)), stamps })
 }
 
 /// TLS 1.2 or 1.3.

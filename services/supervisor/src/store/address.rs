@@ -1,8 +1,11 @@
 //! Which database.
 
+use std::ops::Deref;
 use std::path::PathBuf;
 
 use sqlx::postgres::{PgConnectOptions, PgSslMode};
+
+use crate::secret::Secret;
 
 /// Where the database is.
 #[derive(Clone)]
@@ -10,7 +13,50 @@ pub enum DatabaseAddress {
     /// A file, for one supervisor.
     Sqlite(PathBuf),
     /// A PostgreSQL server, which several supervisors may share.
-    Postgres(Box<PgConnectOptions>),
+    Postgres(PostgresAddress),
+}
+
+/// Where a PostgreSQL server is, and whom to be there.
+#[derive(Clone)]
+pub struct PostgresAddress {
+    options: Box<PgConnectOptions>,
+    /// In place of the URL's.
+    password: Option<Secret>,
+}
+
+impl PostgresAddress {
+    /// The same server, with a password that may come from a file.
+    #[must_use]
+    pub fn with_password(self, password: Secret) -> Self {
+        let options = Box::new(self.options.password(password.reveal()));
+        Self { options, password: Some(password) }
+    }
+
+    /// The same server, with that name of ours in its list of sessions.
+    pub(super) fn named(self, application: &str) -> Self {
+        Self { options: Box::new(self.options.application_name(application)), ..self }
+    }
+
+    /// The same server, with the password that the file holds now. A file that cannot be used keeps the one that was read before:
+    /// the server says what is wrong with it.
+    pub(super) fn with_password_read_again(&self) -> Self {
+        let renewed = self.password.as_ref().and_then(|password| password.read_again().ok());
+        renewed.map_or_else(|| self.clone(), |password| self.clone().with_password(password))
+    }
+}
+
+impl std::fmt::Debug for PostgresAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "PostgresAddress({}:{})", self.get_host(), self.get_port())
+    }
+}
+
+impl Deref for PostgresAddress {
+    type Target = PgConnectOptions;
+
+    fn deref(&self) -> &PgConnectOptions {
+        &self.options
+    }
 }
 
 /// The text is no address of a database.
@@ -36,7 +82,7 @@ impl std::str::FromStr for DatabaseAddress {
             return Err(bad("no database's name"));
         }
         let options: PgConnectOptions = text.parse().map_err(|_| bad("a part that PostgreSQL does not know"))?;
-        Ok(Self::Postgres(Box::new(options)))
+        Ok(Self::Postgres(PostgresAddress { options: Box::new(options), password: None }))
     }
 }
 

@@ -6,13 +6,14 @@
 use std::time::Duration;
 
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
-use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool};
+use sqlx::postgres::{PgConnection, PgPool};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool};
 use sqlx::{ConnectOptions, SqlSafeStr};
 use tokio::time::{Instant, interval_at};
 use tracing::info;
 
 use super::StoreError;
+use super::address::PostgresAddress;
 use super::lock::FileLock;
 
 /// The same expression on whichever database it is.
@@ -39,16 +40,18 @@ pub(super) type Pool = Either<SqlitePool, PgPool>;
 pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
-/// How to connect.
-pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), PgConnectOptions>;
+/// How to connect; to a server, with the connections for reading, which must know of a new password.
+pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), (PostgresAddress, PgPool)>;
 
 impl Options {
     /// A connection of its own.
     pub(super) async fn connect(&self) -> sqlx::Result<Link> {
         match self {
             Either::Sqlite((options, _)) => options.connect().await.map(Either::Sqlite),
-            Either::Postgres(options) => {
-                let mut link = options.connect().await?;
+            Either::Postgres((address, pool)) => {
+                let address = address.with_password_read_again();
+                pool.set_connect_options((*address).clone());
+                let mut link = address.connect().await?;
                 super::postgres::prepare_writer(&mut link).await?;
                 Ok(Either::Postgres(link))
             }
@@ -111,14 +114,14 @@ impl Pool {
                 let migrator = migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
                     4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
                     9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
-                    14 "0014_quarantine", 15 "0015_allowed_robots");
+                    14 "0014_quarantine", 15 "0015_allowed_robots", 16 "0016_supervisor_hearing");
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
             Either::Postgres(pool) => {
                 let migrator = migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
                     4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
                     9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
-                    14 "0014_quarantine", 15 "0015_allowed_robots");
+                    14 "0014_quarantine", 15 "0015_allowed_robots", 16 "0016_supervisor_hearing");
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
         }

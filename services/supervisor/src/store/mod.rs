@@ -41,13 +41,13 @@ use std::sync::Arc;
 
 use tracing::warn;
 
-pub use address::DatabaseAddress;
+pub use address::{DatabaseAddress, PostgresAddress};
 pub use apart::Refused;
 pub use batch::Batch;
 pub use error::{Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
-pub use roll::{FleetLease, Roll, Supervisor};
+pub use roll::{FleetLease, FleetsHeard, Present, Roll, Supervisor};
 pub use writer::Writer;
 
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
@@ -71,7 +71,7 @@ impl Store {
         let name: Arc<str> = address.to_string().into();
         let (pool, options) = match address {
             DatabaseAddress::Sqlite(path) => sqlite::open(path, &name, supervisor).await?,
-            DatabaseAddress::Postgres(options) => postgres::open(options, supervisor),
+            DatabaseAddress::Postgres(address) => postgres::open(address, supervisor),
         };
         Ok(Self { pool, options: Arc::new(options), name })
     }

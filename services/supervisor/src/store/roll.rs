@@ -47,23 +47,56 @@ pub struct FleetLease {
 pub struct Roll {
     /// The fleets that it may own.
     pub leases: Vec<FleetLease>,
-    /// Those that are there, itself among them, and the fleets that they may own.
-    pub present: Vec<(String, Vec<Name>)>,
+    /// Those that are there, itself among them.
+    pub present: Vec<Present>,
+}
+
+/// A supervisor that is there.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Present {
+    /// One start of one supervisor.
+    pub supervisor: String,
+    /// The fleets that it may own.
+    pub fleets: Vec<Name>,
+    /// How it hears them.
+    pub hearing: FleetsHeard,
+}
+
+/// What a supervisor says of how it hears fleets. It is taken to hear those of which it says nothing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FleetsHeard {
+    /// Those that it does not hear.
+    pub deaf: Vec<Name>,
+    /// Those that it does not own, and has just proved to hear.
+    pub heard: Vec<Name>,
 }
 
 impl Writer {
-    /// Says that a supervisor is there, keeps what it holds for another time to live, and tells who has what.
+    /// As [`Self::sign_in_hearing`], for a supervisor that says nothing of how it hears.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn sign_in(&mut self, supervisor: &Supervisor, held: &[Lease]) -> Result<Roll, StoreError> {
+        self.sign_in_hearing(supervisor, held, &FleetsHeard::default()).await
+    }
+
+    /// Says that a supervisor is there and how it hears, keeps what it holds for another time to live, and tells who has what.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn sign_in_hearing(
+        &mut self,
+        supervisor: &Supervisor,
+        held: &[Lease],
+        hearing: &FleetsHeard,
+    ) -> Result<Roll, StoreError> {
         const WHAT: &str = "keep the leases";
         let asked = Instant::now();
         let (roll, renewed) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 match link {
                     Either::Sqlite(link) => sqlite_roll(link, supervisor).await.map(|roll| (roll, Vec::new())),
-                    Either::Postgres(link) => sign_in(link, supervisor, held).await,
+                    Either::Postgres(link) => sign_in(link, supervisor, held, hearing).await,
                 }
                 .map_err(failed(WHAT))
             })
@@ -193,7 +226,9 @@ async fn sqlite_roll(link: &mut SqliteConnection, supervisor: &Supervisor) -> sq
             holder: row.and_then(|row| row.get("holder")),
         }
     });
-    let present = vec![(supervisor.id.to_string(), supervisor.fleets.clone())];
+    // Nobody else could have them: it does not matter how they are heard.
+    let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());
+    let present = vec![Present { supervisor, fleets, hearing: FleetsHeard::default() }];
     Ok(Roll { leases: leases.collect(), present })
 }
 
@@ -203,11 +238,14 @@ async fn sign_in(
     link: &mut PgConnection,
     supervisor: &Supervisor,
     held: &[Lease],
+    hearing: &FleetsHeard,
 ) -> sqlx::Result<(Roll, Vec<String>)> {
+    let joined = |fleets: &[Name]| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",");
     let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
     let renewed = sqlx::query_scalar(
-        "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us) \
-         VALUES ($2, $5, $6, clock_us() + $1) ON CONFLICT (supervisor) DO UPDATE SET alive_us = excluded.alive_us) \
+        "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us, deaf, heard) \
+         VALUES ($2, $5, $6, clock_us() + $1, $7, $8) ON CONFLICT (supervisor) DO UPDATE SET \
+         alive_us = excluded.alive_us, deaf = excluded.deaf, heard = excluded.heard) \
          UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
          JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
          WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet",
@@ -218,6 +256,8 @@ async fn sign_in(
     .bind(held.iter().map(|lease| lease.epoch() as i64).collect::<Vec<_>>())
     .bind(&supervisor.name)
     .bind(fleets.join(","))
+    .bind(joined(&hearing.deaf))
+    .bind(joined(&hearing.heard))
     .fetch_all(&mut *link)
     .await?;
     let mut rows = rows_of(&mut *link, &fleets).await?;
@@ -240,9 +280,13 @@ async fn sign_in(
             free_in: u64::try_from(row.get::<i64, _>("left_us")).ok().map(Duration::from_micros),
         })
     });
-    let present = rows.iter().filter(|row| !is_lease(row)).map(|row| {
-        let fleets = row.get::<&str, _>("fleets").split(',').filter_map(|fleet| Name::new(fleet).ok()).collect();
-        (row.get("owner"), fleets)
+    let names = |row: &PgRow, column: &str| {
+        row.get::<&str, _>(column).split(',').filter_map(|fleet| Name::new(fleet).ok()).collect::<Vec<_>>()
+    };
+    let present = rows.iter().filter(|row| !is_lease(row)).map(|row| Present {
+        supervisor: row.get("owner"),
+        fleets: names(row, "fleets"),
+        hearing: FleetsHeard { deaf: names(row, "deaf"), heard: names(row, "heard") },
     });
     Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
 }
@@ -255,9 +299,10 @@ async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
 /// The leases of fleets, and whoever is there: the rows without a fleet. Asked for in one go, several times a second.
 async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
     sqlx::query(
-        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us, NULL::text AS fleets \
-         FROM leases WHERE fleet = ANY($1) \
-         UNION ALL SELECT NULL, NULL, supervisor, NULL, NULL, fleets FROM supervisors WHERE alive_us > clock_us()",
+        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us, NULL::text AS fleets, \
+         NULL::text AS deaf, NULL::text AS heard FROM leases WHERE fleet = ANY($1) \
+         UNION ALL SELECT NULL, NULL, supervisor, NULL, NULL, fleets, deaf, heard FROM supervisors \
+         WHERE alive_us > clock_us()",
     )
     .bind(fleets)
     .fetch_all(link)

@@ -6,9 +6,10 @@ mod rows;
 mod sorted;
 pub(super) mod whole;
 
-use sqlx::postgres::{PgConnectOptions, PgConnection, PgPool, PgPoolOptions};
+use sqlx::postgres::{PgConnection, PgPool, PgPoolOptions};
 
 use super::StoreError;
+use super::address::PostgresAddress;
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::error::failed;
 
@@ -20,11 +21,11 @@ pub(super) use rows::{Statement, append_responses, append_rollups, write_robots,
 const OLDEST: i32 = 150_000;
 
 /// Connections for reading, made when they are needed.
-pub(super) fn open(options: &PgConnectOptions, supervisor: &str) -> (Pool, Options) {
-    let options = options.clone().application_name(&format!("vibrissa {supervisor}"));
+pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Options) {
+    let address = address.clone().named(&format!("vibrissa {supervisor}"));
     let pool =
-        PgPoolOptions::new().max_connections(5).acquire_timeout(ACQUIRE_PATIENCE).connect_lazy_with(options.clone());
-    (Pool::Postgres(pool), Either::Postgres(options))
+        PgPoolOptions::new().max_connections(5).acquire_timeout(ACQUIRE_PATIENCE).connect_lazy_with((*address).clone());
+    (Pool::Postgres(pool.clone()), Either::Postgres((address, pool)))
 }
 
 /// Asks the server how old it is.

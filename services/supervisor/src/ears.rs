@@ -1,0 +1,160 @@
+//! Which fleets this supervisor hears, as far as that is in doubt: what it tells the others in the roll.
+//!
+//! An owner that has not heard its robots for a while says so. Supervisors that could take the fleet then try whether they hear it,
+//! and say so too. Whoever has given a fleet up tries until it hears it, and takes it no sooner.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+use tokio::time::sleep;
+use tracing::{info, warn};
+use vibrissa_protocol::{BootId, Name};
+
+use crate::fleet::Shared;
+use crate::mqtt::{Connection, LinkState, try_hearing};
+use crate::store::{FleetsHeard, Roll};
+
+/// From one trial to the next.
+const TRIAL_PAUSE: Duration = Duration::from_secs(2);
+/// The part of readiness that is kept here.
+const PART: &str = "hearing";
+
+/// What is known of fleets that somebody does not hear.
+#[derive(Default)]
+pub(crate) struct Ears {
+    /// Fleets that were not heard for too long, and why.
+    deaf: BTreeMap<Name, String>,
+    /// Trials of fleets that are not supervised here.
+    trials: BTreeMap<Name, Trial>,
+}
+
+/// Connections for a moment, one after the other. Dropped, it ends.
+struct Trial {
+    /// What the last one has shown; none before it has ended.
+    shown: watch::Receiver<Option<Result<(), String>>>,
+    task: JoinHandle<()>,
+}
+
+impl Drop for Trial {
+    fn drop(&mut self) {
+        self.task.abort();
+    }
+}
+
+impl Trial {
+    fn start(fleet: &Name, shared: &Shared) -> Option<Self> {
+        let connection = Connection {
+            broker: shared.broker.clone(),
+            prepared: shared.prepared.clone(),
+            fleet: fleet.clone(),
+            boot_id: BootId::new(&shared.supervisor).ok()?,
+            epoch: 0,
+            link: LinkState::default(),
+        };
+        let (show, shown) = watch::channel(None);
+        let task = tokio::spawn(async move {
+            loop {
+                let tried = try_hearing(&connection).await;
+                // Nobody looks any more.
+                if show.send(Some(tried)).is_err() {
+                    return;
+                }
+                sleep(TRIAL_PAUSE).await;
+            }
+        });
+        Some(Self { shown, task })
+    }
+}
+
+impl Ears {
+    /// Looks at the fleets that are supervised here, with the links through which they are heard, and at the trials of the others.
+    pub(crate) fn listen<'a>(
+        &mut self,
+        owned: impl Iterator<Item = (&'a Name, Option<&'a LinkState>)>,
+        shared: &Shared,
+    ) {
+        let limit = shared.broker.deaf_release_after;
+        let mut owned_here = BTreeSet::new();
+        for (fleet, link) in owned {
+            owned_here.insert(fleet.clone());
+            self.trials.remove(fleet);
+            // While the fleet is being taken up nothing is known.
+            match link.map(LinkState::deafness) {
+                None => {}
+                Some(None) => drop(self.deaf.remove(fleet)),
+                Some(Some((deaf_for, _))) if deaf_for < limit => {}
+                Some(Some((deaf_for, why))) => {
+                    if !self.deaf.contains_key(fleet) {
+                        let seconds = deaf_for.as_secs_f32();
+                        warn!(%fleet, seconds, why, "not heard: any supervisor that hears the fleet may have it");
+                    }
+                    self.deaf.insert(fleet.clone(), why);
+                }
+            }
+        }
+        for (fleet, trial) in &self.trials {
+            match trial.shown.borrow().as_ref() {
+                None => {}
+                Some(Ok(())) => {
+                    if self.deaf.remove(fleet).is_some() {
+                        info!(%fleet, "it would be heard again");
+                    }
+                }
+                Some(Err(why)) => {
+                    if let Some(told) = self.deaf.get_mut(fleet) {
+                        told.clone_from(why);
+                    }
+                }
+            }
+        }
+        for fleet in shared.readiness.fleets().keys() {
+            // The owner's link tells its own problem.
+            let given_up = self.deaf.get(fleet).filter(|_| !owned_here.contains(fleet));
+            let problem = given_up.map(|why| format!("given up, because its robots were not heard: {why}"));
+            shared.readiness.set_of(fleet, PART, problem);
+        }
+    }
+
+    /// What the others are told.
+    pub(crate) fn told(&self) -> FleetsHeard {
+        let heard = |trial: &Trial| matches!(&*trial.shown.borrow(), Some(Ok(())));
+        FleetsHeard {
+            deaf: self.deaf.keys().cloned().collect(),
+            heard: self.trials.iter().filter(|(_, trial)| heard(trial)).map(|(fleet, _)| fleet.clone()).collect(),
+        }
+    }
+
+    /// Begins trials of fleets that somebody may not hear, and ends those that are not needed any more.
+    pub(crate) fn try_doubtful(&mut self, roll: &Roll, supervisor: &str, shared: &Shared) {
+        let is_doubtful = |fleet: &Name| {
+            self.deaf.contains_key(fleet)
+                || roll.present.iter().any(|one| {
+                    one.supervisor != supervisor
+                        && one.hearing.deaf.contains(fleet)
+                        && owns(roll, &one.supervisor, fleet)
+                })
+        };
+        let doubtful: BTreeSet<Name> = roll
+            .leases
+            .iter()
+            .map(|lease| &lease.fleet)
+            .filter(|fleet| is_doubtful(fleet) && !owns(roll, supervisor, fleet))
+            .cloned()
+            .collect();
+        self.trials.retain(|fleet, _| doubtful.contains(fleet));
+        for fleet in doubtful {
+            if !self.trials.contains_key(&fleet)
+                && let Some(trial) = Trial::start(&fleet, shared)
+            {
+                info!(%fleet, "trying whether the fleet would be heard");
+                self.trials.insert(fleet, trial);
+            }
+        }
+    }
+}
+
+fn owns(roll: &Roll, supervisor: &str, fleet: &Name) -> bool {
+    roll.leases.iter().any(|lease| lease.fleet == *fleet && !lease.free && lease.owner.as_deref() == Some(supervisor))
+}

@@ -1,0 +1,408 @@
+//! Proves that a connection receives what its subscriptions promise.
+//!
+//! A broker can acknowledge a subscription and lose it. So the connection publishes a probe for each of its topic filters every few
+//! seconds, and waits for it to come back. A probe carries 128 random bits, so that nobody else can answer it.
+//!
+//! A probe may come late without a fault: it waits behind a burst in the broker's queue, and the queue is delivered in order. So a
+//! missing probe means deafness only if messages have stopped coming, if probes that were sent with it came back long ago, or if
+//! it is overdue by more than any queue explains.
+
+use std::time::{Duration, Instant};
+
+use vibrissa_protocol::{Name, RobotTopic};
+
+use super::identity::random_hex;
+
+/// From one round of probes to the next.
+pub(super) const PERIOD: Duration = Duration::from_secs(3);
+/// How long a probe may take.
+pub(super) const PATIENCE: Duration = Duration::from_secs(2);
+/// How often an overdue probe is judged again while a queue may hold it up.
+const LOOK: Duration = Duration::from_millis(500);
+/// The longest that a queue holds a probe up.
+const QUEUE_MAX: Duration = Duration::from_secs(15);
+/// A queue is being delivered if messages come at this rate at least, in messages a second.
+const QUEUE_PER_S: f64 = 100.0;
+/// A judgement that is late by more follows a standstill of this process, in which nothing could be read.
+const STANDSTILL: Duration = Duration::from_secs(1);
+/// Before the subscriptions are acknowledged no probe is due.
+const NEVER: Duration = Duration::from_secs(365 * 86_400);
+
+const HEAD: &[u8] = b"{\"probe\":\"";
+const TAIL: &[u8] = b"\"}";
+const NONCE_CHARS: usize = 32;
+
+/// Whether a payload has the form of a probe, whoever sent it.
+fn is_probe(payload: &[u8]) -> bool {
+    let nonce = payload.strip_prefix(HEAD).and_then(|rest| rest.strip_suffix(TAIL));
+    nonce.is_some_and(|nonce| nonce.len() == NONCE_CHARS && nonce.iter().all(u8::is_ascii_hexdigit))
+}
+
+/// Whether a message is a supervisor's probe.
+pub(super) fn is_probe_on(topic: &[u8], payload: &[u8]) -> bool {
+    is_probe(payload) && std::str::from_utf8(topic).is_ok_and(|topic| RobotTopic::probed_on(topic).is_some())
+}
+
+/// One filter's probe.
+#[derive(Debug)]
+struct Probe {
+    kind: RobotTopic,
+    topic: String,
+    payload: Vec<u8>,
+    /// This round's probe came back.
+    came: bool,
+    /// A robot's message that matches the filter came since this round's probe was sent.
+    robot_heard: bool,
+}
+
+impl Probe {
+    fn is_missing(&self) -> bool {
+        !self.came && !self.robot_heard
+    }
+}
+
+/// What to do now.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Tick {
+    /// Nothing until [`Hearing::due`].
+    Wait,
+    /// Publish [`Hearing::probes`].
+    Probe,
+    /// Nothing comes through these filters.
+    Deaf {
+        /// The filters without a probe, at least one.
+        topics: Vec<RobotTopic>,
+        /// The broker has said nothing at all since the probes were sent.
+        is_silent: bool,
+    },
+}
+
+/// The probes of one connection.
+#[derive(Debug)]
+pub(super) struct Hearing {
+    /// Every probe's topic begins with this.
+    prefix: String,
+    probes: Vec<Probe>,
+    due: Instant,
+    /// When this round was sent; none before the first.
+    sent: Option<Instant>,
+    /// When a probe of this round came last.
+    came: Option<Instant>,
+    /// The broker refused a probe of this round.
+    is_refused: bool,
+    /// Messages since the last judgement, and when that was.
+    messages: u64,
+    judged: Instant,
+    /// The broker has said something since the probes were sent.
+    is_alive: bool,
+}
+
+impl Hearing {
+    /// No probe is due before [`Self::subscribed`].
+    pub(super) fn new(fleet: &Name, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
+        let probe = |kind: RobotTopic| Probe {
+            kind,
+            topic: kind.probe_topic(fleet),
+            payload: Vec::new(),
+            came: false,
+            robot_heard: false,
+        };
+        let probes: Vec<Probe> = kinds.map(probe).collect();
+        let prefix = format!("whisker/v1/{fleet}/{}/", Name::RESERVED);
+        Self {
+            prefix,
+            probes,
+            due: now + NEVER,
+            sent: None,
+            came: None,
+            is_refused: false,
+            messages: 0,
+            judged: now,
+            is_alive: false,
+        }
+    }
+
+    /// The broker has acknowledged the subscriptions: the first probes are due.
+    pub(super) fn subscribed(&mut self, now: Instant) {
+        if self.sent.is_none() {
+            self.due = now;
+        }
+    }
+
+    /// When [`Self::tick`] has something to say.
+    pub(super) fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// Whether something came through each filter in this round.
+    pub(super) fn is_proven(&self) -> bool {
+        self.sent.is_some() && !self.is_refused && !self.probes.iter().any(Probe::is_missing)
+    }
+
+    /// From the sending of this round's probes to the last that came back.
+    pub(super) fn round_trip(&self) -> Option<Duration> {
+        Some(self.came?.saturating_duration_since(self.sent?))
+    }
+
+    /// The probes to publish: topic and payload.
+    pub(super) fn probes(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.probes.iter().map(|probe| (probe.topic.as_str(), probe.payload.as_slice()))
+    }
+
+    /// The broker does not let us publish a probe. That says nothing about what it lets us hear.
+    pub(super) fn refused(&mut self) {
+        self.is_refused = true;
+        if let Some(sent) = self.sent {
+            self.due = sent + PERIOD;
+        }
+    }
+
+    /// The broker has acknowledged a probe: it answers.
+    pub(super) fn acknowledged(&mut self) {
+        self.is_alive = true;
+    }
+
+    /// Notes a message. Probes are taken, ours and other supervisors'; true if it was one.
+    pub(super) fn take(&mut self, topic: &[u8], payload: &[u8]) -> bool {
+        self.messages += 1;
+        let Some(kind) = topic.strip_prefix(self.prefix.as_bytes()) else {
+            self.note(topic);
+            return false;
+        };
+        let Some(probe) = self.probes.iter_mut().find(|probe| probe.kind.as_str().as_bytes() == kind) else {
+            return false;
+        };
+        if !is_probe(payload) {
+            return false;
+        }
+        if !probe.came && probe.payload == payload {
+            probe.came = true;
+            self.came = Some(Instant::now());
+            self.finish();
+        }
+        true
+    }
+
+    /// A robot's message proves its filter as well as a probe. Nothing is looked for once the round is complete.
+    fn note(&mut self, topic: &[u8]) {
+        self.is_alive = true;
+        if !self.probes.iter().any(Probe::is_missing) {
+            return;
+        }
+        let Some(kind) = topic.rsplit(|&byte| byte == b'/').next() else { return };
+        if let Some(probe) = self.probes.iter_mut().find(|probe| probe.kind.as_str().as_bytes() == kind) {
+            probe.robot_heard = true;
+            self.finish();
+        }
+    }
+
+    /// A complete round needs no judgement: the next one is due.
+    fn finish(&mut self) {
+        if let Some(sent) = self.sent
+            && self.is_proven()
+        {
+            self.due = sent + PERIOD;
+        }
+    }
+
+    /// Judges the present round, or begins the next.
+    pub(super) fn tick(&mut self, now: Instant) -> Tick {
+        let Some(late) = now.checked_duration_since(self.due) else { return Tick::Wait };
+        let messages = std::mem::take(&mut self.messages);
+        let elapsed = now.saturating_duration_since(std::mem::replace(&mut self.judged, now));
+        let missing: Vec<RobotTopic> =
+            self.probes.iter().filter(|probe| probe.is_missing()).map(|probe| probe.kind).collect();
+        let Some(sent) = self.sent.filter(|_| !missing.is_empty() && !self.is_refused) else {
+            self.begin(now);
+            return Tick::Probe;
+        };
+        if late > STANDSTILL {
+            self.due = now + PATIENCE;
+            return Tick::Wait;
+        }
+        let is_queue = messages as f64 >= QUEUE_PER_S * elapsed.as_secs_f64();
+        let is_overtaken = self.came.is_some_and(|came| now.saturating_duration_since(came) >= PATIENCE);
+        if is_queue && !is_overtaken && now.saturating_duration_since(sent) < QUEUE_MAX {
+            self.due = now + LOOK;
+            return Tick::Wait;
+        }
+        Tick::Deaf { topics: missing, is_silent: self.came.is_none() && !self.is_alive }
+    }
+
+    fn begin(&mut self, now: Instant) {
+        for probe in &mut self.probes {
+            probe.payload = [HEAD, random_hex().as_bytes(), TAIL].concat();
+            (probe.came, probe.robot_heard) = (false, false);
+        }
+        (self.sent, self.came, self.is_refused, self.is_alive) = (Some(now), None, false, false);
+        self.due = now + PATIENCE;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: Duration = Duration::from_millis(1);
+
+    fn kinds() -> impl Iterator<Item = RobotTopic> {
+        RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
+    }
+
+    /// After its first probes were sent, at the time that is given back.
+    fn probing() -> (Hearing, Instant) {
+        let now = Instant::now();
+        let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);
+        assert_eq!(hearing.tick(now + PERIOD), Tick::Wait, "not subscribed yet");
+        hearing.subscribed(now);
+        assert_eq!(hearing.tick(now), Tick::Probe);
+        assert!(!hearing.is_proven());
+        (hearing, now)
+    }
+
+    /// The broker passes on the probes of these topics.
+    fn deliver(hearing: &mut Hearing, which: impl Fn(RobotTopic) -> bool) {
+        let probes: Vec<(String, Vec<u8>)> =
+            hearing.probes().map(|(topic, payload)| (topic.to_owned(), payload.to_owned())).collect();
+        for (topic, payload) in probes {
+            if which(RobotTopic::probed_on(&topic).unwrap()) {
+                assert!(hearing.take(topic.as_bytes(), &payload));
+            }
+        }
+    }
+
+    fn flood(hearing: &mut Hearing, messages: usize) {
+        for _ in 0..messages {
+            assert!(!hearing.take(b"whisker/v1/f/r/contacts", b"{}"));
+        }
+    }
+
+    /// Ticks as they come due until something is to be done; gives that, and when.
+    fn until_done(hearing: &mut Hearing, mut between: impl FnMut(&mut Hearing)) -> (Tick, Instant) {
+        loop {
+            between(hearing);
+            let due = hearing.due();
+            match hearing.tick(due) {
+                Tick::Wait => {}
+                done @ (Tick::Probe | Tick::Deaf { .. }) => return (done, due),
+            }
+        }
+    }
+
+    #[test]
+    fn probes_that_come_back_prove_hearing_until_the_next_round() {
+        let (mut hearing, sent) = probing();
+        deliver(&mut hearing, |_| true);
+        assert!(hearing.is_proven() && hearing.round_trip().is_some());
+        assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, sent + PERIOD));
+        assert!(!hearing.is_proven(), "anew in each round");
+    }
+
+    #[test]
+    fn each_topic_that_is_lost_is_named_after_two_seconds() {
+        for lost in kinds() {
+            let (mut hearing, sent) = probing();
+            deliver(&mut hearing, |kind| kind != lost);
+            let deaf = Tick::Deaf { topics: vec![lost], is_silent: false };
+            assert_eq!(until_done(&mut hearing, |_| {}), (deaf, sent + PATIENCE));
+        }
+    }
+
+    #[test]
+    fn silence_is_told_apart_from_a_lost_topic() {
+        let deaf = |is_silent| Tick::Deaf { topics: kinds().collect(), is_silent };
+        let (mut hearing, sent) = probing();
+        assert_eq!(until_done(&mut hearing, |_| {}), (deaf(true), sent + PATIENCE));
+        let (mut hearing, sent) = probing();
+        hearing.acknowledged();
+        assert_eq!(until_done(&mut hearing, |_| {}), (deaf(false), sent + PATIENCE));
+    }
+
+    #[test]
+    fn a_robots_message_proves_its_filter_and_no_other() {
+        let (mut hearing, _) = probing();
+        deliver(&mut hearing, |kind| kind != RobotTopic::Contacts && kind != RobotTopic::Status);
+        flood(&mut hearing, 1);
+        let (done, _) = until_done(&mut hearing, |_| {});
+        assert_eq!(done, Tick::Deaf { topics: vec![RobotTopic::Status], is_silent: false });
+    }
+
+    #[test]
+    fn probes_behind_a_queue_are_waited_for() {
+        let (mut hearing, sent) = probing();
+        let mut looks = 0;
+        let (done, at) = until_done(&mut hearing, |hearing| {
+            looks += 1;
+            flood(hearing, 5_000);
+            if looks == 10 {
+                deliver(hearing, |_| true);
+            }
+        });
+        assert_eq!(done, Tick::Probe);
+        assert!(at > sent + 2 * PATIENCE, "{:?}", at - sent);
+    }
+
+    #[test]
+    fn a_queue_does_not_hide_a_lost_topic() {
+        // The others came through the same queue.
+        let (mut hearing, _) = probing();
+        deliver(&mut hearing, |kind| kind != RobotTopic::Factsheet);
+        let came = Instant::now();
+        let (done, at) = until_done(&mut hearing, |hearing| flood(hearing, 5_000));
+        assert_eq!(done, Tick::Deaf { topics: vec![RobotTopic::Factsheet], is_silent: false });
+        assert!(at <= came + PATIENCE + LOOK + 100 * MS);
+        // And no queue is endless.
+        let (mut hearing, sent) = probing();
+        let (done, at) = until_done(&mut hearing, |hearing| flood(hearing, 5_000));
+        assert!(matches!(done, Tick::Deaf { is_silent: false, .. }), "{done:?}");
+        assert_eq!(at, sent + QUEUE_MAX);
+    }
+
+    #[test]
+    fn a_process_that_stood_still_gives_its_probes_another_chance() {
+        let (mut hearing, sent) = probing();
+        let late = sent + Duration::from_secs(60);
+        assert_eq!(hearing.tick(late), Tick::Wait);
+        deliver(&mut hearing, |_| true);
+        assert_eq!(hearing.tick(late + PATIENCE), Tick::Probe);
+    }
+
+    #[test]
+    fn a_refused_probe_is_no_deafness_and_no_proof() {
+        let (mut hearing, sent) = probing();
+        deliver(&mut hearing, |kind| kind != RobotTopic::Status);
+        hearing.refused();
+        flood(&mut hearing, 1);
+        assert!(!hearing.is_proven());
+        assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, sent + PERIOD));
+    }
+
+    #[test]
+    fn nobody_elses_probe_answers_ours_and_no_other_message_passes_as_one() {
+        let (mut hearing, sent) = probing();
+        let foreign = [HEAD, random_hex().as_bytes(), TAIL].concat();
+        for kind in kinds() {
+            let topic = kind.probe_topic(&Name::new("f").unwrap());
+            assert!(hearing.take(topic.as_bytes(), &foreign), "another supervisor's");
+            for payload in [&b"{}"[..], b"{\"probe\":\"\"}", br#"{"boot_id":"b","seq":0,"contacts":[]}"#] {
+                assert!(!hearing.take(topic.as_bytes(), payload), "it is refused elsewhere, and counted");
+            }
+        }
+        assert!(!hearing.is_proven());
+        let (done, at) = until_done(&mut hearing, |_| {});
+        assert_eq!((done, at), (Tick::Deaf { topics: kinds().collect(), is_silent: true }, sent + PATIENCE));
+    }
+
+    #[test]
+    fn an_old_probe_does_not_answer_a_new_round() {
+        let (mut hearing, sent) = probing();
+        let old: Vec<(String, Vec<u8>)> =
+            hearing.probes().map(|(topic, payload)| (topic.to_owned(), payload.to_owned())).collect();
+        deliver(&mut hearing, |_| true);
+        assert_eq!(hearing.tick(sent + PERIOD), Tick::Probe);
+        for (topic, payload) in old {
+            assert!(hearing.take(topic.as_bytes(), &payload));
+        }
+        assert!(!hearing.is_proven());
+    }
+}

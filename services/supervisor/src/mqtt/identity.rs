@@ -1,0 +1,46 @@
+//! Names that nobody can guess: client ids and probes.
+//!
+//! A broker ends a connection when another client connects with its client id. So an id must be unknown to everybody else: it has
+//! 128 random bits, and only its beginning is ever published or logged.
+
+use vibrissa_protocol::Name;
+
+/// 128 random bits in hexadecimal.
+///
+/// # Panics
+/// The system has no randomness, without which hash tables cannot be made either.
+pub(super) fn random_hex() -> String {
+    let mut bits = [0; 16];
+    if let Err(problem) = getrandom::fill(&mut bits) {
+        panic!("no randomness from the system: {problem}");
+    }
+    format!("{:032x}", u128::from_ne_bytes(bits))
+}
+
+/// What all client ids of a fleet's connections with this role begin with. It may be shown.
+pub(super) fn id_prefix(fleet: &Name, role: &str) -> String {
+    format!("vibrissa-{fleet}-{role}-")
+}
+
+/// A new client id, never to be shown.
+pub(super) fn client_id(fleet: &Name, role: &str) -> String {
+    format!("{}{}", id_prefix(fleet, role), random_hex())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn a_client_id_says_whose_it_is_and_has_128_bits_that_are_new_each_time() {
+        let fleet = Name::new("lab").unwrap();
+        let ids: BTreeSet<String> = (0..1_000).map(|_| client_id(&fleet, "in")).collect();
+        assert_eq!(ids.len(), 1_000);
+        for id in ids {
+            let random = id.strip_prefix("vibrissa-lab-in-").unwrap();
+            assert!(random.len() == 32 && random.bytes().all(|byte| byte.is_ascii_hexdigit()), "{id}");
+        }
+    }
+}

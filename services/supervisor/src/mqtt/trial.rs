@@ -1,0 +1,70 @@
+//! A connection that proves that this supervisor would hear a fleet, and ends.
+
+use std::time::{Duration, Instant};
+
+use rumqttc::{AsyncClient, Event, Packet, RetainForwardRule};
+use tokio::time::timeout;
+
+use super::Connection;
+use super::hearing::Hearing;
+use super::poll::{Failure, Poller};
+use super::problem::{Cause, Problem};
+use super::publish::is_failure;
+use super::receive::{filters, heard, judge, refused};
+
+/// For everything.
+const LIMIT: Duration = Duration::from_secs(15);
+/// How long the good-bye may take.
+const FAREWELL_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Connects, subscribes to what robots send, without what is retained, and waits for a probe of each topic.
+///
+/// # Errors
+/// Why robots would not be heard, in a sentence for people.
+pub async fn try_hearing(connection: &Connection) -> Result<(), String> {
+    let silent = || Problem::new(&connection.broker, Cause::Silent);
+    let tried = timeout(LIMIT, prove(connection)).await;
+    tried.unwrap_or_else(|_| Err(silent())).map_err(|problem| problem.to_string())
+}
+
+async fn prove(connection: &Connection) -> Result<(), Problem> {
+    let connection = &connection.with_secrets_read_again();
+    let fleet = &connection.fleet;
+    let problem = |cause| Problem::new(&connection.broker, cause);
+    let (options, reached) = connection.options("trial");
+    let (client, events) = AsyncClient::builder(options).capacity(64).build();
+    let mut poller = Poller::new(events, connection, reached);
+    let mut hearing = Hearing::new(fleet, heard(), Instant::now());
+    while !hearing.is_proven() {
+        let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
+        match event {
+            Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                let asked = filters(fleet, |_| true).into_iter();
+                let asked = asked.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
+                client.try_subscribe_many(asked).map_err(|error| problem(Cause::Lost(error.to_string())))?;
+            }
+            Ok(Event::Incoming(Packet::SubAck(ack))) => {
+                if let Some(refused) = refused(&ack, fleet) {
+                    return Err(problem(Cause::Subscription(refused)));
+                }
+                hearing.subscribed(Instant::now());
+            }
+            Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
+                return Err(problem(Cause::ProbeRefused { fleet: fleet.clone(), why: format!("{:?}", ack.reason) }));
+            }
+            Ok(Event::Incoming(Packet::PubAck(_))) => hearing.acknowledged(),
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                hearing.take(&publish.topic, &publish.payload);
+            }
+            Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
+            Err(Failure::Broken(problem)) => return Err(problem),
+            Err(Failure::Finished) => return Err(problem(Cause::Lost("it was ended".to_owned()))),
+        }
+    }
+    // In good order, so that the broker does not log a lost connection each time.
+    if client.try_disconnect().is_ok() {
+        let ended = async { while poller.next().await.is_ok() {} };
+        let _ = timeout(FAREWELL_TIMEOUT, ended).await;
+    }
+    Ok(())
+}

@@ -1,0 +1,179 @@
+//! A supervisor that its broker has forgotten notices it, says so, and subscribes again.
+
+use std::time::{Duration, Instant};
+
+use vibrissa_protocol::{ArrayType, Name, RobotTopic};
+use vibrissa_simulator::load::{self, LoadPlan, Quality};
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::mqtt_proxy::{Loss, MqttProxy};
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+
+use crate::listener::{Supervised, metric_reaches};
+
+const FAILURES: &str = "vibrissa_mqtt_probe_failures_total";
+const CONNECTED: &str = "vibrissa_broker_connected";
+const ROUND_TRIP: &str = "vibrissa_mqtt_probe_round_trip_seconds";
+
+fn from_robots() -> Vec<RobotTopic> {
+    RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).collect()
+}
+
+/// A fleet for each topic that robots send: it loses that one.
+fn losses() -> Vec<(Name, RobotTopic, String)> {
+    let of = |kind: RobotTopic| {
+        let fleet = Name::new(&format!("lost-{kind}")).unwrap();
+        let filter = kind.fleet_filter(&fleet);
+        (fleet, kind, filter)
+    };
+    from_robots().into_iter().map(of).collect()
+}
+
+/// Every filter in words that `/readyz` must have.
+fn filters() -> Vec<String> {
+    losses().into_iter().map(|(_, _, filter)| filter).collect()
+}
+
+fn start(folder: &tempfile::TempDir, fleets: &str, proxy: &MqttProxy) -> Supervised {
+    let url = format!("mqtt://127.0.0.1:{}", proxy.port());
+    Supervised::start(folder.path(), "s", &["--fleets", fleets, "--mqtt-url", &url])
+}
+
+async fn every_topic_is_missed(supervisor: &Supervised) {
+    for (fleet, kind, filter) in losses() {
+        // One after the other may be connecting again.
+        supervisor.says(false, &["did not come back within 2 s".to_owned(), filter]).await;
+        metric_reaches(supervisor, FAILURES, &format!("fleet=\"{fleet}\",topic=\"{kind}\""), 1.0).await;
+        let others = supervisor.metric(FAILURES, &format!("fleet=\"{fleet}\"")).await
+            - supervisor.metric(FAILURES, &format!("fleet=\"{fleet}\",topic=\"{kind}\"")).await;
+        assert_eq!(others, 0.0, "{fleet}: nothing else is missed");
+    }
+}
+
+#[tokio::test]
+async fn regress_each_subscription_that_a_broker_loses_is_noticed_and_made_again() {
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let proxy = MqttProxy::to(broker.port()).await;
+    let fleets: Vec<String> = losses().iter().map(|(fleet, _, _)| fleet.to_string()).collect();
+    // The broker acknowledges them all.
+    proxy.lose(Loss::Subscriptions(filters()));
+    let mut supervisor = start(&folder, &fleets.join(","), &proxy);
+    every_topic_is_missed(&supervisor).await;
+    assert_eq!(supervisor.metric(CONNECTED, "").await, 0.0, "never heard");
+    proxy.lose(Loss::Nothing);
+    supervisor.says(true, &[]).await;
+    assert_eq!(supervisor.metric(CONNECTED, "").await, 5.0);
+    supervisor.terminate().await;
+}
+
+#[tokio::test]
+async fn regress_each_topic_that_a_broker_stops_passing_on_is_noticed_and_subscribed_again() {
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let proxy = MqttProxy::to(broker.port()).await;
+    let fleets: Vec<String> = losses().iter().map(|(fleet, _, _)| fleet.to_string()).collect();
+    let mut supervisor = start(&folder, &fleets.join(","), &proxy);
+    supervisor.says(true, &[]).await;
+    assert!(supervisor.metric(ROUND_TRIP, "").await > 0.0);
+    let connections = supervisor.metric("vibrissa_broker_connections_total", "").await;
+    proxy.lose(Loss::Topics(filters()));
+    every_topic_is_missed(&supervisor).await;
+    proxy.lose(Loss::Nothing);
+    supervisor.says(true, &[]).await;
+    assert!(supervisor.metric("vibrissa_broker_connections_total", "").await >= connections + 5.0, "new connections");
+    supervisor.terminate().await;
+}
+
+/// With a robot that goes on: nothing of it is lost.
+#[tokio::test]
+async fn regress_one_direction_that_is_lost_is_noticed_and_robots_are_heard_again() {
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let proxy = MqttProxy::to(broker.port()).await;
+    let mut supervisor = start(&folder, "f", &proxy);
+    supervisor.says(true, &[]).await;
+    let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+    for loss in [Loss::FromBroker, Loss::FromClients] {
+        let failures = supervisor.metric(FAILURES, "").await;
+        let lost = Instant::now();
+        proxy.lose(loss.clone());
+        supervisor.says(false, &[]).await;
+        // Without traffic that could hold a probe up: one period and one patience, and time for a busy machine.
+        assert!(lost.elapsed() < Duration::from_secs(10), "{loss:?}: {:?}", lost.elapsed());
+        metric_reaches(&supervisor, FAILURES, "", failures + 5.0).await;
+        let message = robot.message(Vec::new());
+        proxy.lose(Loss::Nothing);
+        supervisor.says(true, &[]).await;
+        robot.say(RobotTopic::Contacts, vibrissa_protocol::encode(&message)).await;
+        robot.receipted().await;
+    }
+    supervisor.terminate().await;
+}
+
+#[tokio::test]
+async fn a_broker_that_does_not_take_probes_is_named_and_robots_are_heard_all_the_same() {
+    const ACL: &str = "topic readwrite whisker/v1/f/r/#\ntopic read whisker/v1/#\ntopic write whisker/v1/+/+/receipt\n\
+                       topic readwrite whisker/v1/+/supervisor/state\ntopic write whisker/v1/+/+/request\n";
+    let (broker, folder) = (Mosquitto::builder().acl(ACL).start(), tempfile::tempdir().unwrap());
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    let words = ["whisker/v1/f/supervisor/+", "access list", "NotAuthorized"].map(str::to_owned);
+    supervisor.says(false, &words).await;
+    let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+    robot.touch(0, 5).await;
+    robot.receipted().await;
+    supervisor.says(false, &words).await;
+    assert_eq!(supervisor.metric(FAILURES, "").await, 0.0, "that is no deafness: the connection stays");
+    supervisor.terminate().await;
+}
+
+/// Contacts as fast as they go: probes wait behind them, and nobody is called deaf for it.
+#[tokio::test]
+async fn a_burst_does_not_pass_for_deafness() {
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    supervisor.says(true, &[]).await;
+    let plan = LoadPlan {
+        mqtt_url: url,
+        fleet: Name::new("f").unwrap(),
+        robots: 20,
+        whiskers: 2,
+        array_whiskers: 2,
+        messages: 100_000,
+        contacts: 1,
+        qos: Quality::AtLeastOnce,
+        rate: None,
+        connections: 2,
+        window: 1_000,
+        // The more wait, the later a probe comes.
+        unreceipted: Some(100_000),
+        no_receipts: false,
+        learn: 0,
+        trim_every: None,
+        status_every_s: 10.0,
+        patience_s: 60.0,
+    };
+    load::run(plan, || {}).await.unwrap();
+    assert_eq!(supervisor.metric(FAILURES, "").await, 0.0);
+    assert_eq!(supervisor.metric("vibrissa_broker_connections_total", "").await, 1.0);
+    supervisor.terminate().await;
+}
+
+#[tokio::test]
+async fn the_embedded_broker_returns_every_probe() {
+    let (folder, port) = (tempfile::tempdir().unwrap(), free_port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-port", &port.to_string()]);
+    supervisor.says(true, &[]).await;
+    let mut seen = Vec::new();
+    // Three rounds, each with a time of its own.
+    until_true("three rounds of probes", async || {
+        let round_trip = supervisor.metric(ROUND_TRIP, "").await;
+        if seen.last() != Some(&round_trip) {
+            seen.push(round_trip);
+        }
+        seen.len() >= 3
+    })
+    .await;
+    assert_eq!(supervisor.metric(FAILURES, "").await, 0.0);
+    assert_eq!(supervisor.metric("vibrissa_messages_refused_total", "").await, 0.0, "a probe is no message");
+    supervisor.terminate().await;
+}

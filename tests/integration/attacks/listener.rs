@@ -1,0 +1,96 @@
+//! `vibrissa run` for tests of its connections to the broker.
+
+use std::path::{Path, PathBuf};
+
+use nix::sys::signal::Signal;
+use serde_json::Value;
+use vibrissa_tests::mosquitto::free_port;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::wait::{PATIENCE, until, until_true};
+use vibrissa_tests::web::try_get;
+
+/// A running program; dropped, it is killed.
+pub(crate) struct Supervised {
+    process: Process,
+    http: u16,
+    log: PathBuf,
+}
+
+impl Supervised {
+    /// Starts it under that name with further arguments. Its log and a SQLite database, unless the arguments name another
+    /// database, are in the folder.
+    pub(crate) fn start(folder: &Path, name: &str, arguments: &[&str]) -> Self {
+        let http = free_port();
+        let listen = format!("127.0.0.1:{http}");
+        let database = format!("sqlite:{}", folder.join(format!("{name}.sqlite3")).display());
+        let mut all = vec!["run", "--name", name, "--http-listen", &listen];
+        if !arguments.contains(&"--database-url") {
+            all.extend(["--database-url", &database]);
+        }
+        all.extend(arguments);
+        let log = folder.join(format!("{name}.log"));
+        let launch = Launch {
+            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+            arguments: all.iter().map(|&argument| argument.to_owned()).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "info,vibrissa=debug".to_owned())],
+            log: log.clone(),
+        };
+        Self { process: Process::start(launch), http, log }
+    }
+
+    /// What `/readyz` says: whether it is ready, and why not; none while nobody answers.
+    pub(crate) async fn ready(&self) -> Option<(bool, String)> {
+        let (status, body) = try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()?;
+        let told: Value = serde_json::from_str(&body).unwrap();
+        assert_eq!(told["ready"] == true, status == 200, "{body}");
+        Some((status == 200, body))
+    }
+
+    /// Waits until `/readyz` says this, with these words in it; gives its text.
+    pub(crate) async fn says(&self, is_ready: bool, words: &[String]) -> String {
+        let mut last = None;
+        until(&format!("ready: {is_ready} with {words:?}"), async || {
+            let told = self.ready().await;
+            if told != last {
+                eprintln!("{told:?}");
+                last.clone_from(&told);
+            }
+            let (ready, text) = told?;
+            (ready == is_ready && words.iter().all(|word| text.contains(word))).then_some(text)
+        })
+        .await
+    }
+
+    /// The sum of a metric's series whose labels contain that text.
+    pub(crate) async fn metric(&self, name: &str, labels: &str) -> f64 {
+        let (_, text) = try_get(([127, 0, 0, 1], self.http).into(), "/metrics").await.unwrap();
+        let series = text.lines().filter_map(|line| line.rsplit_once(' '));
+        let values = series.filter(|(series, _)| {
+            series
+                .strip_prefix(name)
+                .is_some_and(|rest| (rest.is_empty() || rest.starts_with('{')) && rest.contains(labels))
+        });
+        values.map(|(_, value)| value.parse::<f64>().unwrap()).sum()
+    }
+
+    /// What it has logged.
+    pub(crate) fn log(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap()
+    }
+
+    /// How many lines of its log hold that text.
+    pub(crate) fn logged(&self, text: &str) -> usize {
+        self.log().lines().filter(|line| line.contains(text)).count()
+    }
+
+    /// Ends it in good order.
+    pub(crate) async fn terminate(&mut self) {
+        self.process.signal(Signal::SIGTERM);
+        assert!(self.process.ended(PATIENCE).await.expect("it ends").success());
+    }
+}
+
+/// Waits until a metric is at least so high.
+pub(crate) async fn metric_reaches(supervised: &Supervised, name: &str, labels: &str, goal: f64) {
+    until_true(&format!("{name}{{{labels}}} of {goal}"), async || supervised.metric(name, labels).await >= goal).await;
+}

@@ -1,0 +1,147 @@
+//! A broker ends a connection when another client connects with its client id: nobody may know the supervisor's.
+
+use rumqttc::{AsyncClient, Event, MqttOptions, Packet};
+use vibrissa_protocol::{ArrayType, BootId, Message};
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::{PATIENCE, until, until_true};
+
+use crate::listener::{Supervised, metric_reaches};
+
+const TAKEOVERS: &str = "vibrissa_mqtt_session_takeovers_total";
+const CONNECTIONS: &str = "vibrissa_broker_connections_total";
+
+/// A Mosquitto that logs client ids.
+fn broker() -> Mosquitto {
+    Mosquitto::builder().line("connection_messages true").start()
+}
+
+/// Connects with that client id, and goes again at once.
+async fn intrude(port: u16, client_id: &str) {
+    let mut options = MqttOptions::new(client_id, ("127.0.0.1", port));
+    options.set_outgoing_inflight_upper_limit(16);
+    let (client, mut events) = AsyncClient::builder(options).capacity(8).build();
+    let connected = tokio::time::timeout(PATIENCE, events.poll()).await.unwrap();
+    assert!(matches!(connected, Ok(Event::Incoming(Packet::ConnAck(_)))), "{connected:?}");
+    client.try_disconnect().unwrap();
+    while events.poll().await.is_ok() {}
+}
+
+/// The newest client id that the broker has logged of a connection with this role.
+fn newest_id(broker: &Mosquitto, role: &str) -> Option<String> {
+    let begin = format!("vibrissa-f-{role}-");
+    let lines = broker.lines();
+    let ids = lines.iter().filter(|line| line.contains("New client connected")).filter_map(|line| {
+        let id = &line[line.find(&begin)?..];
+        id.split_whitespace().next().map(str::to_owned)
+    });
+    ids.last()
+}
+
+async fn born(port: u16) -> HandRobot {
+    HandRobot::born(port, "r", array(ArrayType::Type1, &[70.0, 65.0])).await
+}
+
+/// The supervisor's boot, as every receipt tells it.
+async fn published_boot(robot: &mut HandRobot) -> BootId {
+    robot.touch(0, 5).await;
+    robot
+        .hear("a receipt", |heard| match &heard.message {
+            Message::Receipt(receipt) => Some(receipt.boot_id.clone()),
+            _ => None,
+        })
+        .await
+}
+
+/// What can be made of everything that is published.
+fn guesses(boot: &BootId) -> Vec<String> {
+    let roles = ["in", "out", "trial", "record", "check"];
+    let parts = |role: &str| {
+        [
+            format!("vibrissa-f-{boot}-{role}"),
+            format!("vibrissa-f-{role}-{boot}"),
+            format!("vibrissa-f-{role}"),
+            format!("vibrissa-f-{role}-"),
+            format!("{boot}-{role}"),
+            boot.to_string(),
+        ]
+    };
+    roles.iter().flat_map(|role| parts(role)).collect()
+}
+
+#[tokio::test]
+async fn regress_what_a_receipt_tells_does_not_let_a_robot_take_over_the_supervisors_connections() {
+    let (broker, folder) = (broker(), tempfile::tempdir().unwrap());
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    supervisor.says(true, &["OWNED".to_owned()]).await;
+    let mut robot = born(broker.port()).await;
+    let boot = published_boot(&mut robot).await;
+    for id in guesses(&boot) {
+        intrude(broker.port(), &id).await;
+    }
+    robot.touch(0, 5).await;
+    robot.receipted().await;
+    assert_eq!(broker.logged("already connected"), 0, "a client of the same id had been there");
+    assert_eq!(supervisor.metric(CONNECTIONS, "").await, 1.0);
+    assert_eq!(supervisor.metric(TAKEOVERS, "").await, 0.0);
+    supervisor.terminate().await;
+}
+
+#[tokio::test]
+async fn regress_nor_at_the_embedded_broker() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = vibrissa_tests::mosquitto::free_port();
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-port", &port.to_string()]);
+    supervisor.says(true, &["OWNED".to_owned()]).await;
+    let mut robot = born(port).await;
+    let boot = published_boot(&mut robot).await;
+    for id in guesses(&boot) {
+        intrude(port, &id).await;
+    }
+    robot.touch(0, 5).await;
+    robot.receipted().await;
+    assert_eq!(supervisor.metric(CONNECTIONS, "").await, 1.0);
+    assert_eq!(supervisor.metric(TAKEOVERS, "").await, 0.0);
+    supervisor.terminate().await;
+}
+
+/// Whoever can read the broker's log knows the ids.
+#[tokio::test]
+async fn a_takeover_is_counted_and_logged_and_the_next_connection_has_another_id() {
+    const TIMES: usize = 5;
+    let (broker, folder) = (broker(), tempfile::tempdir().unwrap());
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    supervisor.says(true, &["OWNED".to_owned()]).await;
+    let mut robot = born(broker.port()).await;
+    let mut known = Vec::new();
+    for role in ["in", "out"] {
+        for _ in 0..TIMES {
+            let id = until("an id", async || newest_id(&broker, role)).await;
+            let before = supervisor.metric(TAKEOVERS, "").await;
+            intrude(broker.port(), &id).await;
+            metric_reaches(&supervisor, TAKEOVERS, "fleet=\"f\"", before + 1.0).await;
+            until_true("another id", async || newest_id(&broker, role).is_some_and(|newest| newest != id)).await;
+            known.push(id);
+        }
+    }
+    supervisor.says(true, &[]).await;
+    // What the intruder knows is worth nothing any more.
+    let counted = supervisor.metric(TAKEOVERS, "").await;
+    for id in &known {
+        intrude(broker.port(), id).await;
+    }
+    robot.touch(0, 5).await;
+    robot.receipted().await;
+    assert_eq!(supervisor.metric(TAKEOVERS, "").await, counted);
+    supervisor.says(true, &[]).await;
+    assert_eq!(supervisor.logged("another client connected with the same client id"), 1, "once a minute");
+    let log = supervisor.log();
+    known.extend(["in", "out"].iter().filter_map(|role| newest_id(&broker, role)));
+    for id in known {
+        let random = id.rsplit('-').next().unwrap();
+        assert!(random.len() == 32 && !log.contains(random), "{id} is in the log");
+    }
+    supervisor.terminate().await;
+}

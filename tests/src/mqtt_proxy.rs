@@ -1,0 +1,244 @@
+//! A link between MQTT 5 clients and their broker on 127.0.0.1 that loses packets, as a faulty broker or network does.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Mutex, watch};
+use tokio::task::{JoinHandle, JoinSet};
+
+/// Packet types, in the upper half of a packet's first byte.
+const PUBLISH: u8 = 3;
+const PUBACK: u8 = 4;
+const SUBSCRIBE: u8 = 8;
+
+/// What the link loses.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Loss {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Messages from the broker on topics that match one of these filters; `+` stands for any level.
+    Topics(Vec<String>),
+    /// Subscriptions with exactly one of these filters. The client is told that it has them.
+    Subscriptions(Vec<String>),
+    /// Everything that comes from the broker.
+    FromBroker,
+    /// Everything that comes from clients.
+    FromClients,
+}
+
+/// A listener that passes on what it does not lose; dropped, all its connections end.
+#[derive(Debug)]
+pub struct MqttProxy {
+    port: u16,
+    loss: watch::Sender<Loss>,
+    listening: JoinHandle<()>,
+}
+
+impl MqttProxy {
+    /// Listens on a free port of 127.0.0.1 for what is to go to a broker on another one. It loses nothing yet.
+    ///
+    /// # Panics
+    /// There is no free port.
+    pub async fn to(broker_port: u16) -> Self {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).await.expect("a free port");
+        let port = listener.local_addr().expect("a bound listener").port();
+        let (loss, losing) = watch::channel(Loss::default());
+        let listening = tokio::spawn(listen(listener, SocketAddr::from(([127, 0, 0, 1], broker_port)), losing));
+        Self { port, loss, listening }
+    }
+
+    /// Where it listens, on 127.0.0.1.
+    #[must_use]
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Loses this from now on, on connections that stand as well as on new ones.
+    pub fn lose(&self, loss: Loss) {
+        self.loss.send_replace(loss);
+    }
+}
+
+impl Drop for MqttProxy {
+    fn drop(&mut self) {
+        self.listening.abort();
+    }
+}
+
+async fn listen(listener: TcpListener, broker: SocketAddr, loss: watch::Receiver<Loss>) {
+    let mut connections = JoinSet::new();
+    loop {
+        tokio::select! {
+            accepted = listener.accept() => {
+                let Ok((client, _)) = accepted else { continue };
+                connections.spawn(join(client, broker, loss.clone()));
+            }
+            Some(_) = connections.join_next() => {}
+        }
+    }
+}
+
+async fn join(client: TcpStream, broker: SocketAddr, loss: watch::Receiver<Loss>) {
+    let Ok(broker) = TcpStream::connect(broker).await else { return };
+    let _ = (client.set_nodelay(true), broker.set_nodelay(true));
+    let (from_client, to_client) = client.into_split();
+    let (from_broker, to_broker) = broker.into_split();
+    let to_broker = Arc::new(Mutex::new(to_broker));
+    // Either end ends both.
+    tokio::select! {
+        () = upstream(from_client, &to_broker, loss.clone()) => {}
+        () = downstream(from_broker, to_client, &to_broker, loss) => {}
+    }
+}
+
+async fn upstream(mut from: OwnedReadHalf, to: &Mutex<OwnedWriteHalf>, loss: watch::Receiver<Loss>) {
+    while let Some(mut packet) = read(&mut from).await {
+        let loss = loss.borrow().clone();
+        match &loss {
+            Loss::FromClients => continue,
+            Loss::Subscriptions(lost) if packet.kind() == SUBSCRIBE => {
+                for filter in lost {
+                    packet.spoil(filter);
+                }
+            }
+            Loss::Nothing | Loss::Topics(_) | Loss::Subscriptions(_) | Loss::FromBroker => {}
+        }
+        if to.lock().await.write_all(&packet.bytes).await.is_err() {
+            return;
+        }
+    }
+}
+
+async fn downstream(
+    mut from: OwnedReadHalf,
+    mut to: OwnedWriteHalf,
+    to_broker: &Mutex<OwnedWriteHalf>,
+    loss: watch::Receiver<Loss>,
+) {
+    while let Some(packet) = read(&mut from).await {
+        let loss = loss.borrow().clone();
+        let is_lost = match &loss {
+            Loss::FromBroker => true,
+            Loss::Topics(lost) if packet.kind() == PUBLISH => {
+                let is_lost = lost.iter().any(|filter| matches(filter, packet.topic()));
+                // The broker must not wait for an acknowledgement: it would hold everything else back.
+                if let Some([high, low]) = packet.packet_id().filter(|_| is_lost)
+                    && to_broker.lock().await.write_all(&[PUBACK << 4, 2, high, low]).await.is_err()
+                {
+                    return;
+                }
+                is_lost
+            }
+            Loss::Nothing | Loss::Topics(_) | Loss::Subscriptions(_) | Loss::FromClients => false,
+        };
+        if !is_lost && to.write_all(&packet.bytes).await.is_err() {
+            return;
+        }
+    }
+}
+
+fn matches(filter: &str, topic: &[u8]) -> bool {
+    let mut levels = topic.split(|&byte| byte == b'/');
+    filter.split('/').all(|wanted| levels.next().is_some_and(|level| wanted == "+" || level == wanted.as_bytes()))
+        && levels.next().is_none()
+}
+
+/// A whole packet.
+struct Packet {
+    bytes: Vec<u8>,
+    /// Where what follows the length begins.
+    body: usize,
+}
+
+impl Packet {
+    fn kind(&self) -> u8 {
+        self.bytes[0] >> 4
+    }
+
+    /// Of a PUBLISH.
+    fn topic(&self) -> &[u8] {
+        let body = &self.bytes[self.body..];
+        let length = usize::from(u16::from_be_bytes([body[0], body[1]]));
+        &body[2..2 + length]
+    }
+
+    /// Of a PUBLISH with QoS 1.
+    fn packet_id(&self) -> Option<[u8; 2]> {
+        let at = self.body + 2 + self.topic().len();
+        (self.bytes[0] & 0b0110 != 0).then(|| [self.bytes[at], self.bytes[at + 1]])
+    }
+
+    /// Makes a filter one that nothing matches, of the same length.
+    fn spoil(&mut self, filter: &str) {
+        let length = u16::try_from(filter.len()).expect("a filter").to_be_bytes();
+        let wanted = [&length, filter.as_bytes()].concat();
+        let found = self.bytes.windows(wanted.len()).position(|window| window == wanted);
+        if let Some(at) = found {
+            self.bytes[at + 2] = b'X';
+        }
+    }
+}
+
+/// The next packet; none at the end of the connection.
+async fn read(from: &mut OwnedReadHalf) -> Option<Packet> {
+    let mut bytes = vec![from.read_u8().await.ok()?];
+    let mut length = 0_usize;
+    for place in 0..4 {
+        let byte = from.read_u8().await.ok()?;
+        bytes.push(byte);
+        length |= usize::from(byte & 0x7f) << (7 * place);
+        if byte & 0x80 == 0 {
+            break;
+        }
+    }
+    let body = bytes.len();
+    bytes.resize(body + length, 0);
+    from.read_exact(&mut bytes[body..]).await.ok()?;
+    Some(Packet { bytes, body })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use vibrissa_protocol::RobotTopic;
+
+    use super::*;
+    use crate::mosquitto::Mosquitto;
+    use crate::observer::{Heard, Observer};
+
+    const FILTERS: [&str; 2] = ["whisker/v1/f/+/request", "whisker/v1/f/+/receipt"];
+
+    /// Which messages come through: one on each of the topics is sent, the last one always passes.
+    async fn passed(observer: &mut Observer, sender: &Observer) -> Vec<bool> {
+        let request = br#"{"boot_id":"b","seq":0,"robot_boot_id":"r","request":"STATUS"}"#;
+        let receipt = br#"{"boot_id":"b","seq":0,"robot_boot_id":"r","next":0,"held":[]}"#;
+        let mut heard = Vec::new();
+        for (topic, payload) in [(RobotTopic::Request, &request[..]), (RobotTopic::Receipt, &receipt[..])] {
+            sender.publish(&format!("whisker/v1/f/r/{topic}"), payload.to_vec(), false).await;
+            let came: Option<Heard> = observer.next(Duration::from_millis(500)).await;
+            heard.push(came.is_some());
+        }
+        heard
+    }
+
+    #[tokio::test]
+    async fn a_topic_or_a_subscription_is_lost_and_nothing_else() {
+        let broker = Mosquitto::start();
+        let proxy = MqttProxy::to(broker.port()).await;
+        let sender = Observer::subscribed(broker.port(), "sender", &[]).await;
+        let mut observer = Observer::subscribed(proxy.port(), "observer", &FILTERS).await;
+        assert_eq!(passed(&mut observer, &sender).await, [true, true]);
+        proxy.lose(Loss::Topics(vec![FILTERS[0].to_owned()]));
+        assert_eq!(passed(&mut observer, &sender).await, [false, true]);
+        proxy.lose(Loss::FromBroker);
+        assert_eq!(passed(&mut observer, &sender).await, [false, false]);
+        proxy.lose(Loss::Subscriptions(vec![FILTERS[1].to_owned()]));
+        let mut other = Observer::subscribed(proxy.port(), "other", &FILTERS).await;
+        assert_eq!(passed(&mut other, &sender).await, [true, false]);
+    }
+}
