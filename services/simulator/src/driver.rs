@@ -114,7 +114,11 @@ impl Driver {
 
     /// Lets the robot do what is due, and plans the next time.
     async fn work(&mut self) {
-        let (outgoing, deadline_us) = self.robot.with(|robot| (robot.poll(now_us()), robot.next_deadline()));
+        let (outgoing, deadline_us, has_changed) =
+            self.robot.with(|robot| (robot.poll(now_us()), robot.next_deadline(), robot.take_change()));
+        if has_changed {
+            self.robot.changed.notify_one();
+        }
         self.send(outgoing).await;
         // By the clock, not by adding pauses: what takes long is caught up with.
         let ahead = Duration::from_micros(deadline_us.saturating_sub(now_us()));

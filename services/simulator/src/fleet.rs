@@ -1,6 +1,6 @@
 //! A fleet over real MQTT, by the wall clock.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -14,6 +14,7 @@ use vibrissa_protocol::Name;
 
 use crate::driver;
 use crate::scenario::BadScenario;
+use crate::state::{StateError, StateFile};
 use crate::{Robot, RobotConfig, Scenario};
 
 /// How long robots have to end in good order.
@@ -56,6 +57,9 @@ pub enum CannotStart {
     /// A whisker cannot be simulated.
     #[error(transparent)]
     Mechanics(#[from] ModelError),
+    /// The state file cannot be used.
+    #[error(transparent)]
+    State(#[from] StateError),
 }
 
 impl std::fmt::Debug for Broker {
@@ -138,6 +142,7 @@ pub struct Fleet {
     robots: Vec<RobotHandle>,
     stop: watch::Sender<bool>,
     tasks: Vec<JoinHandle<()>>,
+    keeper: Option<(StateFile, JoinHandle<()>)>,
 }
 
 impl Fleet {
@@ -148,19 +153,52 @@ impl Fleet {
     /// # Errors
     /// The scenario cannot be simulated, or the authorities' file cannot be read. A broker that is not there is no error: robots keep trying.
     pub fn start(scenario: &Scenario, broker: &Broker) -> Result<Self, CannotStart> {
+        Self::start_from(scenario, broker, None)
+    }
+
+    /// As [`Fleet::start`], with a file that keeps the truth about the robots: what happened to their whiskers, and how far the
+    /// scenario is. If the file is there, the robots go on from it, each in a new boot.
+    ///
+    /// Must be called within a tokio runtime.
+    ///
+    /// # Errors
+    /// As [`Fleet::start`]; also, the file cannot be read or written, or is of another scenario or version.
+    pub fn resume(scenario: &Scenario, broker: &Broker, state_file: &Path) -> Result<Self, CannotStart> {
+        Self::start_from(scenario, broker, Some(state_file))
+    }
+
+    fn start_from(scenario: &Scenario, broker: &Broker, state_file: Option<&Path>) -> Result<Self, CannotStart> {
         scenario.check()?;
         let transport = broker.transport()?;
         let (stop, stopping) = watch::channel(false);
-        let start_us = now_us();
+        let now_us = now_us();
+        let file = state_file.map(|path| StateFile::new(path, scenario));
+        let mut before = file.as_ref().map_or(Ok(None), StateFile::read)?.unwrap_or_default().into_iter();
+        let changed = Arc::new(Notify::new());
         let mut robots = Vec::with_capacity(scenario.robots.len());
         for config in RobotConfig::all(scenario) {
-            robots.push(RobotHandle::new(Robot::new(config, scenario.seed, start_us)?));
+            let robot = match (&file, before.next()) {
+                (Some(file), Some(state)) => {
+                    Robot::resume(config, scenario.seed, &state, now_us).map_err(|what| file.unfit(what))?
+                }
+                (_, _) => Robot::new(config, scenario.seed, now_us)?,
+            };
+            robots.push(RobotHandle::new(robot, changed.clone()));
         }
+        let keeper = match file {
+            None => None,
+            Some(file) => {
+                // Before a robot speaks: its new boot must not come again.
+                file.write(&robots)?;
+                let task = tokio::spawn(file.clone().keep(robots.clone(), changed));
+                Some((file, task))
+            }
+        };
         let tasks = robots
             .iter()
             .map(|robot| tokio::spawn(driver::run(robot.clone(), broker.clone(), transport.clone(), stopping.clone())))
             .collect();
-        Ok(Self { robots, stop, tasks })
+        Ok(Self { robots, stop, tasks, keeper })
     }
 
     /// The robots, in the order of the scenario.
@@ -194,7 +232,8 @@ impl Fleet {
         self.robots.iter().for_each(|robot| robot.with(Robot::rest));
     }
 
-    /// Every robot says farewell and disconnects; waits for them, 5 seconds at most.
+    /// Every robot says farewell and disconnects; waits for them, 5 seconds at most. Then the state file, if there is one, is
+    /// written for the last time.
     pub async fn stop(mut self) {
         // Without receivers every robot has ended already.
         let _ = self.stop.send(true);
@@ -208,12 +247,23 @@ impl Fleet {
                 Err(_) => tracing::warn!(robot = %robot.name(), "a robot did not end in time"),
             }
         }
+        if let Some((file, task)) = self.keeper.take() {
+            task.abort();
+            // It may be writing.
+            let _ = task.await;
+            if let Err(error) = file.write(&self.robots) {
+                tracing::error!(%error, "the last changes are not in the state file");
+            }
+        }
     }
 }
 
 impl Drop for Fleet {
     fn drop(&mut self) {
         self.tasks.iter().for_each(JoinHandle::abort);
+        if let Some((_, task)) = &self.keeper {
+            task.abort();
+        }
     }
 }
 
@@ -223,11 +273,14 @@ pub struct RobotHandle {
     name: Name,
     robot: Arc<Mutex<Robot>>,
     pub(crate) cut: Arc<Notify>,
+    /// Of the whole fleet: something happened to a robot.
+    pub(crate) changed: Arc<Notify>,
 }
 
 impl RobotHandle {
-    fn new(robot: Robot) -> Self {
-        Self { name: robot.name().clone(), robot: Arc::new(Mutex::new(robot)), cut: Arc::new(Notify::new()) }
+    fn new(robot: Robot, changed: Arc<Notify>) -> Self {
+        let (name, cut) = (robot.name().clone(), Arc::new(Notify::new()));
+        Self { name, robot: Arc::new(Mutex::new(robot)), cut, changed }
     }
 
     /// Its name.

@@ -32,6 +32,9 @@ struct Arguments {
     /// What to simulate, in TOML
     #[arg(long, env = "VIBRISSA_SCENARIO", value_name = "FILE", required = true)]
     scenario: Option<PathBuf>,
+    /// A file that keeps the truth about the robots over restarts: cuts, wear, faults. It is made if it is not there
+    #[arg(long, env = "VIBRISSA_STATE_FILE", value_name = "FILE")]
+    state_file: Option<PathBuf>,
     /// A rule of the contract that the robots break, to test what tests robots; a wrong name tells all that there are
     #[arg(long, value_name = "FAULT")]
     misbehave: Option<Misbehaviour>,
@@ -92,7 +95,10 @@ async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
 
     // Before the robots start: a signal during the start is not missed.
     let mut terminated = signal(SignalKind::terminate())?;
-    let fleet = Fleet::start(&scenario, &broker)?;
+    let fleet = match &arguments.state_file {
+        Some(path) => Fleet::resume(&scenario, &broker, path)?,
+        None => Fleet::start(&scenario, &broker)?,
+    };
     tracing::info!(fleet = %scenario.fleet, robots = fleet.robots().len(), ?broker, "running");
     tokio::select! {
         _ = terminated.recv() => {}

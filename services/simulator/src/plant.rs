@@ -5,6 +5,7 @@
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use vibrissa_core::mechanics::{Calibration, ContactOnChamber, Formulation, Geometry, Model, ModelError};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::Gauge;
@@ -24,6 +25,7 @@ pub const TEMPERATURE_C: f64 = 24.0;
 /// One whisker in truth.
 #[derive(Debug)]
 pub struct Plant {
+    rubber: Rubber,
     model: Model,
     whole_length_mm: f64,
     whole_pressure_mpa: f64,
@@ -42,7 +44,8 @@ pub struct Plant {
 }
 
 /// A change of a whisker's length, or the start of a gradual one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LengthChange {
     /// When, in microseconds since 1970 UTC by the robot's clock.
     pub t_us: u64,
@@ -54,22 +57,25 @@ pub struct LengthChange {
     pub gradual: bool,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Erosion {
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Erosion {
     rate_mm_per_contact: f64,
     until_length_mm: f64,
 }
 
 /// The gauge's zero, and where it wanders.
-#[derive(Debug, Clone, Copy, Default)]
-struct Baseline {
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Baseline {
     strain: f64,
     strain_per_contact: f64,
     until_strain: f64,
 }
 
 /// What is wrong with the gauge.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "SCREAMING_SNAKE_CASE", deny_unknown_fields)]
 pub(crate) enum GaugeCondition {
     Ok,
     Open,
@@ -123,6 +129,7 @@ impl Plant {
             Truth::Within(error) => drawn(error, &mut streams.calibration),
         };
         Ok(Self {
+            rubber,
             model: rubber.model()?,
             whole_length_mm: length_mm,
             whole_pressure_mpa: pressure_mpa,
@@ -343,6 +350,10 @@ impl Rubber {
 fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
 }
+
+mod state;
+
+pub(crate) use state::PlantState;
 
 #[cfg(test)]
 mod tests;

@@ -39,6 +39,13 @@ pub(crate) fn boot_text(seed: u64, robot: &str, start_us: u64, boot: u64) -> Str
     format!("sim-{:016x}", hash.0)
 }
 
+/// A short mark of a text: the same on every machine and in every version.
+pub(crate) fn digest(text: &str) -> u64 {
+    let mut hash = Fnv::new(0);
+    hash.add(text.as_bytes());
+    hash.0
+}
+
 /// A normal deviate with that standard deviation.
 pub(crate) fn normal(stream: &mut ChaCha8Rng, standard_deviation: f64) -> f64 {
     let unit: f64 = StandardNormal.sample(stream);

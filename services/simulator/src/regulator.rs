@@ -71,6 +71,13 @@ impl Regulator {
         }
     }
 
+    /// Finds a chamber with a pressure that it does not remember having set.
+    pub(crate) fn find(&mut self, pressure_mpa: f64) {
+        self.pressure_mpa = pressure_mpa;
+        self.reading_mpa = stepped(pressure_mpa);
+        self.reference_mpa = self.reading_mpa;
+    }
+
     /// Sets a new target, to be approached at that rate.
     pub fn set(&mut self, target_mpa: f64, slew_mpa_per_s: f64) {
         self.target_mpa = target_mpa;

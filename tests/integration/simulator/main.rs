@@ -7,6 +7,7 @@
 )]
 
 mod load;
+mod state;
 
 use std::collections::BTreeSet;
 

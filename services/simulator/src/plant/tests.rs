@@ -135,3 +135,42 @@ fn deflections_told_wrongly_leave_the_strain_alone() {
     assert!((wrong.deflection_mm / right.deflection_mm - 1.1).abs() < 1e-3);
     assert_eq!((wrong.strain, wrong.ratio), (right.strain, right.ratio));
 }
+
+#[test]
+fn a_whisker_that_is_taken_up_goes_on_as_if_nothing_had_been() {
+    let mut one = plant(1, 0.03, Noise::default());
+    one.trim(5, 65.0);
+    one.erode(6, 0.01, 60.0);
+    one.drift(2e-7, 4e-4);
+    one.set_gauge(GaugeCondition::Saturated { limit_strain: 0.02 });
+    one.set_temperature(1.03, 31.0);
+    one.set_deflection_factor(1.05);
+    for _ in 0..50 {
+        one.touch(0.1).unwrap();
+    }
+    let text = serde_json::to_string(&one.state()).unwrap();
+    // Its rubber comes from the file, too: this one would be another whisker.
+    let mut other = plant(2, 0.03, Noise::default());
+    other.contact_stream = stream(1, "r", "a", 0, Purpose::Contact);
+    other.noise_stream = stream(1, "r", "a", 0, Purpose::Noise);
+    other.take_up(&serde_json::from_str(&text).unwrap()).unwrap();
+    assert_eq!(other.state(), one.state());
+    for _ in 0..50 {
+        assert_eq!(other.touch(0.1).unwrap(), one.touch(0.1).unwrap());
+    }
+    assert_eq!(other.state(), one.state());
+}
+
+#[test]
+fn a_state_that_cannot_be_is_refused() {
+    let mut plant = plant(1, 0.03, Noise::default());
+    let good = serde_json::to_value(plant.state()).unwrap();
+    for (name, value) in
+        [("length_mm", 70.1), ("length_mm", 0.0), ("deflection_factor", 0.0), ("sensitivity_factor", -1.0)]
+    {
+        let mut bad = good.clone();
+        bad[name] = value.into();
+        let refused = plant.take_up(&serde_json::from_value(bad).unwrap()).unwrap_err();
+        assert!(refused.contains(name), "{refused}");
+    }
+}

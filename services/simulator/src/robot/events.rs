@@ -48,6 +48,7 @@ impl Robot {
     /// An event of the scenario whose time has come.
     pub(super) fn happen(&mut self, event: &Event, at_us: u64, out: &mut Vec<Outgoing>) {
         let until_us = |for_s: f64| at_us.saturating_add((for_s * 1e6) as u64);
+        self.has_changed = true;
         match event.change {
             Change::Lose { fraction, for_s } => self.link.set(FaultKind::Lose, fraction, until_us(for_s)),
             Change::Repeat { fraction, for_s } => self.link.set(FaultKind::Repeat, fraction, until_us(for_s)),
@@ -81,6 +82,7 @@ impl Robot {
         let Some(whisker) = self.whiskers.get_mut(at) else {
             return;
         };
+        self.has_changed = true;
         match change {
             Change::Trim { length_mm } => whisker.plant.trim(at_us, length_mm),
             Change::Erode { rate_mm_per_contact, until_length_mm } => {

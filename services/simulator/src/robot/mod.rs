@@ -8,6 +8,7 @@
 mod events;
 mod misbehaviour;
 mod outgoing;
+mod resume;
 mod setpoints;
 mod timers;
 mod whisker;
@@ -18,6 +19,7 @@ use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{BootId, Contact, Message, Name, Receipt, RequestKind, RobotTopic, decode};
 
 pub use outgoing::Outgoing;
+pub(crate) use resume::RobotState;
 pub use whisker::Whisker;
 
 use crate::commands::Commands;
@@ -89,6 +91,8 @@ pub struct Robot {
     supervisor_heard_us: Option<u64>,
     refused: u64,
     journal: Journal,
+    /// Something happened to it since [`Robot::take_change`].
+    has_changed: bool,
 }
 
 impl Robot {
@@ -97,6 +101,11 @@ impl Robot {
     /// # Errors
     /// A whisker's calibration is none: the configuration was not checked with [`Scenario::check`].
     pub fn new(config: RobotConfig, seed: u64, start_us: u64) -> Result<Self, ModelError> {
+        Self::begin(config, seed, start_us, start_us)
+    }
+
+    /// A robot whose scenario began at `start_us`, and which makes contacts from `now_us` on.
+    fn begin(config: RobotConfig, seed: u64, start_us: u64, now_us: u64) -> Result<Self, ModelError> {
         let name = config.robot.robot.clone();
         let mut whiskers = Vec::new();
         for (array, whisker) in config.robot.whiskers() {
@@ -117,14 +126,15 @@ impl Robot {
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
             batch_until_us: None,
-            contacts: Contacts::new(start_us, config.behaviour.contacts_per_second),
-            tick_at_us: start_us + TICK_US,
-            status_at_us: start_us,
-            status_sent_us: start_us,
+            contacts: Contacts::new(now_us, config.behaviour.contacts_per_second),
+            tick_at_us: now_us + TICK_US,
+            status_at_us: now_us,
+            status_sent_us: now_us,
             events: VecDeque::new(),
             supervisor_heard_us: None,
             refused: 0,
             journal: Journal::new(config.behaviour.journal),
+            has_changed: false,
             whiskers,
             config,
         };

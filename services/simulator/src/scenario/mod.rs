@@ -4,7 +4,7 @@ mod check;
 mod event;
 mod misbehaviour;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
 
 pub use check::BadScenario;
@@ -152,7 +152,7 @@ pub struct WhiskerScenario {
 
 /// How a whisker truly differs from the built-in calibration: factors on its parameters, and which formulation
 /// of the mechanics is true.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rubber {
     /// On k2's c, 0.5 to 1.5.
@@ -168,7 +168,7 @@ pub struct Rubber {
 }
 
 /// How a factor that the paper misprints is to be read; see [`vibrissa_core::mechanics::Formulation`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum TrueFormulation {
     /// As printed.

@@ -126,3 +126,43 @@ fn a_deflection_scale_is_of_an_array() {
     assert_eq!(scaled.len(), plain.len());
     assert!(scaled.iter().zip(&plain).all(|(one, other)| (one / other - 1.2).abs() < 2e-3));
 }
+
+#[test]
+fn a_robot_that_is_taken_up_is_in_a_new_boot_and_nothing_happens_to_it_twice() {
+    let scenario = |scenario: &mut Scenario| {
+        scenario.robots[0].events.extend([
+            Event::at_contact(20, left(), 0, Change::Trim { length_mm: 60.0 }),
+            Event::at_contact(60, left(), 0, Change::Trim { length_mm: 55.0 }),
+            Event::robot_at_s(5.0, Change::SupplyLow { supply_mpa: 0.05 }),
+            Event::whisker_at_s(40.0, left(), 1, Change::GaugeOpen),
+        ]);
+    };
+    let mut before = Bench::connected(scenario);
+    before.setpoint(1, 0.05);
+    before.run(20.0);
+    assert!(before.robot.take_change() && !before.robot.take_change());
+    let text = serde_json::to_string(&before.robot.state()).unwrap();
+
+    let mut after = Bench::new(scenario);
+    after.now_us = START + 30 * S;
+    let state = serde_json::from_str(&text).unwrap();
+    after.robot = Robot::resume(after.robot.config.clone(), after.robot.seed, &state, after.now_us).unwrap();
+    assert_eq!(after.robot.true_length_mm(&left(), 0), Some(60.0));
+    assert_eq!(after.first().changes(), before.first().changes());
+    assert_eq!(after.first().plant().contacts(), before.first().plant().contacts());
+    assert_eq!(after.first().regulator().pressure_mpa(), before.first().regulator().pressure_mpa());
+    assert_eq!(after.first().regulator().target_mpa(), 0.1, "as after every restart");
+    assert_ne!(after.robot.boot_id(), before.robot.boot_id());
+    after.connect();
+    after.run(9.0);
+    assert_eq!((after.robot.whiskers()[1].plant().gauge(), after.first().changes().len()), (Gauge::Ok, 1));
+    // Its second 40 counts from its first start, its contacts from the first one.
+    after.run(2.0);
+    assert_eq!(after.robot.whiskers()[1].plant().gauge(), Gauge::Open);
+    after.run(20.0);
+    assert_eq!(after.robot.true_length_mm(&left(), 0), Some(55.0));
+    assert_eq!(after.first().changes()[1].contact, 60);
+    let statuses = after.statuses();
+    assert!(statuses.iter().all(|status| status.boot_id == *after.robot.boot_id()));
+    assert!(statuses.len() > 20 && statuses[0].seq == 0);
+}

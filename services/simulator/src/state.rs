@@ -1,0 +1,190 @@
+//! The state file: the truth about a fleet's robots, for the next process.
+//!
+//! It is written when something happens to a robot, every [`EVERY`] for wear and pressures, and at the end; always as a
+//! whole, under another name first, so that there is the file of before or the new one.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use tokio::sync::Notify;
+use tokio::time::timeout;
+
+use crate::fleet::RobotHandle;
+use crate::random::digest;
+use crate::robot::RobotState;
+use crate::scenario::Scenario;
+
+/// How old wear and pressures in the file may be: so much of them is lost if the process is killed.
+pub const EVERY: Duration = Duration::from_secs(5);
+
+/// The form of the file. Another form gets another number.
+const VERSION: u64 = 1;
+
+/// Why a state file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StateError {
+    /// It is there, but cannot be read.
+    #[error("cannot read the state file {}: {problem}", path.display())]
+    Unreadable {
+        /// Its path.
+        path: PathBuf,
+        /// Why not.
+        problem: std::io::Error,
+    },
+    /// It cannot be written.
+    #[error("cannot write the state file {}: {problem}", path.display())]
+    Unwritable {
+        /// Its path.
+        path: PathBuf,
+        /// Why not.
+        problem: std::io::Error,
+    },
+    /// It is not in the expected form, or says something that cannot be.
+    #[error("the state file {} is damaged: {problem}; remove it, and all whiskers are whole again", path.display())]
+    Damaged {
+        /// Its path.
+        path: PathBuf,
+        /// What is wrong, and where.
+        problem: String,
+    },
+    /// Another version of the program wrote it.
+    #[error(
+        "the state file {} has version {version}, and this program reads version {}: use the program that wrote it, or \
+         remove the file, and all whiskers are whole again", path.display(), VERSION
+    )]
+    OtherVersion {
+        /// Its path.
+        path: PathBuf,
+        /// The file's version.
+        version: u64,
+    },
+    /// It is about other robots, or about the same ones with other whiskers or events.
+    #[error(
+        "the state file {} is of another scenario (of fleet {fleet}, with seed {seed}), or the scenario was changed: name another \
+         file with --state-file, or remove this one, and all whiskers are whole again", path.display()
+    )]
+    OtherScenario {
+        /// Its path.
+        path: PathBuf,
+        /// The fleet in it.
+        fleet: String,
+        /// The seed in it.
+        seed: u64,
+    },
+}
+
+/// What is in the file.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Content {
+    version: u64,
+    fleet: String,
+    seed: u64,
+    /// Marks the robots, their whiskers as built in, and the events.
+    scenario: String,
+    robots: Vec<RobotState>,
+}
+
+/// What every version has.
+#[derive(Debug, Deserialize)]
+struct Head {
+    version: u64,
+}
+
+/// A scenario's state file.
+#[derive(Debug, Clone)]
+pub(crate) struct StateFile {
+    path: PathBuf,
+    fleet: String,
+    seed: u64,
+    scenario: String,
+    robots: usize,
+}
+
+impl StateFile {
+    pub(crate) fn new(path: &Path, scenario: &Scenario) -> Self {
+        // Behaviour and noise may change: they are no truth about whiskers.
+        let built = format!("{:?}", (scenario.calibration_error, &scenario.robots));
+        Self {
+            path: path.to_owned(),
+            fleet: scenario.fleet.to_string(),
+            seed: scenario.seed,
+            scenario: format!("{:016x}", digest(&built)),
+            robots: scenario.robots.len(),
+        }
+    }
+
+    /// The robots in the order of the scenario; none if there is no file yet.
+    pub(crate) fn read(&self) -> Result<Option<Vec<RobotState>>, StateError> {
+        let path = || self.path.clone();
+        let text = match std::fs::read_to_string(&self.path) {
+            Ok(text) => text,
+            Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(problem) => return Err(StateError::Unreadable { path: path(), problem }),
+        };
+        let damaged = |problem: serde_json::Error| self.unfit(problem.to_string());
+        let Head { version } = serde_json::from_str(&text).map_err(damaged)?;
+        if version != VERSION {
+            return Err(StateError::OtherVersion { path: path(), version });
+        }
+        let content: Content = serde_json::from_str(&text).map_err(damaged)?;
+        if (&content.fleet, content.seed, &content.scenario) != (&self.fleet, self.seed, &self.scenario) {
+            return Err(StateError::OtherScenario { path: path(), fleet: content.fleet, seed: content.seed });
+        }
+        if content.robots.len() != self.robots {
+            return Err(self.unfit(format!("{} robots instead of {}", content.robots.len(), self.robots)));
+        }
+        Ok(Some(content.robots))
+    }
+
+    /// A file that says something that cannot be.
+    pub(crate) fn unfit(&self, problem: String) -> StateError {
+        StateError::Damaged { path: self.path.clone(), problem }
+    }
+
+    /// Writes what is true of the robots now.
+    pub(crate) fn write(&self, robots: &[RobotHandle]) -> Result<(), StateError> {
+        let content = Content {
+            version: VERSION,
+            fleet: self.fleet.clone(),
+            seed: self.seed,
+            scenario: self.scenario.clone(),
+            robots: robots.iter().map(|robot| robot.with(|robot| robot.state())).collect(),
+        };
+        let unwritable = |problem| StateError::Unwritable { path: self.path.clone(), problem };
+        let text = serde_json::to_string_pretty(&content).map_err(|problem| unwritable(problem.into()))?;
+        replace(&self.path, &text).map_err(unwritable)
+    }
+
+    /// Writes it when something happened, and now and then; until it is dropped.
+    pub(crate) async fn keep(self, robots: Vec<RobotHandle>, changed: Arc<Notify>) {
+        let mut is_failing = false;
+        loop {
+            // Whichever comes first.
+            let _ = timeout(EVERY, changed.notified()).await;
+            // On this thread, so that whoever ends this task knows that no write is under way.
+            let written = self.write(&robots);
+            if let (Err(error), false) = (&written, is_failing) {
+                tracing::error!(%error, "a restart would forget what happens from now on");
+            }
+            is_failing = written.is_err();
+        }
+    }
+}
+
+/// Puts a text in the place of a file, on the disk and as a whole.
+fn replace(path: &Path, text: &str) -> std::io::Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let new = PathBuf::from(name);
+    let mut file = File::create(&new)?;
+    file.write_all(text.as_bytes())?;
+    file.sync_all()?;
+    std::fs::rename(&new, path)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
