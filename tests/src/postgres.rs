@@ -13,11 +13,16 @@ use sqlx::postgres::{PgConnectOptions, PgConnection};
 use sqlx::{ConnectOptions, Connection, Executor};
 use tempfile::TempDir;
 
+use crate::certificates::write;
 use crate::mosquitto::free_port;
 use crate::wait;
 
 /// The superuser, who needs no password on this machine.
 const USER: &str = "vibrissa";
+/// The role that supervisors use when they are deployed.
+const SUPERVISOR: &str = "supervisor";
+/// The shipped file that makes it.
+const SUPERVISOR_SQL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/postgres/supervisor.sql");
 /// The database that is there from the start, empty.
 const DATABASE: &str = "vibrissa";
 /// How long an orderly end may take before it is a disorderly one.
@@ -53,6 +58,34 @@ impl Postgres {
         connection.execute("CREATE DATABASE vibrissa").await.expect("a new server");
         connection.close().await.expect("a connection of ours");
         server
+    }
+
+    /// Starts a server in which supervisors have the role that is shipped: [`Self::supervisor_url`].
+    ///
+    /// # Panics
+    /// As [`Self::start`].
+    pub async fn start_with_supervisor() -> Self {
+        let server = Self::start().await;
+        server.make_supervisor();
+        server
+    }
+
+    /// Runs the shipped `deploy/postgres/supervisor.sql` in its database.
+    ///
+    /// # Panics
+    /// It fails.
+    pub fn make_supervisor(&self) {
+        let password = write(self.folder.path(), "supervisor.password", "none\n");
+        let mut psql = self.client("psql");
+        psql.args(["-X", "-q", "-d", DATABASE, "-f", SUPERVISOR_SQL]).env("SUPERVISOR_PASSWORD_FILE", password);
+        let ended = psql.output().expect("psql must be installed for this test");
+        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    }
+
+    /// Its database's URL for the role of [`Self::make_supervisor`], as seen through that port of 127.0.0.1.
+    #[must_use]
+    pub fn supervisor_url(port: u16) -> String {
+        format!("postgres://{SUPERVISOR}:none@127.0.0.1:{port}/{DATABASE}")
     }
 
     /// Where it listens, on 127.0.0.1.

@@ -11,6 +11,7 @@ mod redo;
 mod refused;
 mod restore;
 mod retention;
+mod role;
 mod rows;
 mod schema;
 mod supervisors;
@@ -37,9 +38,10 @@ impl Fresh {
         Self { store, address, server: None, _folder: Some(folder) }
     }
 
+    /// With the role that is shipped, which must be enough.
     async fn postgres() -> Self {
-        let server = Postgres::start().await;
-        let address: DatabaseAddress = Postgres::url(server.port()).parse().unwrap();
+        let server = Postgres::start_with_supervisor().await;
+        let address: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();
         Self { store, address, server: Some(server), _folder: None }

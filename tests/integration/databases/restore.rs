@@ -263,8 +263,9 @@ async fn a_restored_sqlite_goes_on_with_robots_that_have_seen_more() {
 
 #[tokio::test]
 async fn a_restored_postgres_goes_on_with_robots_that_have_seen_more() {
-    let (broker, server, folder) = (Mosquitto::start(), Postgres::start().await, tempfile::tempdir().unwrap());
-    let database: DatabaseAddress = Postgres::url(server.port()).parse().unwrap();
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let server = Postgres::start_with_supervisor().await;
+    let database: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();
     let dump = folder.path().join("vibrissa.dump");
     let mut dumping = server.client("pg_dump");
     dumping.args(["--format=custom", "--dbname=vibrissa", "--file"]).arg(&dump);
@@ -280,6 +281,7 @@ async fn a_restored_postgres_goes_on_with_robots_that_have_seen_more() {
     run("dropdb", &["--force", "vibrissa"]);
     run("createdb", &["vibrissa"]);
     run("pg_restore", &["--dbname=vibrissa", "--exit-on-error", "--single-transaction", dump.to_str().unwrap()]);
+    server.make_supervisor();
     goes_on(&database, &broker, &mut robot).await;
 }
 

@@ -37,12 +37,13 @@ pub(crate) struct Replica {
 
 impl Stage {
     async fn new() -> Self {
-        Self { broker: Mosquitto::start(), server: Postgres::start().await, folder: tempfile::tempdir().unwrap() }
+        let server = Postgres::start_with_supervisor().await;
+        Self { broker: Mosquitto::start(), server, folder: tempfile::tempdir().unwrap() }
     }
 
     /// A supervisor of these fleets.
     fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
-        let database = Postgres::url(self.server.port());
+        let database = Postgres::supervisor_url(self.server.port());
         Replica::start(self.folder.path(), name, fleets, &database, self.broker.port(), time_to_live_s)
     }
 
@@ -151,6 +152,11 @@ impl Replica {
     /// Kills it, as a power failure would.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
+    }
+
+    /// What it answers to GET of that path.
+    pub(crate) async fn get(&self, path: &str) -> String {
+        try_get(([127, 0, 0, 1], self.http).into(), path).await.unwrap().1
     }
 
     /// What `/readyz` says; none while nobody answers.

@@ -1,0 +1,120 @@
+//! The role that supervisors are deployed with: enough for all that they do, and for nothing else.
+
+use std::path::Path;
+
+use sqlx::{ConnectOptions, Connection, Executor};
+use vibrissa::store::DatabaseAddress;
+use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::wait::until_true;
+
+use crate::supervisors::{Replica, start_fleet};
+
+const GRAFANA_SQL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/postgres/grafana.sql");
+
+/// Runs a supervisor until it has recorded contacts of robots, and gives what it said.
+async fn works(database: &str, server: &Postgres, broker: &Mosquitto, folder: &Path, name: &str) -> String {
+    let mut replica = Replica::start(folder, name, "f", database, broker.port(), 2.0);
+    replica.says(200, "true").await;
+    let fleet = start_fleet("f", broker.port());
+    let mut link = server.connect().connect().await.unwrap();
+    let goal: i64 = sqlx::query_scalar("SELECT count(*) + 100 FROM contacts").fetch_one(&mut link).await.unwrap();
+    until_true("contacts recorded", async || {
+        sqlx::query_scalar::<_, i64>("SELECT count(*) FROM contacts").fetch_one(&mut link).await.unwrap() >= goal
+    })
+    .await;
+    until_true("the tables in order", async || {
+        let metrics = replica.get("/metrics").await;
+        assert!(metrics.contains("vibrissa_upkeep_errors_total 0\n"), "{metrics}");
+        metrics.lines().any(|line| {
+            line.strip_prefix("vibrissa_upkeep_timestamp_seconds ")
+                .is_some_and(|value| value.parse::<f64>().unwrap() > 0.0)
+        })
+    })
+    .await;
+    fleet.stop().await;
+    replica.terminate().await;
+    std::fs::read_to_string(folder.join(name)).unwrap()
+}
+
+async fn of_superuser(server: &Postgres, sql: &'static str) -> i64 {
+    sqlx::query_scalar(sql).fetch_one(&mut server.connect().connect().await.unwrap()).await.unwrap()
+}
+
+/// Tables of ours that do not belong to the role.
+const OTHERS_TABLES: &str = "SELECT count(*) FROM pg_class WHERE relnamespace = 'public'::regnamespace \
+                             AND relkind IN ('r', 'p', 'i', 'I', 'S') AND pg_get_userbyid(relowner) <> 'supervisor'";
+const ROLE_IS_MORE: &str = "SELECT count(*) FROM pg_roles WHERE rolname = 'supervisor' \
+                            AND (rolsuper OR rolcreatedb OR rolcreaterole OR rolreplication OR rolbypassrls)";
+
+#[tokio::test]
+async fn regress_a_supervisor_needs_no_superuser() {
+    let (broker, server) = (Mosquitto::start(), Postgres::start_with_supervisor().await);
+    let folder = tempfile::tempdir().unwrap();
+    let url = Postgres::supervisor_url(server.port());
+    let log = works(&url, &server, &broker, folder.path(), "s").await;
+    assert!(!log.contains("permission denied") && log.contains("partition made"), "{log}");
+    assert_eq!(of_superuser(&server, OTHERS_TABLES).await, 0);
+    assert_eq!(of_superuser(&server, ROLE_IS_MORE).await, 0);
+
+    // A back-up needs no more either, and Grafana's role can be made.
+    let dump = folder.path().join("vibrissa.dump");
+    let mut dumping = server.client("pg_dump");
+    dumping.env("PGUSER", "supervisor").args(["--format=custom", "--dbname=vibrissa", "--file"]).arg(dump);
+    let ended = dumping.output().unwrap();
+    assert!(ended.status.success(), "{ended:?}");
+    let password = folder.path().join("grafana");
+    std::fs::write(&password, "none").unwrap();
+    let mut psql = server.client("psql");
+    psql.args(["-X", "-q", "-d", "vibrissa", "-f", GRAFANA_SQL]).env("GRAFANA_PASSWORD_FILE", password);
+    let ended = psql.output().unwrap();
+    assert!(ended.status.success(), "{ended:?}");
+    let DatabaseAddress::Postgres(supervisor) = url.parse().unwrap() else { panic!("no PostgreSQL: {url}") };
+    let mut grafana = supervisor.username("grafana").connect().await.unwrap();
+    let seen: i64 = sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(&mut grafana).await.unwrap();
+    assert!(seen >= 100, "{seen}");
+}
+
+#[tokio::test]
+async fn the_role_can_do_nothing_else_on_the_server() {
+    let server = Postgres::start_with_supervisor().await;
+    let DatabaseAddress::Postgres(supervisor) = Postgres::supervisor_url(server.port()).parse().unwrap() else {
+        panic!("no PostgreSQL")
+    };
+    let mut link = supervisor.connect().await.unwrap();
+    for forbidden in [
+        "CREATE ROLE other",
+        "CREATE DATABASE other",
+        "CREATE SCHEMA other",
+        "CREATE EXTENSION dblink",
+        "ALTER ROLE supervisor SUPERUSER",
+        "SELECT rolpassword FROM pg_authid",
+        "COPY (SELECT 1) TO PROGRAM 'true'",
+        "SELECT pg_read_file('postgresql.conf')",
+        "ALTER SYSTEM SET fsync = off",
+    ] {
+        let problem = link.execute(forbidden).await.expect_err(forbidden).to_string();
+        assert!(problem.contains("permission denied") || problem.contains("must be"), "{forbidden}: {problem}");
+    }
+    link.close().await.unwrap();
+    let mut administrator = server.connect().connect().await.unwrap();
+    administrator.execute("CREATE ROLE stranger LOGIN").await.unwrap();
+    let refused = supervisor.username("stranger").connect().await.expect_err("nobody else may connect");
+    assert!(refused.to_string().contains("permission denied"), "{refused}");
+}
+
+/// A database from before the role: the superuser made it and owns all of it.
+#[tokio::test]
+async fn a_database_of_the_superuser_becomes_the_roles_and_goes_on() {
+    let (broker, server) = (Mosquitto::start(), Postgres::start().await);
+    let folder = tempfile::tempdir().unwrap();
+    works(&Postgres::url(server.port()), &server, &broker, folder.path(), "before").await;
+    assert_ne!(of_superuser(&server, "SELECT count(*) FROM pg_class WHERE relname = 'leases'").await, 0);
+    // Twice, as whoever is not sure would.
+    server.make_supervisor();
+    server.make_supervisor();
+    assert_eq!(of_superuser(&server, OTHERS_TABLES).await, 0);
+    let url = Postgres::supervisor_url(server.port());
+    let log = works(&url, &server, &broker, folder.path(), "after").await;
+    assert!(!log.contains("permission denied"), "{log}");
+}
