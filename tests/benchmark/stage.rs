@@ -16,7 +16,8 @@ use vibrissa_tests::web;
 
 const SHIPPED: &str = include_str!("../../deploy/mosquitto/mosquitto.conf");
 /// Settings of the shipped broker that say who is let in.
-const ACCESS: [&str; 3] = ["allow_anonymous ", "password_file ", "acl_file "];
+const ACCESS: [&str; 5] =
+    ["per_listener_settings ", "allow_anonymous ", "password_file ", "acl_file ", "use_username_as_clientid "];
 /// How long a start with many whiskers may take.
 const READY_PATIENCE: Duration = Duration::from_secs(120);
 const READY_PAUSE: Duration = Duration::from_millis(5);

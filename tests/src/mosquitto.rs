@@ -18,6 +18,9 @@ use crate::certificates::{Authority, Identity, write};
 /// it is down.
 const PORTS: std::ops::Range<u16> = 12_000..30_000;
 
+/// How a configuration begins the settings of a listener.
+const LISTENER: &str = "listener ";
+
 /// The name of OpenSSL's settings in a broker's folder, if it has any.
 const OPENSSL_SETTINGS: &str = "openssl.cnf";
 const TLS_1_2_SETTINGS: &str = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]\nsystem_default = limits\n\
@@ -28,6 +31,7 @@ const TLS_1_2_SETTINGS: &str = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]
 pub struct Mosquitto {
     process: Child,
     port: u16,
+    supervisor_port: u16,
     folder: TempDir,
     log: Log,
 }
@@ -51,6 +55,7 @@ impl Drop for Frozen {
 pub struct Builder {
     tls: Option<Tls>,
     users: Vec<(String, String)>,
+    supervisors: Vec<(String, String)>,
     acl: Option<String>,
     lines: Vec<String>,
     has_default_limits: bool,
@@ -94,6 +99,13 @@ impl Builder {
         self
     }
 
+    /// A user of the supervisors' listener in a configuration from [`Self::file`].
+    #[must_use]
+    pub fn supervisor(mut self, name: &str, password: &str) -> Self {
+        self.supervisors.push((name.to_owned(), password.to_owned()));
+        self
+    }
+
     /// Who may read and write what: the text of an `acl_file`.
     #[must_use]
     pub fn acl(mut self, text: &str) -> Self {
@@ -115,8 +127,8 @@ impl Builder {
         self
     }
 
-    /// Takes the configuration from that text, such as a file that is shipped: the first listener's port, the
-    /// paths of files and the user that it runs as are put in.
+    /// Takes the configuration from that text, such as a file that is shipped: the ports of its listeners (the first for
+    /// robots, the second, if there is one, for supervisors), the paths of files and the user that it runs as are put in.
     #[must_use]
     pub fn file(mut self, text: &str) -> Self {
         self.file = Some(text.to_owned());
@@ -132,20 +144,23 @@ impl Builder {
         let folder = tempfile::tempdir().expect("a temporary folder");
         // Between the look at a port and the broker's start another test may take it.
         for _ in 0..5 {
-            let port = free_port();
-            self.configure(folder.path(), port);
+            let (port, second) = (free_port(), free_port());
+            self.configure(folder.path(), [port, second]);
             let log = Log::default();
             if let Some(process) = run(folder.path(), &log) {
-                return Mosquitto { process, port, folder, log };
+                let listeners =
+                    self.file.iter().flat_map(|text| text.lines()).filter(|line| line.starts_with(LISTENER));
+                let supervisor_port = if listeners.count() > 1 { second } else { port };
+                return Mosquitto { process, port, supervisor_port, folder, log };
             }
         }
         panic!("Mosquitto did not start");
     }
 
-    fn configure(&self, folder: &Path, port: u16) {
+    fn configure(&self, folder: &Path, ports: [u16; 2]) {
         let mut settings = match &self.file {
-            Some(text) => substituted(text, folder, port),
-            None => self.settings(folder, port),
+            Some(text) => substituted(text, folder, ports),
+            None => self.settings(folder, ports[0]),
         };
         // As root it would change to a user that cannot read the folder.
         settings.push("user root".to_owned());
@@ -164,6 +179,9 @@ impl Builder {
         }
         for (name, password) in &self.users {
             add_user(&folder.join("passwords"), name, password);
+        }
+        for (name, password) in &self.supervisors {
+            add_user(&folder.join("supervisor_passwords"), name, password);
         }
     }
 
@@ -193,13 +211,14 @@ impl Builder {
     }
 }
 
-/// A shipped configuration with what must differ in a test: port, paths and where the log goes.
-fn substituted(text: &str, folder: &Path, port: u16) -> Vec<String> {
+/// A shipped configuration with what must differ in a test: ports, paths and where the log goes.
+fn substituted(text: &str, folder: &Path, ports: [u16; 2]) -> Vec<String> {
+    let mut ports = ports.into_iter();
     let line = |line: &str| {
         let Some((setting, value)) = line.split_once(' ') else { return line.to_owned() };
         let file = || Path::new(value).file_name().expect("a file").to_string_lossy().into_owned();
         match setting {
-            "listener" => format!("listener {port} 127.0.0.1"),
+            "listener" => format!("{LISTENER}{} 127.0.0.1", ports.next().expect("at most two listeners")),
             // With its information it says that it runs.
             "log_dest" => "log_dest stderr\nlog_type information".to_owned(),
             "password_file" | "acl_file" | "certfile" | "keyfile" | "cafile" => {
@@ -259,6 +278,12 @@ impl Mosquitto {
     #[must_use]
     pub fn port(&self) -> u16 {
         self.port
+    }
+
+    /// Where it listens for supervisors, on 127.0.0.1: [`Self::port`] unless its configuration has a second listener.
+    #[must_use]
+    pub fn supervisor_port(&self) -> u16 {
+        self.supervisor_port
     }
 
     /// Its process.

@@ -69,6 +69,12 @@ impl Client {
         .await
     }
 
+    /// Waits until the broker has ended the connection.
+    pub(crate) async fn ended(&mut self) {
+        let all = async { while self.events.recv().await.is_some() {} };
+        tokio::time::timeout(PATIENCE, all).await.expect("the connection still stands");
+    }
+
     /// Every topic that was heard, once `last` has come.
     pub(crate) async fn heard_until(mut self, last: &str) -> Vec<String> {
         while !self.heard.iter().any(|topic| topic == last) {

@@ -8,11 +8,13 @@
 
 mod client;
 mod link;
+mod raw;
 mod recorder;
 mod running;
 
 mod access;
 mod files;
+mod limits;
 mod recovery;
 mod refusals;
 mod secrecy;

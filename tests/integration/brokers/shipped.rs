@@ -17,7 +17,7 @@ const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/mosquitto"
 #[tokio::test]
 async fn the_service_records_through_the_broker_in_plain_text() {
     let broker = shipped(PLAIN).start();
-    let running = Running::start(with_password(plain(broker.port()), "vibrissa")).await;
+    let running = Running::start(with_password(plain(broker.supervisor_port()), "vibrissa")).await;
     let fleet = fleet(broker.port(), None);
     everything_is_recorded(&fleet, &running, 200).await;
     fleet.stop().await;
@@ -30,7 +30,7 @@ async fn the_service_records_through_the_broker_with_tls() {
     let authority = Authority::new("ours");
     let ca_file = write(folder.path(), "ca.crt", &authority.certificate());
     let broker = shipped(TLS).tls(authority.server(&["localhost"], Validity::Now)).start();
-    let running = Running::start(with_password(tls(broker.port(), &ca_file), "vibrissa")).await;
+    let running = Running::start(with_password(tls(broker.supervisor_port(), &ca_file), "vibrissa")).await;
     let fleet = fleet(broker.port(), Some(&ca_file));
     everything_is_recorded(&fleet, &running, 200).await;
     fleet.stop().await;
@@ -42,7 +42,8 @@ fn script(name: &str, arguments: &[&str]) -> Output {
 }
 
 async fn is_let_in(broker: &Mosquitto, user: &str, password: &str) -> bool {
-    Client::connect(broker.port(), &Who { id: "c", user: Some((user, password)), ..Who::default() }).await.is_some()
+    let port = if user == "vibrissa" { broker.supervisor_port() } else { broker.port() };
+    Client::connect(port, &Who { id: "c", user: Some((user, password)), ..Who::default() }).await.is_some()
 }
 
 #[tokio::test]
@@ -82,8 +83,10 @@ async fn the_passwords_that_are_made_let_in_their_users_and_stay_as_they_are() {
     let read = |name: &str| std::fs::read_to_string(folder.path().join("secrets").join(name)).unwrap();
     assert!(script("../make-secrets", &[&place]).status.success());
     let made = read("mosquitto_passwords");
+    let made_for_supervisors = read("mosquitto_supervisor_passwords");
     assert!(script("../make-secrets", &[&place]).status.success());
     assert_eq!(read("mosquitto_passwords"), made);
+    assert_eq!(read("mosquitto_supervisor_passwords"), made_for_supervisors);
 
     let (supervisor, robots) = (read("supervisor_mqtt_password"), read("robots_mqtt_password"));
     let (supervisor, robots) = (supervisor.trim_end(), robots.trim_end());
@@ -91,6 +94,7 @@ async fn the_passwords_that_are_made_let_in_their_users_and_stay_as_they_are() {
     assert!(!made.contains(supervisor) && !made.contains(robots));
     let mut broker = shipped(PLAIN).start();
     write(broker.folder(), "passwords", &made);
+    write(broker.folder(), "supervisor_passwords", &made_for_supervisors);
     broker.kill();
     broker.restart();
     assert!(is_let_in(&broker, "vibrissa", supervisor).await);

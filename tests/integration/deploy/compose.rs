@@ -87,10 +87,107 @@ fn two_supervisors_share_all_but_their_names_and_ports() {
     let services = services();
     let [first, second] = ["supervisor-1", "supervisor-2"].map(|name| services[name].as_object().unwrap().clone());
     for (key, value) in &first {
-        let own = ["hostname", "ports"].contains(&key.as_str());
+        let own = ["hostname", "ports", "build", "depends_on"].contains(&key.as_str());
         assert_eq!(second.get(key) != Some(value), own, "{key}");
     }
-    assert_eq!(first["environment"]["VIBRISSA_DATABASE_URL"], "postgres://vibrissa@postgres:5432/vibrissa");
+    assert_eq!(first["environment"]["VIBRISSA_DATABASE_URL"], "postgres://supervisor@postgres:5432/vibrissa");
+    assert_eq!(first["environment"]["VIBRISSA_MQTT_URL"], "mqtt://broker:1884", "the supervisors' listener");
+}
+
+/// Newer versions of Compose refuse two builds of one name.
+#[test]
+fn regress_each_image_is_built_once_and_nothing_built_is_fetched() {
+    let mut built = BTreeMap::new();
+    for (name, service) in services().into_iter().filter(|(_, service)| service.get("build").is_some()) {
+        let twice = built.insert(service["image"].as_str().unwrap(), name);
+        assert_eq!(twice, None, "{name}");
+    }
+    for (name, service) in services() {
+        let image = service["image"].as_str().unwrap();
+        if image.starts_with("vibrissa") && service.get("build").is_none() {
+            assert_eq!(service["pull_policy"], "never", "{name}");
+            assert!(service["depends_on"].get(built[image]).is_some(), "{name} may start before {image} is built");
+        }
+    }
+    assert_eq!(built.keys().copied().collect::<Vec<_>>(), ["vibrissa-simulator:0.1.0", "vibrissa:0.1.0"]);
+}
+
+#[test]
+fn regress_every_log_is_limited() {
+    for (name, service) in services() {
+        let options = service["logging"]["options"].as_object().unwrap_or_else(|| panic!("{name}: {service}"));
+        assert_eq!(service["logging"]["driver"], "json-file", "{name}");
+        assert!(options.contains_key("max-size") && options.contains_key("max-file"), "{name}: {options:?}");
+    }
+}
+
+/// Each folder that an image declares as a volume: Docker makes an anonymous one where the file says nothing, and it stays.
+#[test]
+fn regress_no_image_leaves_an_anonymous_volume() {
+    for (name, folders) in [
+        ("broker", &["/mosquitto/data", "/mosquitto/log"][..]),
+        ("postgres", &["/var/lib/postgresql/data"]),
+        ("grafana-role", &["/var/lib/postgresql/data"]),
+        ("prometheus", &["/prometheus"]),
+    ] {
+        let service = services()[name];
+        let volumes = service["volumes"].as_array().into_iter().flatten();
+        let mut mounted: Vec<&str> = volumes
+            .map(|volume| match volume.as_str() {
+                Some(text) => text.split(':').nth(1).unwrap(),
+                None => volume["target"].as_str().unwrap(),
+            })
+            .collect();
+        mounted.extend(texts(&service["tmpfs"]).into_iter().map(|tmpfs| tmpfs.split(':').next().unwrap()));
+        for folder in folders {
+            assert!(mounted.contains(folder), "{name}: {folder} is not among {mounted:?}");
+        }
+    }
+}
+
+#[test]
+fn folders_in_memory_say_whose_they_are() {
+    for (name, service) in services() {
+        for folder in texts(&service["tmpfs"]) {
+            let (path, options) = folder.split_once(':').unwrap_or_else(|| panic!("{name}: {folder} has no options"));
+            let has = |option: &str| options.split(',').any(|one| one.starts_with(option));
+            assert!(has("mode=") && (path == "/tmp" || (has("uid=") && has("gid="))), "{name}: {folder}");
+        }
+    }
+}
+
+#[test]
+fn the_broker_gets_its_access_list_as_a_secret() {
+    let broker = services()["broker"];
+    let targets: Vec<&str> =
+        broker["secrets"].as_array().unwrap().iter().map(|one| one["target"].as_str().unwrap()).collect();
+    let configuration = std::fs::read_to_string(project().join("deploy/mosquitto/mosquitto.conf")).unwrap();
+    for line in configuration.lines().filter(|line| line.contains("_file ")) {
+        let (_, path) = line.split_once(' ').unwrap();
+        assert!(targets.contains(&path), "{line} is not among {targets:?}");
+    }
+}
+
+/// The image runs what is in the folder, in the new database.
+#[test]
+fn the_database_makes_the_supervisors_role() {
+    let postgres = services()["postgres"];
+    let mounted = postgres["volumes"].as_array().unwrap().iter().any(|volume| {
+        let text = volume.to_string();
+        text.contains("deploy/postgres/supervisor.sql") && text.contains("/docker-entrypoint-initdb.d/supervisor.sql")
+    });
+    assert!(mounted, "{postgres}");
+    let password = postgres["environment"]["SUPERVISOR_PASSWORD_FILE"].as_str().unwrap();
+    assert_eq!(password, "/run/secrets/postgres_supervisor_password");
+    assert!(postgres["secrets"].to_string().contains("postgres_supervisor_password"));
+}
+
+#[test]
+fn the_simulators_state_outlives_its_container() {
+    let simulator = services()["simulator"];
+    let file = simulator["environment"]["VIBRISSA_STATE_FILE"].as_str().unwrap();
+    let folder = file.rsplit_once('/').unwrap().0;
+    assert!(simulator["volumes"].to_string().contains(folder), "{simulator}");
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn the_example_configuration_uncommented_gives_the_defaults() {
 #[test]
 fn variables_of_the_deployment_files_are_the_programs() {
     // The simulator's own, and names that only tell what is possible.
-    let others = ["VIBRISSA_SCENARIO"];
+    let others = ["VIBRISSA_SCENARIO", "VIBRISSA_STATE_FILE"];
     for file in ["Dockerfile", "docker-compose.yml", "deploy/systemd/vibrissa.service", "deploy/supervisor/readyz.sh"] {
         let text = std::fs::read_to_string(project().join(file)).unwrap();
         let is_part = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';

@@ -52,23 +52,29 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
     let (first, elsewhere) = (make(one.path(), true), make(other.path(), true));
     let names = [
         "grafana_postgres_password",
+        "mosquitto_acl",
         "mosquitto_passwords",
+        "mosquitto_supervisor_passwords",
         "postgres_grafana_password",
         "postgres_password",
+        "postgres_supervisor_password",
         "robots_mqtt_password",
         "supervisor_http_token",
         "supervisor_mqtt_password",
         "supervisor_postgres_password",
     ];
     assert_eq!(first.keys().collect::<Vec<_>>(), names);
-    assert_eq!(first["postgres_password"], first["supervisor_postgres_password"]);
+    assert_eq!(first["postgres_supervisor_password"], first["supervisor_postgres_password"]);
+    assert_ne!(first["postgres_password"], first["supervisor_postgres_password"], "it belongs to the superuser");
+    let acl = std::fs::read_to_string(project().join("deploy/mosquitto/acl")).unwrap();
+    assert_eq!(first["mosquitto_acl"], acl);
     assert_eq!(first["grafana_postgres_password"], first["postgres_grafana_password"]);
     assert_ne!(first["grafana_postgres_password"], first["postgres_password"]);
     assert_ne!(first["supervisor_mqtt_password"], first["robots_mqtt_password"]);
-    for name in names {
-        assert_ne!(first[name], elsewhere[name], "{name}");
+    for name in names.iter().filter(|name| **name != "mosquitto_acl") {
+        assert_ne!(first[*name], elsewhere[*name], "{name}");
     }
-    for name in names.iter().filter(|name| **name != "mosquitto_passwords") {
+    for name in names.iter().filter(|name| !name.starts_with("mosquitto_")) {
         assert_eq!(first[*name].trim_end().len(), 32, "{name}");
     }
     assert_eq!(make(one.path(), true), first);
@@ -80,13 +86,36 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
 }
 
 #[test]
+fn regress_supervisors_do_not_keep_the_superusers_password_from_an_earlier_version() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = make(folder.path(), true);
+    for name in ["supervisor_postgres_password", "postgres_supervisor_password"] {
+        std::fs::write(folder.path().join(name), &first["postgres_password"]).unwrap();
+    }
+    let again = make(folder.path(), true);
+    assert_eq!(again["postgres_password"], first["postgres_password"]);
+    assert_ne!(again["supervisor_postgres_password"], first["postgres_password"]);
+    assert_eq!(again["supervisor_postgres_password"], again["postgres_supervisor_password"]);
+}
+
+#[test]
+fn a_changed_access_list_is_copied_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = make(folder.path(), true);
+    std::fs::write(folder.path().join("mosquitto_acl"), "user old\n").unwrap();
+    assert_eq!(make(folder.path(), true), first);
+}
+
+#[test]
 fn the_brokers_users_are_those_of_its_access_list_with_hashes_only() {
     for with_mosquitto in [true, false] {
         let folder = tempfile::tempdir().unwrap();
         let files = make(folder.path(), with_mosquitto);
-        let passwords = &files["mosquitto_passwords"];
-        let users: Vec<&str> = passwords.lines().map(|line| line.split(':').next().unwrap()).collect();
-        assert_eq!(users, ["vibrissa", "example/crawler-1", "example/crawler-2"]);
+        let users =
+            |name: &str| -> Vec<&str> { files[name].lines().map(|line| line.split(':').next().unwrap()).collect() };
+        assert_eq!(users("mosquitto_passwords"), ["example/crawler-1", "example/crawler-2"]);
+        assert_eq!(users("mosquitto_supervisor_passwords"), ["vibrissa"]);
+        let passwords = [files["mosquitto_passwords"].as_str(), &files["mosquitto_supervisor_passwords"]].concat();
         for line in passwords.lines() {
             let parts: Vec<&str> = line.split('$').collect();
             assert_eq!((parts.len(), parts[1], parts[2]), (5, "7", "101"), "{line}");
@@ -106,9 +135,13 @@ fn only_who_reads_a_password_can() {
     assert_eq!(folder.path().metadata().unwrap().mode() & 0o777, 0o700);
     let owners = [
         ("grafana_postgres_password", 472),
+        ("mosquitto_acl", 1883),
         ("mosquitto_passwords", 1883),
+        ("mosquitto_supervisor_passwords", 1883),
         ("postgres_grafana_password", 999),
         ("postgres_password", 999),
+        ("postgres_supervisor_password", 999),
+        ("supervisor_postgres_password", 10001),
         ("supervisor_mqtt_password", 10001),
     ];
     for (name, owner) in owners {
