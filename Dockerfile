@@ -3,7 +3,11 @@
 #   docker build --target supervisor -t vibrissa .
 #   docker build --target simulator -t vibrissa-simulator .
 
-FROM rust:1.95-slim-bookworm AS build
+# Where to take the base images from.
+ARG RUST_IMAGE=rust:1.95-slim-bookworm
+ARG DEBIAN_IMAGE=debian:bookworm-slim
+
+FROM ${RUST_IMAGE} AS build
 WORKDIR /src
 COPY . .
 # Dependencies stay built in the cache, which is not a layer: the programs are copied out of it.
@@ -12,7 +16,7 @@ RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     cargo build --release --locked -p vibrissa -p vibrissa-simulator --bins \
     && install -D -t /out target/release/vibrissa target/release/vibrissa-simulator
 
-FROM debian:bookworm-slim AS runtime
+FROM ${DEBIAN_IMAGE} AS runtime
 # The folder's owner becomes that of a named volume mounted on it.
 RUN useradd --uid 10001 --user-group --no-create-home --home-dir /var/lib/vibrissa --shell /usr/sbin/nologin vibrissa \
     && install -d -o vibrissa -g vibrissa /var/lib/vibrissa

@@ -1,0 +1,110 @@
+"""The container engine: the one that runs, or one of its own that ends with the check."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+# How long the daemon may take to start or to end, s.
+DAEMON_PATIENCE_S = 60
+
+
+def run(*command, **options):
+    """Runs a command that must succeed; its output as text."""
+    ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    if ended.returncode != 0:
+        raise RuntimeError(f"{' '.join(map(str, command))} ended with {ended.returncode}:\n{ended.stdout}{ended.stderr}")
+    return ended.stdout
+
+
+def client_with_buildkit():
+    """The folder of a docker client that can build with BuildKit: it has it built in before version 23, or as a plug-in."""
+    for folder in os.environ["PATH"].split(os.pathsep):
+        client = Path(folder, "docker")
+        if not os.access(client, os.X_OK):
+            continue
+        if subprocess.run([client, "buildx", "version"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0:
+            return folder
+        version = run(client, "--version").removeprefix("Docker version ").split(".")[0]
+        if version.isdigit() and int(version) < 23:
+            return folder
+    raise RuntimeError("no docker client with BuildKit: install docker.io of Debian 12, or docker-buildx beside a newer one")
+
+
+class Engine:
+    """Use as a context: a daemon that was started here is stopped, and its files go with the folder."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.daemon = None
+
+    def __enter__(self):
+        os.environ["PATH"] = client_with_buildkit() + os.pathsep + os.environ["PATH"]
+        os.environ["DOCKER_BUILDKIT"] = "1"
+        if self._answers():
+            print("the container engine that runs here is used")
+            return self
+        socket = self.folder / "docker.sock"
+        os.environ["DOCKER_HOST"] = f"unix://{socket}"
+        log = open(self.folder / "dockerd.log", "w")
+        self.daemon = subprocess.Popen(
+            ["dockerd", "--data-root", self.folder / "docker", "--exec-root", self.folder / "exec",
+             "--pidfile", self.folder / "docker.pid", "--host", f"unix://{socket}"],
+            stdout=log, stderr=log,
+        )
+        deadline = time.monotonic() + DAEMON_PATIENCE_S
+        while not self._answers():
+            if self.daemon.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError("dockerd did not start:\n" + (self.folder / "dockerd.log").read_text()[-3000:])
+            time.sleep(0.2)
+        print("dockerd was started, with a folder of its own")
+        return self
+
+    def __exit__(self, *_):
+        if self.daemon is None or self.daemon.poll() is not None:
+            return
+        self.daemon.send_signal(signal.SIGTERM)
+        try:
+            self.daemon.wait(DAEMON_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.daemon.kill()
+            self.daemon.wait()
+
+    @staticmethod
+    def _answers():
+        return subprocess.run(["docker", "info"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
+
+class Images:
+    """Stand-ins for the images that the stack names, under tags of their own; all go with `remove`."""
+
+    def __init__(self, folder, prefix, binaries, archives=None):
+        self.folder, self.prefix, self.binaries = Path(folder), prefix, Path(binaries)
+        self.archives = Path(archives) if archives else self.folder / "archives"
+        self.made = []
+
+    def tag(self, name):
+        return f"{self.prefix}-{name}:check"
+
+    def make(self):
+        here = Path(__file__).parent / "standins"
+        if not (self.archives / "servers.tar").exists():
+            self.archives.mkdir(parents=True, exist_ok=True)
+            run(here / "rootfs", self.archives)
+        for name in ("debian", "servers"):
+            run("docker", "import", self.archives / f"{name}.tar", self.tag(name))
+            self.made.append(self.tag(name))
+        context = self.folder / "standins"
+        shutil.copytree(here, context)
+        (context / "prebuilt").mkdir()
+        for program in ("vibrissa", "vibrissa-simulator"):
+            shutil.copy(self.binaries / program, context / "prebuilt")
+        for name in ("rust", "mosquitto", "postgres", "prometheus", "grafana"):
+            run("docker", "build", "--quiet", "--target", name, "--tag", self.tag(name), "--build-arg",
+                f"DEBIAN={self.tag('debian')}", "--build-arg", f"SERVERS={self.tag('servers')}", context)
+            self.made.append(self.tag(name))
+
+    def remove(self):
+        subprocess.run(["docker", "image", "rm", "--force", *self.made], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
