@@ -1,8 +1,8 @@
 -- The role that Grafana reads with: what its dashboards and alerts need, and nothing else. It can be run again, and must
--- be after an update that adds a table to the list below. psql runs it as the owner of the tables, in their database, after
+-- be after an update that adds a table to the list below. psql runs it as a superuser, in the supervisors' database, after
 -- the supervisors have made them; the role's password is in the file that GRAFANA_PASSWORD_FILE names:
 --
---   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://vibrissa@db/vibrissa'
+--   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://postgres@db/vibrissa'
 
 \set ON_ERROR_STOP on
 \set password `cat "$GRAFANA_PASSWORD_FILE"`

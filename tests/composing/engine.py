@@ -33,6 +33,11 @@ def client_with_buildkit():
     raise RuntimeError("no docker client with BuildKit: install docker.io of Debian 12, or docker-buildx beside a newer one")
 
 
+def answers():
+    """Whether an engine runs."""
+    return subprocess.run(["docker", "info"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
+
 class Engine:
     """Use as a context: a daemon that was started here is stopped, and its files go with the folder."""
 
@@ -43,8 +48,8 @@ class Engine:
     def __enter__(self):
         os.environ["PATH"] = client_with_buildkit() + os.pathsep + os.environ["PATH"]
         os.environ["DOCKER_BUILDKIT"] = "1"
-        if self._answers():
-            print("the container engine that runs here is used")
+        if answers():
+            print("the container engine that runs here is used", flush=True)
             return self
         socket = self.folder / "docker.sock"
         os.environ["DOCKER_HOST"] = f"unix://{socket}"
@@ -55,11 +60,11 @@ class Engine:
             stdout=log, stderr=log,
         )
         deadline = time.monotonic() + DAEMON_PATIENCE_S
-        while not self._answers():
+        while not answers():
             if self.daemon.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError("dockerd did not start:\n" + (self.folder / "dockerd.log").read_text()[-3000:])
             time.sleep(0.2)
-        print("dockerd was started, with a folder of its own")
+        print("dockerd was started, with a folder of its own", flush=True)
         return self
 
     def __exit__(self, *_):
@@ -72,17 +77,12 @@ class Engine:
             self.daemon.kill()
             self.daemon.wait()
 
-    @staticmethod
-    def _answers():
-        return subprocess.run(["docker", "info"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
-
 
 class Images:
     """Stand-ins for the images that the stack names, under tags of their own; all go with `remove`."""
 
-    def __init__(self, folder, prefix, binaries, archives=None):
-        self.folder, self.prefix, self.binaries = Path(folder), prefix, Path(binaries)
-        self.archives = Path(archives) if archives else self.folder / "archives"
+    def __init__(self, folder, prefix, binaries, archives):
+        self.folder, self.prefix, self.binaries, self.archives = Path(folder), prefix, Path(binaries), Path(archives)
         self.made = []
 
     def tag(self, name):
@@ -90,9 +90,6 @@ class Images:
 
     def make(self):
         here = Path(__file__).parent / "standins"
-        if not (self.archives / "servers.tar").exists():
-            self.archives.mkdir(parents=True, exist_ok=True)
-            run(here / "rootfs", self.archives)
         for name in ("debian", "servers"):
             run("docker", "import", self.archives / f"{name}.tar", self.tag(name))
             self.made.append(self.tag(name))

@@ -1,0 +1,45 @@
+//! `deploy/sbom.cdx.json` against `Cargo.lock`, as far as that goes without cargo-cyclonedx; `tests/sbom` compares all of it.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::project;
+
+/// The values of `key = "value"` in a text, in order.
+fn values<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
+    let prefix = format!("{key} = \"");
+    text.lines().filter_map(|line| line.strip_prefix(&prefix)?.strip_suffix('"')).collect()
+}
+
+#[test]
+fn the_sbom_has_the_versions_of_the_lock_file_and_every_direct_dependency() {
+    let sbom: Value =
+        serde_json::from_str(&std::fs::read_to_string(project().join("deploy/sbom.cdx.json")).unwrap()).unwrap();
+    let lock = std::fs::read_to_string(project().join("Cargo.lock")).unwrap();
+    let packages: Vec<&str> = lock.split("[[package]]\n").skip(1).collect();
+    let locked: BTreeSet<(&str, &str)> =
+        packages.iter().map(|package| (values(package, "name")[0], values(package, "version")[0])).collect();
+    let components = sbom["components"].as_array().unwrap();
+    let listed: BTreeSet<(&str, &str)> =
+        components.iter().map(|one| (one["name"].as_str().unwrap(), one["version"].as_str().unwrap())).collect();
+    let renew = "run tests/sbom --write, which needs cargo-cyclonedx";
+    assert!(listed.is_subset(&locked), "{renew}: {:?}", listed.difference(&locked).collect::<Vec<_>>());
+
+    let program = packages.iter().find(|package| values(package, "name") == ["vibrissa"]).unwrap();
+    let (_, dependencies) = program.split_once("dependencies = [\n").unwrap();
+    for line in dependencies.lines().take_while(|line| *line != "]") {
+        let name = line.trim_matches([' ', '"', ',']).split(' ').next().unwrap();
+        assert!(listed.iter().any(|(listed, _)| *listed == name), "{renew}: {name} is missing");
+    }
+}
+
+#[test]
+fn the_sbom_says_nothing_of_a_machine_or_a_time() {
+    let text = std::fs::read_to_string(project().join("deploy/sbom.cdx.json")).unwrap();
+    let sbom: Value = serde_json::from_str(&text).unwrap();
+    assert!(sbom.get("serialNumber").is_none() && sbom["metadata"].get("timestamp").is_none());
+    for path in text.split("file://").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert!(path.starts_with("/vibrissa/services/") || path.starts_with('.'), "file://{path}");
+    }
+}
