@@ -41,13 +41,6 @@ impl Content {
     }
 }
 
-/// One felt contact.
-#[derive(Debug, Clone, Copy)]
-struct Felt {
-    fingerprint: u64,
-    recorded: u32,
-}
-
 /// What became of the contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Verdict {
@@ -63,11 +56,33 @@ pub struct Verdict {
     pub wrong: u64,
 }
 
+/// The contacts of one boot. A long run has millions of them: each takes nine bytes, and each message four.
+#[derive(Debug, Default)]
+struct Boot {
+    /// Where each message begins in the two lists below, by its number.
+    starts: Vec<u32>,
+    /// Of each contact.
+    fingerprints: Vec<u64>,
+    /// Whether each contact was recorded.
+    recorded: Vec<bool>,
+}
+
+impl Boot {
+    /// The place of a contact in the lists.
+    fn find(&self, seq: u64, position: usize) -> Option<usize> {
+        let seq = usize::try_from(seq).ok()?;
+        let start = *self.starts.get(seq)? as usize;
+        let end = self.starts.get(seq + 1).map_or(self.fingerprints.len(), |&next| next as usize);
+        Some(start.checked_add(position)?).filter(|&at| at < end)
+    }
+}
+
 /// Every contact that was felt: by robot and boot, number of the message, and place in it.
 #[derive(Debug, Default)]
 pub struct Ledger {
-    boots: HashMap<(String, String), Vec<Vec<Felt>>>,
+    boots: HashMap<(String, String), Boot>,
     rows: u64,
+    duplicate: u64,
     wrong: u64,
 }
 
@@ -75,40 +90,47 @@ impl Ledger {
     /// A robot felt the contacts of a message.
     ///
     /// # Panics
-    /// Its number is not the next one of its boot.
+    /// Its number is not the next one of its boot, or the boot has felt four thousand million contacts.
     pub fn felt(&mut self, robot: &str, message: &Contacts) {
         let boot = self.boots.entry((robot.to_owned(), message.boot_id.as_str().to_owned())).or_default();
-        assert_eq!(boot.len() as u64, message.seq, "robot {robot} skips a number");
+        assert_eq!(boot.starts.len() as u64, message.seq, "robot {robot} skips a number");
+        boot.starts.push(u32::try_from(boot.fingerprints.len()).expect("fewer contacts than 2^32"));
         let contents = message.contacts.iter().map(|one| Content {
             array: one.array.as_str().to_owned(),
             whisker: i64::from(one.whisker),
             t_us: one.t_us as i64,
             values: [one.ratio, one.deflection_mm, one.strain, one.pressure_mpa, one.temperature_c],
         });
-        boot.push(contents.map(|content| Felt { fingerprint: content.fingerprint(), recorded: 0 }).collect());
+        boot.fingerprints.extend(contents.map(|content| content.fingerprint()));
+        boot.recorded.resize(boot.fingerprints.len(), false);
     }
 
     /// A row of the database.
     pub fn recorded(&mut self, row: Recorded) {
         self.rows += 1;
-        let message = self.boots.get_mut(&(row.robot, row.boot_id)).and_then(|boot| boot.get_mut(row.seq as usize));
-        match message.and_then(|message| message.get_mut(row.position)) {
-            Some(felt) => {
-                felt.recorded += 1;
-                self.wrong += u64::from(felt.fingerprint != row.content.fingerprint());
-            }
-            None => self.wrong += 1,
-        }
+        let boot = self.boots.get_mut(&(row.robot, row.boot_id));
+        let found = boot.and_then(|boot| boot.find(row.seq, row.position).map(|at| (boot, at)));
+        let Some((boot, at)) = found else {
+            self.wrong += 1;
+            return;
+        };
+        self.duplicate += u64::from(std::mem::replace(&mut boot.recorded[at], true));
+        self.wrong += u64::from(boot.fingerprints[at] != row.content.fingerprint());
+    }
+
+    /// Contacts so far.
+    pub fn count(&self) -> u64 {
+        self.boots.values().map(|boot| boot.fingerprints.len() as u64).sum()
     }
 
     /// What became of them; after every row was told.
     pub fn verdict(&self) -> Verdict {
-        let contacts = || self.boots.values().flatten().flatten();
+        let missing = |boot: &Boot| boot.recorded.iter().filter(|&&is_recorded| !is_recorded).count() as u64;
         Verdict {
-            felt: contacts().count() as u64,
+            felt: self.count(),
             recorded: self.rows,
-            missing: contacts().filter(|felt| felt.recorded == 0).count() as u64,
-            duplicate: contacts().map(|felt| u64::from(felt.recorded.saturating_sub(1))).sum(),
+            missing: self.boots.values().map(missing).sum(),
+            duplicate: self.duplicate,
             wrong: self.wrong,
         }
     }

@@ -1,21 +1,26 @@
 //! Nothing lost, nothing stale, whatever fails: robots, broker, PostgreSQL and two supervisors, all real, under
 //! faults that a seed decides; at the end what robots felt and obeyed is held against what was recorded.
 //!
-//! Read in this order: [`plan`] (what goes wrong), [`stage`] and [`scenario`] (what is there), [`strike`] and
-//! [`replay`] (making it go wrong), [`owner`] (who supervises), [`ledger`], [`obedience`] and [`recorded`] (the
-//! judgement), [`report`].
+//! Some of the robots are hostile: they do what they like with their own passwords, and only the others are judged.
+//!
+//! Read in this order: [`plan`] (what goes wrong), [`stage`] and [`scenario`] (what is there), [`strike`], [`replay`] and
+//! [`hostile`] (making it go wrong), [`owner`] (who supervises), [`ledger`], [`obedience`] and [`recorded`] (the
+//! judgement), [`refusals`], [`report`].
 
+mod hostile;
 mod ledger;
 mod obedience;
 mod owner;
 mod plan;
 mod recorded;
+mod refusals;
 mod replay;
 mod report;
 mod scenario;
 mod stage;
 mod strike;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -25,16 +30,25 @@ use clap::Parser;
 use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnection;
 use tokio::time::sleep;
+use vibrissa_protocol::Name;
 
+use hostile::{Behaviour, Hostile};
 use owner::Watch;
 use plan::Control;
+use refusals::Refusals;
 use replay::Replay;
 use report::{FaultReport, Report};
 use stage::{Program, ROBOT_LINKS, Robots, Stage};
 use strike::Striker;
 
-/// How long what was felt may take to arrive after the last fault.
+/// After the last fault, how long nothing more may arrive of what was felt, until it counts as lost.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
+/// Between two looks at what arrives, at least.
+const DRAIN_PAUSE: Duration = Duration::from_millis(100);
+/// How often it is told how far a run is.
+const PROGRESS: Duration = Duration::from_secs(30);
+/// The longest run, in days: supervisors remove contacts after 30.
+const LONGEST_DAYS: f64 = 25.0;
 /// Nothing more is recorded for so long: that was all.
 const SETTLED: Duration = Duration::from_secs(1);
 /// As this the program is a supervisor: it always tests what the sources say.
@@ -47,15 +61,24 @@ struct Arguments {
     /// Where all randomness comes from.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How long robots touch and things go wrong, seconds.
+    /// How long robots touch and things go wrong, in seconds: up to 25 days.
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
-    /// Simulated robots.
+    /// Simulated robots, the hostile ones included.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=999))]
     robots: u32,
-    /// Contacts per second of all robots together.
+    /// Contacts per second of all honest robots together.
     #[arg(long, default_value_t = 2000.0)]
     rate: f64,
+    /// How many of the robots are hostile; 0 for none.
+    #[arg(long, default_value_t = 10)]
+    hostile: u32,
+    /// The only things that hostile robots do, separated by commas, instead of all.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
+    hostile_only: Vec<Behaviour>,
+    /// What hostile robots leave out, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
+    hostile_without: Vec<Behaviour>,
     /// What is broken on purpose, to see that it is noticed.
     #[arg(long, value_enum, default_value_t = Control::None)]
     control: Control,
@@ -78,6 +101,9 @@ fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
     let shortest_s = arguments.control.shortest_s();
     ensure!(arguments.seconds >= shortest_s, "--seconds must be at least {shortest_s} for each fault to strike");
+    let longest_s = LONGEST_DAYS * 86_400.0;
+    ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");
+    ensure!(arguments.hostile < arguments.robots, "--hostile must be below --robots: the others are judged");
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
     let folder = tempfile::tempdir().context("a temporary folder")?;
     let logs = arguments.logs.clone().unwrap_or_else(|| folder.path().to_owned());
@@ -104,60 +130,92 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
         Some(path) => Program { path: path.clone(), first_argument: None },
         None => Program { path: std::env::current_exe()?, first_argument: Some(SUPERVISOR.to_owned()) },
     };
-    let mut stage = Stage::set(&program, control, logs).await;
+    let names: Vec<Name> = (0..arguments.robots as usize).map(scenario::robot_name).collect();
+    let (honest, hostile_names) = names.split_at((arguments.robots - arguments.hostile) as usize);
+    let strangers: Vec<String> = hostile_names.iter().map(|name| name.as_str().to_owned()).collect();
+    let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
     let replay = Replay::start(stage.broker.port(), seed);
-    let robots = arguments.robots as usize;
-    let scenarios = scenario::scenarios(seed, seconds, robots, arguments.rate, control, ROBOT_LINKS);
+    let refusals = Refusals::start(stage.supervisors.iter().map(|supervisor| supervisor.http).collect());
+    let scenarios = scenario::scenarios(seed, seconds, honest.len(), arguments.rate, control, ROBOT_LINKS);
     let robots = Robots::start(&scenarios, &stage.robot_links)?;
+    let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
+    let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);
     let started = Instant::now();
     ensure!(watch.owner(0).await.is_some(), "nobody takes up the fleet: see the supervisors' logs in {logs:?}");
 
     let mut striker = Striker::new(&mut stage, &watch);
     for strike in plan::plan(seed, seconds, control) {
-        sleep(Duration::from_secs_f64(strike.at_s).saturating_sub(started.elapsed())).await;
+        run_until(strike.at_s, started, seconds, &robots).await;
         striker.strike(&strike).await;
     }
-    sleep(Duration::from_secs_f64(seconds).saturating_sub(started.elapsed())).await;
+    run_until(seconds, started, seconds, &robots).await;
     let (struck, mut surprises) = (striker.struck, striker.surprises);
     surprises.ended += stage.revive();
     let run_s = started.elapsed().as_secs_f64();
 
+    hostile.stop();
     robots.rest();
     let mut connection = stage.database.connect().connect().await?;
-    let drain = drain(&robots, &mut connection).await?;
+    let drain = drain(&robots, &mut connection, &strangers).await?;
     surprises.ended += stage.revive();
     let faults = struck.iter().map(|one| FaultReport::new(one, started, &watch.reigns())).collect();
     let (undelivered, dropped, made) = (robots.undelivered(), robots.dropped(), robots.made());
     let mut truth = robots.stop().await;
-    recorded::contacts(&mut connection, &mut truth.ledger).await?;
+    eprintln!("chaos: reading {} contacts back", truth.ledger.count());
+    recorded::contacts(&mut connection, &strangers, &mut truth.ledger).await?;
     let contacts = truth.ledger.verdict();
     ensure!(contacts.felt == made || undelivered > 0, "robots made {made} contacts and wrote down {}", contacts.felt);
-    let setpoints = truth.obedience.verdict(&recorded::setpoints(&mut connection).await?);
+    let setpoints = truth.obedience.verdict(&recorded::setpoints(&mut connection, &strangers).await?);
     Ok(Report {
         repeated: replay.count(),
         dropped,
         undelivered,
         run_s,
         drain_s: drain.as_secs_f64(),
+        hostile_robots: arguments.hostile.into(),
+        hostile: if arguments.hostile > 0 { hostile.counts() } else { BTreeMap::new() },
+        refusals: refusals.counts(),
         faults,
         ..Report::new(seed, contacts, setpoints, surprises)
     })
 }
 
-/// Waits until robots have nothing left to send, and nothing more is recorded; tells how long it took.
-async fn drain(robots: &Robots, connection: &mut PgConnection) -> anyhow::Result<Duration> {
-    let begun = Instant::now();
-    let (mut count, mut changed) = (-1, Instant::now());
+/// Waits until that many seconds after the start, and tells now and then how far the run is.
+async fn run_until(at_s: f64, started: Instant, seconds: f64, robots: &Robots) {
+    let until = started + Duration::from_secs_f64(at_s);
     loop {
-        let now = recorded::count(connection).await?;
-        if now != count {
-            (count, changed) = (now, Instant::now());
+        let told = started.elapsed().as_secs() / PROGRESS.as_secs();
+        let next = started + PROGRESS * (told as u32 + 1);
+        sleep(next.min(until).saturating_duration_since(Instant::now())).await;
+        if Instant::now() >= until {
+            return;
         }
-        let is_settled = changed.elapsed() > SETTLED && robots.undelivered() == 0;
-        if is_settled || begun.elapsed() > DRAIN_PATIENCE {
+        eprintln!(
+            "chaos: {} of {seconds} s: {} contacts felt, {} messages without a receipt",
+            started.elapsed().as_secs(),
+            robots.made(),
+            robots.undelivered()
+        );
+    }
+}
+
+/// Waits until robots have nothing left to send, and nothing more is recorded; tells how long it took. It ends, too, when
+/// nothing has moved for long.
+async fn drain(robots: &Robots, connection: &mut PgConnection, strangers: &[String]) -> anyhow::Result<Duration> {
+    let begun = Instant::now();
+    let (mut last, mut changed) = ((-1, u64::MAX), Instant::now());
+    loop {
+        let look = Instant::now();
+        let now = (recorded::count(connection, strangers).await?, robots.undelivered());
+        if now != last {
+            (last, changed) = (now, Instant::now());
+        }
+        let is_settled = changed.elapsed() > SETTLED && now.1 == 0;
+        if is_settled || changed.elapsed() > DRAIN_PATIENCE {
             return Ok(changed - begun);
         }
-        sleep(Duration::from_millis(100)).await;
+        // Of a long run each look takes some time: the database has as much time without one.
+        sleep(look.elapsed().max(DRAIN_PAUSE)).await;
     }
 }

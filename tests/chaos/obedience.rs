@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
+use vibrissa_protocol::Setpoint;
 use vibrissa_simulator::HeardSetpoint;
 
-/// Reading JSON may move a number's last bit.
-const SAME_MPA: f64 = 1e-12;
+/// Reading JSON may move a number's last bit: the largest difference of two equal pressures in MPa, or gains.
+const SAME: f64 = 1e-12;
 
 /// A setpoint of the database.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Decided {
     pub order: (i64, i64),
     /// The pressure in MPa.
     pub pressure_mpa: f64,
+    /// The gain by contact ratio.
+    pub gain: Vec<(f64, f64)>,
     /// Why.
     pub reason: String,
     /// What became of it.
@@ -32,11 +35,29 @@ impl Decided {
         matches!(self.state.as_str(), "REJECTED" | "FAILED" | "SUPERSEDED" | "EXPIRED" | "ABANDONED")
     }
 
+    /// Whether both ask the robot for the same thing. A refinement may change the gain alone, so the gain counts.
     fn has_the_purpose_of(&self, other: &Self) -> bool {
         self.whisker == other.whisker
             && self.compensation_id == other.compensation_id
             && self.reason == other.reason
             && self.pressure_mpa == other.pressure_mpa
+            && self.gain == other.gain
+    }
+
+    /// Whether a robot heard it as it is in the database.
+    fn is_as_heard(&self, robot: &str, setpoint: &Setpoint) -> bool {
+        let (of_robot, array, whisker) = &self.whisker;
+        let is_same = |one: f64, other: f64| (one - other).abs() < SAME;
+        let is_same_gain = || {
+            let mut points = self.gain.iter().zip(&setpoint.gain);
+            self.gain.len() == setpoint.gain.len()
+                && points.all(|(one, other)| is_same(one.0, other.0) && is_same(one.1, other.1))
+        };
+        self.order == (setpoint.epoch as i64, setpoint.version as i64)
+            && is_same(self.pressure_mpa, setpoint.pressure_mpa)
+            && is_same_gain()
+            && (of_robot.as_str(), array.as_str(), *whisker)
+                == (robot, setpoint.array.as_str(), i64::from(setpoint.whisker))
     }
 }
 
@@ -108,12 +129,7 @@ impl Obedience {
     pub fn verdict(&self, decided: &[Decided]) -> Verdict {
         let by_name: HashMap<&str, &Decided> = decided.iter().map(|row| (row.command_id.as_str(), row)).collect();
         let is_committed = |name: &String, (heard, robot): &(HeardSetpoint, String)| {
-            let setpoint = &heard.setpoint;
-            by_name.get(name.as_str()).is_some_and(|row| {
-                row.order == (setpoint.epoch as i64, setpoint.version as i64)
-                    && (row.pressure_mpa - setpoint.pressure_mpa).abs() < SAME_MPA
-                    && row.whisker == (robot.clone(), setpoint.array.as_str().to_owned(), i64::from(setpoint.whisker))
-            })
+            by_name.get(name.as_str()).is_some_and(|row| row.is_as_heard(robot, &heard.setpoint))
         };
         Verdict {
             decided: decided.len() as u64,
@@ -128,7 +144,7 @@ impl Obedience {
 
 /// Setpoints that follow one for the same purpose which did not come to nothing.
 ///
-/// For one compensation the same pressure may be set again when the last try expired, was refused or failed. A
+/// For one compensation the same pressure and gain may be set again when the last try expired, was refused or failed. A
 /// release has no compensation: it follows another setpoint of its whisker, or a release that came to nothing.
 fn two_for_one(decided: &[Decided]) -> u64 {
     let mut by_whisker: HashMap<&(String, String, i64), Vec<&Decided>> = HashMap::new();
@@ -183,6 +199,7 @@ mod tests {
             compensation_id: Some(7),
             order: (1, version),
             pressure_mpa: 0.05,
+            gain: Vec::new(),
             reason: "SELF_COMPENSATION".to_owned(),
             state: state.to_owned(),
         }
@@ -241,6 +258,22 @@ mod tests {
         let mut other = heard(1, 1, 0);
         other.setpoint.pressure_mpa += 1e-9;
         assert_eq!(verdict(&[(other, true)]).uncommitted, 1);
+        let mut other = heard(1, 1, 0);
+        other.setpoint.gain = vec![(0.5, 0.9)];
+        assert_eq!(verdict(&[(other, true)]).uncommitted, 1);
+    }
+
+    #[test]
+    fn regress_a_refinement_of_the_gain_alone_is_a_decision_of_its_own_and_its_repetition_is_not() {
+        let refined = |version, factor: f64| Decided {
+            reason: "REFINEMENT".to_owned(),
+            gain: vec![(0.45, factor), (1.0, 1.0)],
+            ..decided(version, "APPLIED")
+        };
+        assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.88)]), 0);
+        assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.87)]), 1);
+        // The later one repeats what is not the newest any more.
+        assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.86)]), 1);
     }
 
     #[test]

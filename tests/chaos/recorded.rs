@@ -6,18 +6,19 @@ use sqlx::{Connection, Row};
 use crate::ledger::{Content, Ledger, Recorded};
 use crate::obedience::Decided;
 
-/// Tells the ledger every contact.
+/// Tells the ledger every contact of the honest robots, in any order: sorting the rows of a long run would take longer than
+/// reading them.
 ///
 /// # Errors
 /// The database does not answer.
-pub async fn contacts(connection: &mut PgConnection, ledger: &mut Ledger) -> sqlx::Result<()> {
+pub async fn contacts(connection: &mut PgConnection, hostile: &[String], ledger: &mut Ledger) -> sqlx::Result<()> {
     const ALL: &str = "DECLARE all_contacts CURSOR FOR SELECT robot, b.boot_id, seq, c.position, \"array\", whisker, \
         t_us, ratio, deflection_mm, strain, c.pressure_mpa, coalesce(temperature_c, 'NaN') \
         FROM contacts c JOIN boots b USING (boot) \
         JOIN robots r USING (robot_id) JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
-        ORDER BY received_us, boot, seq, c.position";
+        WHERE NOT (robot = ANY($1))";
     let mut tx = connection.begin().await?;
-    sqlx::query(ALL).execute(&mut *tx).await?;
+    sqlx::query(ALL).bind(hostile).execute(&mut *tx).await?;
     loop {
         let rows = sqlx::query("FETCH 20000 FROM all_contacts").fetch_all(&mut *tx).await?;
         if rows.is_empty() {
@@ -42,30 +43,37 @@ fn contact(row: &PgRow) -> Recorded {
     }
 }
 
-/// How many contacts there are.
+/// How many contacts of the honest robots there are.
 ///
 /// # Errors
 /// The database does not answer.
-pub async fn count(connection: &mut PgConnection) -> sqlx::Result<i64> {
-    sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(connection).await
+pub async fn count(connection: &mut PgConnection, hostile: &[String]) -> sqlx::Result<i64> {
+    const SQL: &str = "SELECT count(*) FROM contacts WHERE NOT (boot = ANY(ARRAY(\
+        SELECT boot FROM boots JOIN robots USING (robot_id) WHERE robot = ANY($1))))";
+    sqlx::query_scalar(SQL).bind(hostile).fetch_one(connection).await
 }
 
-/// Every setpoint.
+/// Every setpoint for an honest robot.
 ///
 /// # Errors
-/// The database does not answer.
-pub async fn setpoints(connection: &mut PgConnection) -> sqlx::Result<Vec<Decided>> {
+/// The database does not answer, or a gain is none.
+pub async fn setpoints(connection: &mut PgConnection, hostile: &[String]) -> sqlx::Result<Vec<Decided>> {
     const SQL: &str = "SELECT command_id, robot, \"array\", whisker, compensation_id, epoch, version, s.pressure_mpa, \
-        reason, s.state FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
-        JOIN robots r ON r.robot_id = s.robot_id";
-    let decided = |row: PgRow| Decided {
-        command_id: row.get(0),
-        whisker: (row.get(1), row.get(2), row.get(3)),
-        compensation_id: row.get(4),
-        order: (row.get(5), row.get(6)),
-        pressure_mpa: row.get(7),
-        reason: row.get(8),
-        state: row.get(9),
+        reason, s.state, s.gain FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
+        JOIN robots r ON r.robot_id = s.robot_id WHERE NOT (robot = ANY($1))";
+    let decided = |row: PgRow| {
+        let gain: Option<String> = row.get(10);
+        let gain = gain.as_deref().map_or(Ok(Vec::new()), serde_json::from_str);
+        Ok(Decided {
+            command_id: row.get(0),
+            whisker: (row.get(1), row.get(2), row.get(3)),
+            compensation_id: row.get(4),
+            order: (row.get(5), row.get(6)),
+            pressure_mpa: row.get(7),
+            reason: row.get(8),
+            state: row.get(9),
+            gain: gain.map_err(|problem| sqlx::Error::Decode(problem.into()))?,
+        })
     };
-    Ok(sqlx::query(SQL).fetch_all(connection).await?.into_iter().map(decided).collect())
+    sqlx::query(SQL).bind(hostile).fetch_all(connection).await?.into_iter().map(decided).collect()
 }

@@ -13,6 +13,7 @@ use tokio::task::JoinHandle;
 use vibrissa_protocol::{Name, RobotTopic, Setpoint};
 
 use crate::scenario::FLEET;
+use crate::stage::{REPLAY_USER, SUPERVISOR_PASSWORD};
 
 /// While it is being applied or just after, and after it has expired.
 const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, 13.0..18.0];
@@ -34,6 +35,7 @@ impl Replay {
     pub fn start(broker_port: u16, seed: u64) -> Self {
         let mut options = MqttOptions::new("replay", ("127.0.0.1", broker_port));
         options.set_clean_start(true).set_max_packet_size(Some(1 << 20)).set_outgoing_inflight_upper_limit(256);
+        options.set_credentials(REPLAY_USER, SUPERVISOR_PASSWORD);
         let (client, events) = AsyncClient::builder(options).capacity(1000).build();
         let count = Arc::new(AtomicU64::new(0));
         let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone()));

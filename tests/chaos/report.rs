@@ -43,9 +43,17 @@ pub struct Report {
     /// Seconds that robots touched, and that the rest took to arrive.
     pub run_s: f64,
     pub drain_s: f64,
+    /// Hostile robots, and how many messages and connections each of their behaviours made.
+    pub hostile_robots: u64,
+    pub hostile: BTreeMap<String, u64>,
+    /// What the supervisors counted as not taken, at least.
+    pub refusals: BTreeMap<String, u64>,
     /// What struck, in order.
     pub faults: Vec<FaultReport>,
 }
+
+/// Faults that are listed one by one for people; of more there are their kinds.
+const LISTED: usize = 60;
 
 /// One fault.
 #[derive(Debug, Clone, Serialize)]
@@ -101,6 +109,9 @@ impl Report {
             ownerless: surprises.ownerless,
             run_s: 0.0,
             drain_s: 0.0,
+            hostile_robots: 0,
+            hostile: BTreeMap::new(),
+            refusals: BTreeMap::new(),
             faults: Vec::new(),
         }
     }
@@ -134,7 +145,25 @@ impl Report {
                 violations.push(format!("no {name}: the run shows nothing"));
             }
         }
+        let idle = self.hostile.iter().filter(|(_, count)| **count == 0 && self.hostile_robots > 0);
+        violations.extend(idle.map(|(name, _)| format!("no hostile robot did {name}: the run does not show it")));
+        if self.hostile_robots > 0 && self.hostile.is_empty() {
+            violations.push("hostile robots did nothing: the run does not show any of it".to_owned());
+        }
         violations
+    }
+
+    /// What hostile robots did, and what the supervisors counted as not taken.
+    fn fmt_hostile(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\n{:<42}{:>9}", format!("{} hostile robots", self.hostile_robots), "messages")?;
+        for (name, count) in &self.hostile {
+            writeln!(f, "{name:<42}{count:>9}")?;
+        }
+        writeln!(f, "\nnot taken by the supervisors, at least")?;
+        for (name, count) in &self.refusals {
+            writeln!(f, "{name:<78}{count:>9}")?;
+        }
+        Ok(())
     }
 
     /// Takeover times of each kind of fault, rising.
@@ -172,8 +201,12 @@ impl fmt::Display for Report {
             let mark = if count > 0 { "  VIOLATION" } else { "" };
             writeln!(f, "{name:<42}{count:>9}{mark}")?;
         }
+        self.fmt_hostile(f)?;
         writeln!(f, "\n{:<42}{:>9}  takeover, s", "fault", "at, s")?;
-        for fault in &self.faults {
+        if self.faults.len() > LISTED {
+            writeln!(f, "{} faults: --json lists them", self.faults.len())?;
+        }
+        for fault in self.faults.iter().filter(|_| self.faults.len() <= LISTED) {
             write!(f, "{:<42}{:>9.1}", fault.fault, fault.at_s)?;
             match fault.takeover {
                 Some(Takeover { seconds: Some(seconds) }) => writeln!(f, "  {seconds:.2}")?,
@@ -234,6 +267,16 @@ mod tests {
     fn a_run_in_which_nothing_happens_shows_nothing() {
         assert_eq!(Report { applied: 0, ..good() }.violations().len(), 1);
         assert_eq!(Report { repeated: 0, ..good() }.violations().len(), 1);
+    }
+
+    #[test]
+    fn a_hostile_behaviour_that_did_not_take_place_is_a_violation() {
+        let hostile = |count| BTreeMap::from([("flood".to_owned(), 5), ("garbage".to_owned(), count)]);
+        assert!(Report { hostile_robots: 1, hostile: hostile(1), ..good() }.violations().is_empty());
+        let violations = Report { hostile_robots: 1, hostile: hostile(0), ..good() }.violations();
+        assert!(violations.len() == 1 && violations[0].contains("garbage"), "{violations:?}");
+        assert_eq!(Report { hostile_robots: 1, ..good() }.violations().len(), 1);
+        assert!(Report { hostile: hostile(0), ..good() }.violations().is_empty());
     }
 
     #[test]

@@ -17,14 +17,19 @@ const ARRAY: &str = "left";
 const WHISKERS: u16 = 2;
 /// Contacts in one message: one in 0.2 s from each robot at 20 contacts per second.
 const CONTACTS_PER_MESSAGE: usize = 4;
-/// Messages that a robot keeps: all of the longest run that is meant to have a link's trouble, and more.
+/// Messages that a robot keeps: those of more than an hour without a receipt, and no fault lasts longer than seconds.
 const KEPT_MESSAGES: usize = 20_000;
 /// Nothing is trimmed before it is learned.
 const FIRST_TRIM_S: f64 = 4.0;
 /// From one trim of a robot to its next.
 const TRIMS_APART_S: f64 = 4.0;
-/// Trims per robot and minute.
-const TRIMS_PER_MINUTE: f64 = 2.0;
+/// From one trim of a robot to its next on average, at the least.
+const TRIMS_MEAN_S: f64 = 30.0;
+/// Trims of a robot in the whole run: after that its whiskers are too short. In a long run they are further apart.
+const TRIMS: f64 = 6.0;
+/// The shortest length that a whisker is cut to, mm, and what a cut takes off.
+const SHORTEST_MM: f64 = 58.0;
+const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
 /// The robots in as many scenarios as there are links between robots and broker.
 pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Control, links: usize) -> Vec<Scenario> {
@@ -62,6 +67,11 @@ pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Con
     groups.into_iter().map(scenario).collect()
 }
 
+/// What a robot is called.
+pub fn robot_name(number: usize) -> Name {
+    Name::robot(&format!("r{number:03}")).expect("a name")
+}
+
 fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario {
     let whisker = |whisker| WhiskerScenario {
         whisker,
@@ -72,7 +82,7 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
     // Every other one may ask a neighbour; the rest help themselves.
     let array_type = if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 };
     RobotScenario {
-        robot: Name::robot(&format!("r{number:03}")).expect("a name"),
+        robot: robot_name(number),
         model: "chaos".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
         arrays: vec![ArrayScenario { array: name(ARRAY), array_type, whiskers: (0..WHISKERS).map(whisker).collect() }],
@@ -80,20 +90,21 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
     }
 }
 
-/// At random times, each shorter than the last one of its whisker.
+/// At random times until the end, each shorter than the last one of its whisker.
 fn trims(seconds: f64, random: &mut ChaCha8Rng) -> Vec<Event> {
+    let mean_s = TRIMS_MEAN_S.max(seconds / TRIMS);
     let mut lengths_mm = [70.0; WHISKERS as usize];
     let mut events = Vec::new();
-    let mut at_s = FIRST_TRIM_S + random.random_range(0.0..60.0 / TRIMS_PER_MINUTE);
+    let mut at_s = FIRST_TRIM_S + random.random_range(0.0..mean_s);
     while at_s < seconds {
-        let whisker = random.random_range(0..WHISKERS);
+        let first = random.random_range(0..WHISKERS);
+        let cut_mm = random.random_range(CUT_MM);
+        let is_long_enough = |whisker: &u16| lengths_mm[usize::from(*whisker)] - cut_mm >= SHORTEST_MM;
+        let Some(whisker) = (0..WHISKERS).map(|next| (first + next) % WHISKERS).find(is_long_enough) else { break };
         let length_mm = &mut lengths_mm[usize::from(whisker)];
-        *length_mm -= random.random_range(1.5..4.0);
-        if *length_mm < 58.0 {
-            break;
-        }
+        *length_mm -= cut_mm;
         events.push(Event::whisker_at_s(at_s, name(ARRAY), whisker, Change::Trim { length_mm: *length_mm }));
-        at_s += TRIMS_APART_S + random.random_range(0.0..2.0 * (60.0 / TRIMS_PER_MINUTE - TRIMS_APART_S));
+        at_s += TRIMS_APART_S + random.random_range(0.0..2.0 * (mean_s - TRIMS_APART_S));
     }
     events
 }
@@ -126,5 +137,16 @@ mod tests {
             scenarios[0].robots.iter().flat_map(|robot| &robot.events).filter_map(|event| event.at_s).collect();
         at_s.sort_by(f64::total_cmp);
         assert!(at_s.windows(2).all(|pair| pair[1] - pair[0] < 5.0), "{at_s:?}");
+    }
+
+    #[test]
+    fn trims_go_on_to_the_end_of_a_long_run() {
+        for seconds in [600.0, 36_000.0] {
+            let scenarios = scenarios(1, seconds, 100, 2000.0, Control::None, 1);
+            let events = scenarios[0].robots.iter().flat_map(|robot| &robot.events);
+            let last_s = events.filter_map(|event| event.at_s).fold(0.0, f64::max);
+            assert!(last_s > 0.95 * seconds, "the last trim of {seconds} s is at {last_s} s");
+            scenarios.iter().for_each(|scenario| scenario.check().unwrap());
+        }
     }
 }

@@ -1,11 +1,14 @@
 //! What is there: broker, PostgreSQL, two supervisors, robots, and links between them that can fail.
 
+use std::net::SocketAddr;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use vibrissa_protocol::Name;
 use vibrissa_simulator::{Broker, Fleet, JournalEntry, RobotHandle, Scenario};
-use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::proxy::Proxy;
@@ -15,6 +18,16 @@ use crate::obedience::Obedience;
 use crate::plan::{Control, LEASE_S};
 use crate::scenario::FLEET;
 
+/// Who may read and write what: the list that is shipped.
+const ACL: &str = include_str!("../../deploy/mosquitto/acl");
+/// The harness's own client, which repeats setpoints as a broker might.
+pub const REPLAY_USER: &str = "replay";
+/// Every robot's password; each has a user of its own.
+pub const ROBOT_PASSWORD: &str = "robot's own";
+/// The password of the supervisors and of the harness.
+pub const SUPERVISOR_PASSWORD: &str = "supervisor's own";
+/// The supervisors' user in the list that is shipped.
+const SUPERVISOR_USER: &str = "vibrissa";
 /// Links between robots and broker, each with as many of the robots.
 pub const ROBOT_LINKS: usize = 4;
 /// Contacts until a whisker counts as learned: few, so that trims are found from the start.
@@ -32,6 +45,8 @@ pub struct Supervisor {
     pub broker_link: Proxy,
     /// Its link to PostgreSQL.
     pub database_link: Proxy,
+    /// Where it serves HTTP, in each of its lives.
+    pub http: SocketAddr,
 }
 
 /// How supervisors are started.
@@ -44,7 +59,7 @@ pub struct Program {
 
 /// Everything but the robots.
 pub struct Stage {
-    /// The broker, with its own default limits.
+    /// The broker, with its own default limits and the access list that is shipped.
     pub broker: Mosquitto,
     /// The database.
     pub database: Postgres,
@@ -55,9 +70,9 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Starts it; supervisors write their logs into that folder.
-    pub async fn set(program: &Program, control: Control, logs: &Path) -> Self {
-        let broker = tokio::task::block_in_place(|| Mosquitto::builder().default_limits().start());
+    /// Starts it for those robots; supervisors write their logs into that folder.
+    pub async fn set(program: &Program, control: Control, logs: &Path, robots: &[Name]) -> Self {
+        let broker = tokio::task::block_in_place(|| broker(robots));
         let database = Postgres::start().await;
         let mut robot_links = Vec::new();
         for _ in 0..ROBOT_LINKS {
@@ -84,6 +99,26 @@ impl Stage {
     }
 }
 
+/// A broker at which each of the robots has a user.
+fn broker(robots: &[Name]) -> Mosquitto {
+    let acl = format!("{ACL}\nuser {REPLAY_USER}\ntopic readwrite whisker/v1/+/+/setpoint\n");
+    let builder = Mosquitto::builder().default_limits().acl(&acl);
+    let builder = [SUPERVISOR_USER, REPLAY_USER]
+        .into_iter()
+        .fold(builder, |builder, user| builder.user(user, SUPERVISOR_PASSWORD));
+    let of_robot = |robot: &Name| format!("{FLEET}/{robot}");
+    let broker = robots.iter().fold(builder, |builder, robot| builder.user(&of_robot(robot), ROBOT_PASSWORD)).start();
+    let file = password_file(&broker);
+    std::fs::write(&file, SUPERVISOR_PASSWORD).expect("a folder of ours");
+    std::fs::set_permissions(&file, PermissionsExt::from_mode(0o600)).expect("a file of ours");
+    broker
+}
+
+/// Where the supervisors read their password.
+fn password_file(broker: &Mosquitto) -> PathBuf {
+    broker.folder().join("supervisor.password")
+}
+
 async fn supervisor(
     name: &'static str,
     program: &Program,
@@ -95,7 +130,11 @@ async fn supervisor(
     let broker_link = Proxy::to(broker.port()).await;
     let database_link = Proxy::to(database.port()).await;
     let mut arguments: Vec<String> = program.first_argument.iter().cloned().collect();
-    arguments.extend(["run", "--name", name, "--fleets", FLEET, "--http-listen", "127.0.0.1:0"].map(str::to_owned));
+    let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+    arguments.extend(["run", "--name", name, "--fleets", FLEET].map(str::to_owned));
+    arguments.extend(["--http-listen".to_owned(), http.to_string()]);
+    arguments.extend(["--mqtt-username".to_owned(), SUPERVISOR_USER.to_owned()]);
+    arguments.extend(["--mqtt-password-file".to_owned(), password_file(broker).display().to_string()]);
     arguments.extend(["--database-url".to_owned(), Postgres::url(database_link.port())]);
     arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{}", broker_link.port())]);
     arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
@@ -113,7 +152,7 @@ async fn supervisor(
         environment: [level].into_iter().chain(fault).collect(),
         log: logs.join(format!("supervisor-{name}.log")),
     });
-    Supervisor { name, process, broker_link, database_link }
+    Supervisor { name, process, broker_link, database_link, http }
 }
 
 /// The robots, and what they did in truth.
@@ -152,7 +191,9 @@ impl Robots {
     pub fn start(scenarios: &[Scenario], links: &[Proxy]) -> anyhow::Result<Self> {
         let mut fleets = Vec::new();
         for (scenario, link) in scenarios.iter().zip(links) {
-            fleets.push(Fleet::start(scenario, &Broker::new("127.0.0.1", link.port()))?);
+            let credentials = Some(("{fleet}/{robot}".to_owned(), ROBOT_PASSWORD.to_owned()));
+            let broker = Broker { credentials, ..Broker::new("127.0.0.1", link.port()) };
+            fleets.push(Fleet::start(scenario, &broker)?);
         }
         let truth = Arc::new(Mutex::new(Truth::default()));
         let robots: Vec<RobotHandle> = fleets.iter().flat_map(|fleet| fleet.robots().to_vec()).collect();

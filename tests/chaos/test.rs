@@ -1,4 +1,4 @@
-//! A minute of chaos, and that the harness sees what it is meant to see.
+//! A minute of chaos with ten hostile robots of a hundred, and that the harness sees what it is meant to see.
 
 use std::process::Command;
 
@@ -28,9 +28,13 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     let (code, result) = chaos(&["--seed", "1", "--seconds", "60"]);
     assert_eq!(code, 0);
     assert_eq!(result["faults"].as_array().expect("faults").len(), 11);
+    assert_eq!(count(&result, "hostile_robots"), 10);
+    let done = result["hostile"].as_object().expect("behaviours");
+    assert!(done.len() > 10 && done.values().all(|count| count.as_u64() > Some(0)), "{done:?}");
 
     let control = |name: &str, seconds: &str| {
-        let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name]);
+        // Whatever else goes on: each control is to be caught by itself.
+        let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name, "--hostile", "0"]);
         assert_eq!(code, 1, "{name} is not caught");
         result
     };

@@ -15,6 +15,7 @@ mod database_errors;
 mod deaf;
 mod fair;
 mod forgeries;
+mod fuzz;
 mod headers;
 mod http_program;
 mod jwt;

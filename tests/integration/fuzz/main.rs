@@ -5,11 +5,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod episode;
 mod json;
 mod mutation;
+mod subject;
 
 mod configuration;
 mod messages;
+mod robots;
 mod topics;
 
 use std::fmt;

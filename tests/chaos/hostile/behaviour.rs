@@ -1,0 +1,66 @@
+//! What hostile robots do, by name.
+
+use clap::ValueEnum;
+
+/// One thing that a hostile robot does for some seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Behaviour {
+    /// Factsheets with control characters, unknown models and extreme layouts; they are retained.
+    OddFactsheets,
+    /// Contacts at the ends of what the contract allows.
+    ExtremeContacts,
+    /// Contacts outside of what the contract allows.
+    BadContacts,
+    /// Contacts and statuses years ahead or back.
+    WrongClocks,
+    /// A hundred births in a second, each with a new boot.
+    ManyBoots,
+    /// Messages for other robots, for made-up robots, and in the supervisor's name.
+    OthersTopics,
+    /// Other contents under numbers that were sent before.
+    KnownNumbers,
+    /// Answers to setpoints that nobody sent, and contradictory ones to those that somebody sent.
+    ForgedAnswers,
+    /// 2,000 messages in a second, for two seconds.
+    Flood,
+    /// Messages that are larger than the contract allows, up to 8 MiB.
+    HugeMessages,
+    /// Bytes that are no messages.
+    Garbage,
+    /// Connections under the client ids of the supervisor that receipts let guess.
+    Takeover,
+    /// Cuts that need setpoints, and no answer to any of them.
+    Deaf,
+    /// Cuts that need setpoints, and lies about what became of them.
+    Lies,
+}
+
+impl Behaviour {
+    /// Its name, as options and reports have it.
+    #[must_use]
+    pub fn name(self) -> String {
+        self.to_possible_value().expect("no behaviour is hidden").get_name().to_owned()
+    }
+
+    /// Those that are asked for: `only` some or, where none are named, all; without those `left_out`.
+    #[must_use]
+    pub fn chosen(only: &[Self], left_out: &[Self]) -> Vec<Self> {
+        let is_asked = |one: &Self| only.is_empty() || only.contains(one);
+        Self::value_variants().iter().copied().filter(|one| is_asked(one) && !left_out.contains(one)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn behaviours_are_chosen_by_name_and_left_out_by_name() {
+        let count = Behaviour::value_variants().len();
+        assert_eq!(Behaviour::chosen(&[], &[]).len(), count);
+        assert_eq!(Behaviour::chosen(&[Behaviour::Flood], &[]), [Behaviour::Flood]);
+        let left = Behaviour::chosen(&[], &[Behaviour::Flood]);
+        assert!(left.len() == count - 1 && !left.contains(&Behaviour::Flood));
+        assert_eq!(Behaviour::OddFactsheets.name(), "odd-factsheets");
+    }
+}

@@ -1,0 +1,125 @@
+//! A hostile robot's connection: with its own name and password, and whatever it wants to say.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions, QoS};
+use tokio::task::JoinHandle;
+use vibrissa_protocol::{Message, Name, RobotTopic, Setpoint, Topic, decode};
+
+use crate::scenario::FLEET;
+use crate::stage::ROBOT_PASSWORD;
+
+/// Messages that wait in the client; what does not fit is not said.
+const WAITING: usize = 4_000;
+/// Setpoints that are remembered.
+const SETPOINTS: usize = 64;
+/// Larger than anything that is said.
+const PACKET_MAX: u32 = 16 << 20;
+
+/// What the supervisor said to the robot.
+#[derive(Debug, Default)]
+pub struct Heard {
+    /// Receipts so far.
+    pub receipts: u64,
+    /// The supervisor's boot, which every receipt tells.
+    pub supervisor: Option<String>,
+    /// The newest setpoints.
+    pub setpoints: VecDeque<Setpoint>,
+}
+
+/// The connection; dropped, it breaks.
+pub struct Client {
+    client: AsyncClient,
+    heard: Arc<Mutex<Heard>>,
+    poller: JoinHandle<()>,
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        self.poller.abort();
+    }
+}
+
+fn options(port: u16, robot: &Name, id: String) -> MqttOptions {
+    let mut options = MqttOptions::new(id, ("127.0.0.1", port));
+    options
+        .set_clean_start(true)
+        .set_max_packet_size(Some(PACKET_MAX))
+        .set_outgoing_inflight_upper_limit(256)
+        .set_credentials(format!("{FLEET}/{robot}"), ROBOT_PASSWORD);
+    options
+}
+
+impl Client {
+    /// Connects, and connects again whenever the connection breaks.
+    pub fn start(port: u16, robot: &Name) -> Self {
+        let (client, events) =
+            AsyncClient::builder(options(port, robot, format!("{FLEET}.{robot}"))).capacity(WAITING).build();
+        let heard = Arc::new(Mutex::new(Heard::default()));
+        let poller = tokio::spawn(poll(client.clone(), events, robot.clone(), heard.clone()));
+        Self { client, heard, poller }
+    }
+
+    /// Says something; whether there was room for it. Without a connection it waits in the client.
+    pub fn say(&self, topic: &str, payload: Vec<u8>, quality: QoS, is_retained: bool) -> bool {
+        self.client.try_publish(topic, payload, PublishOptions::new(quality).retain(is_retained)).is_ok()
+    }
+
+    /// What was heard so far: be brief.
+    pub fn heard(&self) -> MutexGuard<'_, Heard> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Arc<Mutex<Heard>>) {
+    let fleet = Name::new(FLEET).expect("a name");
+    let own = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request].map(|kind| kind.of(&fleet, &robot));
+    loop {
+        match events.poll().await {
+            Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                for topic in &own {
+                    // A full queue is emptied by this loop: then nothing is heard until the next connection.
+                    let _ = client.try_subscribe(topic.to_string(), QoS::AtLeastOnce);
+                }
+            }
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                let topic = std::str::from_utf8(&publish.topic).ok().and_then(|topic| Topic::parse(topic).ok());
+                let message = topic.and_then(|topic| decode(&topic, &publish.payload).ok());
+                let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
+                match message {
+                    Some(Message::Receipt(receipt)) => {
+                        heard.receipts += 1;
+                        heard.supervisor = Some(receipt.boot_id.as_str().to_owned());
+                    }
+                    Some(Message::Setpoint(setpoint)) => {
+                        if heard.setpoints.len() == SETPOINTS {
+                            heard.setpoints.pop_front();
+                        }
+                        heard.setpoints.push_back(setpoint);
+                    }
+                    Some(_) | None => {}
+                }
+            }
+            Ok(_) => {}
+            // The broker is away, or has had enough; the client would try again at once.
+            Err(_) => tokio::time::sleep(Duration::from_millis(200)).await,
+        }
+    }
+}
+
+/// Connects under any client id with the robot's own password; whether the broker took it.
+pub async fn connect_as(port: u16, robot: &Name, id: String, patience: Duration) -> bool {
+    let (_client, mut events) = AsyncClient::builder(options(port, robot, id)).capacity(8).build();
+    let connected = async {
+        loop {
+            match events.poll().await {
+                Ok(Event::Incoming(Packet::ConnAck(_))) => return true,
+                Ok(_) => {}
+                Err(_) => return false,
+            }
+        }
+    };
+    tokio::time::timeout(patience, connected).await.unwrap_or(false)
+}

@@ -1,0 +1,31 @@
+//! How often hostile robots did what.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::behaviour::Behaviour;
+
+/// Counts what was done, by behaviour.
+#[derive(Debug)]
+pub struct Tally {
+    counts: Vec<(Behaviour, AtomicU64)>,
+}
+
+impl Tally {
+    /// Nothing was done yet.
+    pub fn new(behaviours: &[Behaviour]) -> Self {
+        Self { counts: behaviours.iter().map(|&one| (one, AtomicU64::new(0))).collect() }
+    }
+
+    /// Counts one message or connection.
+    pub fn count(&self, behaviour: Behaviour) {
+        if let Some((_, count)) = self.counts.iter().find(|(one, _)| *one == behaviour) {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Messages and connections so far, by the name of the behaviour.
+    pub fn counts(&self) -> BTreeMap<String, u64> {
+        self.counts.iter().map(|(one, count)| (one.name(), count.load(Ordering::Relaxed))).collect()
+    }
+}

@@ -1,0 +1,259 @@
+//! Robots that say what lies at the ends of the contract, to the real program: an honest robot beside them is receipted within
+//! two seconds all the time, and the database holds no number that is none.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Row};
+use tokio::task::JoinSet;
+use tokio::time::{interval, sleep, timeout};
+use vibrissa::store::{DatabaseAddress, Store};
+use vibrissa_protocol::{ArrayType, Message, RobotTopic, encode};
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_tests::extremes::{Context, Messages, not_finite, number};
+use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::robot::{ARRAY, HandRobot, array};
+
+/// Where all messages come from; the environment may ask for others.
+const SEED: u64 = 1;
+/// Robots that say extreme things, and how many messages each.
+const ROBOTS: usize = 8;
+const MESSAGES: usize = 2_500;
+/// From one message of such a robot to its next: together they say a thousand in a second.
+const PACE: Duration = Duration::from_millis(8);
+/// How soon an honest robot's message must be receipted.
+const RECEIPT: Duration = Duration::from_secs(2);
+/// A message is sent again after this: the broker may drop what has quality of service 0.
+const AGAIN: Duration = Duration::from_millis(700);
+/// Messages that are shown if the honest robot is not receipted.
+const SHOWN: usize = 12;
+/// How long the program may take to end.
+const END: Duration = Duration::from_secs(15);
+
+/// The newest extreme messages of all robots.
+type Newest = Arc<Mutex<VecDeque<String>>>;
+
+fn launch(database: &str, broker_port: u16, http: SocketAddr, log: &Path) -> Launch {
+    let arguments = ["run", "--name", "fuzzed", "--fleets", "f", "--detection-cold-start-contacts", "20"];
+    let mut arguments: Vec<String> = arguments.map(str::to_owned).into();
+    arguments.extend(["--http-listen".to_owned(), http.to_string(), "--database-url".to_owned(), database.to_owned()]);
+    arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{broker_port}")]);
+    Launch {
+        program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+        arguments,
+        environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
+        log: log.to_owned(),
+    }
+}
+
+/// Says extreme things, and ordinary ones with extreme numbers among them; each counts.
+async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc<AtomicU64>) {
+    let (messages, mut random) = (Messages::default(), ChaCha8Rng::seed_from_u64(seed));
+    let mut clock = interval(PACE);
+    for at in 0..MESSAGES {
+        clock.tick().await;
+        if at % 500 == 0 {
+            robot.restart();
+            robot.birth().await;
+        }
+        let kind = match random.random_range(0..100) {
+            0..70 => RobotTopic::Contacts,
+            70..84 => RobotTopic::Status,
+            84..94 => RobotTopic::SetpointState,
+            94..98 => RobotTopic::Factsheet,
+            _ => RobotTopic::Connection,
+        };
+        let text = if kind == RobotTopic::Contacts && random.random_bool(0.7) {
+            let mut contacts = vec![robot.contact(0), robot.contact(1)];
+            if random.random_bool(0.3) {
+                let odd = &mut contacts[0];
+                let mut draw = |field, otherwise| {
+                    let is_odd = random.random_bool(0.6);
+                    if is_odd { number(&mut random, messages.contact_range(field)) } else { otherwise }
+                };
+                odd.ratio = draw("ratio", odd.ratio);
+                odd.deflection_mm = draw("deflection_mm", odd.deflection_mm);
+                odd.strain = draw("strain", odd.strain);
+            }
+            let message = robot.message(contacts);
+            String::from_utf8(encode(&message)).unwrap()
+        } else {
+            let context = Context {
+                boot_id: robot.boot_id.as_str().to_owned(),
+                seq: robot.next_seq(kind),
+                now_us: now_us(),
+                arrays: vec![(ARRAY.to_owned(), 2)],
+                models: vec!["nguyen-2021".to_owned()],
+                commands: Vec::new(),
+                right_times: 0.7,
+                odd_texts: if kind == RobotTopic::Factsheet { 0.1 } else { 0.01 },
+                list_most: 6,
+            };
+            messages.draw(&mut random, kind, &context)
+        };
+        {
+            let mut newest = newest.lock().unwrap();
+            newest.push_back(format!("{} {text}", robot.topic(kind)));
+            let count = newest.len();
+            newest.drain(..count.saturating_sub(SHOWN));
+        }
+        robot.say(kind, text).await;
+        said.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// How much later than it should a task of this process runs: what the machine takes from everybody is nobody's fault.
+fn watch_lag() -> (Arc<AtomicU64>, tokio::task::JoinHandle<()>) {
+    const STEP: Duration = Duration::from_millis(20);
+    let lag_us = Arc::new(AtomicU64::new(0));
+    let kept = lag_us.clone();
+    let task = tokio::spawn(async move {
+        loop {
+            let begun = Instant::now();
+            sleep(STEP).await;
+            kept.fetch_add(begun.elapsed().saturating_sub(STEP).as_micros() as u64, Ordering::Relaxed);
+        }
+    });
+    (lag_us, task)
+}
+
+/// Sends a message of contacts until it is receipted; tells how long that took, without what the machine stood still.
+async fn receipted(robot: &mut HandRobot, lag_us: &AtomicU64) -> Option<Duration> {
+    let (begun, lag_before) = (Instant::now(), lag_us.load(Ordering::Relaxed));
+    let taken = || {
+        let lag = Duration::from_micros(lag_us.load(Ordering::Relaxed) - lag_before);
+        begun.elapsed().saturating_sub(lag)
+    };
+    let contacts = vec![robot.contact(0), robot.contact(1)];
+    let message = robot.message(contacts);
+    while taken() < RECEIPT {
+        robot.say(RobotTopic::Contacts, encode(&message)).await;
+        let sent = Instant::now();
+        while let Some(heard) = robot.mqtt.next(AGAIN.saturating_sub(sent.elapsed())).await {
+            if let Message::Receipt(receipt) = &heard.message
+                && receipt.robot_boot_id == message.boot_id
+                && receipt.covers(message.seq)
+            {
+                return Some(taken());
+            }
+        }
+    }
+    None
+}
+
+/// The whole run on a database; the longest that a receipt took.
+async fn fuzz(database: &str) {
+    let seed = std::env::var("FUZZ_SEED").ok().map_or(SEED, |text| text.parse().expect("a number"));
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log");
+    let broker = tokio::task::block_in_place(Mosquitto::start);
+    let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+    let mut program = Process::start(launch(database, broker.port(), http, &log));
+    let facts = || array(ArrayType::Type1, &[69.3, 65.0]);
+    let mut honest = HandRobot::born(broker.port(), "honest", facts()).await;
+
+    let (newest, said) = (Newest::default(), Arc::new(AtomicU64::new(0)));
+    let mut hostile = JoinSet::new();
+    for at in 0..ROBOTS {
+        let robot = HandRobot::connect(broker.port(), &format!("h{at}"), facts()).await;
+        hostile.spawn(say_extremes(robot, seed << 8 | at as u64, newest.clone(), said.clone()));
+    }
+    let (lag_us, lag) = watch_lag();
+    let mut slowest = Duration::ZERO;
+    let mut receipts = 0;
+    while !hostile.is_empty() || receipts == 0 {
+        match receipted(&mut honest, &lag_us).await {
+            Some(took) => slowest = slowest.max(took),
+            None => {
+                let newest: Vec<String> = newest.lock().unwrap().iter().cloned().collect();
+                let log = std::fs::read_to_string(&log).unwrap_or_default();
+                let end: String = log.lines().rev().take(SHOWN).map(|line| format!("  {line}\n")).collect();
+                panic!(
+                    "seed {seed}: an honest robot is not receipted within {RECEIPT:?}, after {} extreme messages, \
+                     {receipts} receipts. The newest messages:\n  {}\nThe program, the newest first:\n{end}",
+                    said.load(Ordering::Relaxed),
+                    newest.join("\n  ")
+                );
+            }
+        }
+        receipts += 1;
+        while let Some(ended) = timeout(Duration::from_millis(50), hostile.join_next()).await.ok().flatten() {
+            ended.expect("a hostile robot's connection holds");
+        }
+    }
+    lag.abort();
+    let said = said.load(Ordering::Relaxed);
+    println!("{said} extreme messages, {receipts} receipts for an honest robot, the slowest after {slowest:?}");
+    assert_eq!(said, (ROBOTS * MESSAGES) as u64);
+
+    program.signal(Signal::SIGTERM);
+    let status = program.ended(END).await.expect("the program ends after SIGTERM");
+    assert!(status.success(), "{status}");
+    let address: DatabaseAddress = database.parse().unwrap();
+    let store = Store::open(&address, "test").await.unwrap();
+    let mut stored = 0;
+    for robot in (0..ROBOTS).map(|at| format!("h{at}")).chain(["honest".to_owned()]) {
+        let Some(state) = store.robot_state("f", &robot).await.unwrap() else { continue };
+        let state = state.robot().unwrap_or_else(|problem| panic!("seed {seed}: {robot}: {problem}"));
+        assert_eq!(not_finite(&state), None, "seed {seed}: the stored state of {robot}");
+        stored += 1;
+    }
+    assert!(stored > 1, "only {stored} robots are stored");
+}
+
+/// The tables and columns of numbers, each with what finds a number that is none.
+async fn assert_finite_in_postgres(server: &Postgres) {
+    let mut connection = server.connect().connect().await.unwrap();
+    let columns = "SELECT table_name::text, column_name::text FROM information_schema.columns \
+        WHERE table_schema = 'public' AND data_type IN ('double precision', 'real')";
+    let columns = sqlx::query(columns).fetch_all(&mut connection).await.unwrap();
+    assert!(columns.len() > 20, "{} columns", columns.len());
+    for row in columns {
+        let (table, column): (String, String) = (row.get(0), row.get(1));
+        let sql = format!("SELECT count(*) FROM \"{table}\" WHERE \"{column}\" IN ('NaN', 'Infinity', '-Infinity')");
+        let count: i64 = sqlx::query_scalar(AssertSqlSafe(sql)).fetch_one(&mut connection).await.unwrap();
+        assert_eq!(count, 0, "{table}.{column}");
+    }
+    connection.close().await.unwrap();
+}
+
+async fn assert_finite_in_sqlite(file: &Path) {
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(file).read_only(true);
+    let mut connection = options.connect().await.unwrap();
+    let columns = "SELECT m.name, c.name FROM sqlite_master m JOIN pragma_table_info(m.name) c \
+        WHERE m.type = 'table' AND upper(c.type) = 'REAL'";
+    let columns = sqlx::query(columns).fetch_all(&mut connection).await.unwrap();
+    assert!(columns.len() > 20, "{} columns", columns.len());
+    for row in columns {
+        let (table, column): (String, String) = (row.get(0), row.get(1));
+        // What is no number is stored as NULL, which columns refuse that must have one.
+        let sql = format!("SELECT count(*) FROM \"{table}\" WHERE abs(\"{column}\") > 1.7976931348623157e308");
+        let count: i64 = sqlx::query_scalar(AssertSqlSafe(sql)).fetch_one(&mut connection).await.unwrap();
+        assert_eq!(count, 0, "{table}.{column}");
+    }
+    connection.close().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn property_an_honest_robot_is_receipted_in_time_beside_extreme_messages_on_sqlite() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("v.sqlite3");
+    fuzz(&format!("sqlite:{}", file.display())).await;
+    assert_finite_in_sqlite(&file).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn property_an_honest_robot_is_receipted_in_time_beside_extreme_messages_on_postgres() {
+    let server = Postgres::start().await;
+    fuzz(&Postgres::url(server.port())).await;
+    assert_finite_in_postgres(&server).await;
+}

@@ -1,0 +1,185 @@
+//! A robot under supervision without the service around it: bytes are decoded, become the core's events, and move the robot.
+
+use vibrissa_core::robot::effect::{CommandKey, Effect};
+use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
+use vibrissa_core::units::Micros;
+use vibrissa_edge as edge;
+use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic, decode, envelope};
+use vibrissa_tests::extremes::{FROM_ROBOTS, not_finite};
+
+const EPOCH: u64 = 1;
+
+/// One thing that happens to the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Input {
+    /// Time passes.
+    Tick,
+    /// A message comes.
+    Message(RobotTopic, Vec<u8>),
+}
+
+/// What became of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fate {
+    /// The core took it.
+    Taken,
+    /// The message was refused, under that label.
+    Refused(&'static str),
+}
+
+/// A supervised robot.
+pub(crate) struct Subject<'a> {
+    pub(crate) robot: Robot,
+    params: &'a Params,
+    models: Vec<&'a str>,
+    topics: [Topic; FROM_ROBOTS.len()],
+    effects: Vec<Effect>,
+}
+
+/// How setpoints are named here.
+pub(crate) fn name_of(key: CommandKey) -> String {
+    format!("{}-{}", key.epoch, key.version)
+}
+
+impl<'a> Subject<'a> {
+    pub(crate) fn new(params: &'a Params) -> Self {
+        let name = |text| Name::new(text).unwrap();
+        Self {
+            robot: Robot::new(EPOCH, Numbers::default()),
+            params,
+            models: params.models.iter().map(|(name, _)| name.as_str()).collect(),
+            topics: FROM_ROBOTS.map(|kind| kind.of(&name("f"), &name("r"))),
+            effects: Vec::new(),
+        }
+    }
+
+    /// Takes an input as the service would.
+    ///
+    /// # Errors
+    /// What must not be: a number among the effects that is not finite, or a message that is never receipted.
+    pub(crate) fn take(&mut self, now: Micros, input: &Input) -> Result<Fate, String> {
+        let (kind, payload) = match input {
+            Input::Tick => {
+                self.step(now, &Event::Tick)?;
+                return Ok(Fate::Taken);
+            }
+            Input::Message(kind, payload) => (*kind, payload),
+        };
+        let topic = FROM_ROBOTS.iter().position(|&one| one == kind).expect("a topic of robots");
+        match decode(&self.topics[topic], payload) {
+            Ok(message) => self.message(now, &message),
+            Err(refusal) => {
+                if kind == RobotTopic::Contacts
+                    && let Some(envelope) = envelope(payload)
+                {
+                    self.contacts(now, &envelope.boot_id, envelope.seq, &[])?;
+                }
+                Ok(Fate::Refused(refusal.label()))
+            }
+        }
+    }
+
+    fn message(&mut self, now: Micros, message: &Message) -> Result<Fate, String> {
+        match message {
+            Message::Connection(told) => {
+                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+                self.step(now, &event)?;
+            }
+            Message::Factsheet(told) => match edge::factsheet(told, &self.models) {
+                Ok(factsheet) => {
+                    let boot_id = told.boot_id.as_str();
+                    self.step(now, &Event::Factsheet { boot_id, factsheet: &factsheet })?;
+                }
+                Err(problem) => return Ok(Fate::Refused(problem.label())),
+            },
+            Message::Contacts(told) => {
+                let contacts: Vec<_> = told.contacts.iter().filter_map(|one| edge::contact(one).ok()).collect();
+                self.contacts(now, &told.boot_id, told.seq, &contacts)?;
+            }
+            Message::Status(told) => {
+                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
+                match whiskers {
+                    Ok(whiskers) => {
+                        let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                        self.step(now, &Event::Status { boot_id, robot_time, whiskers: &whiskers })?;
+                    }
+                    Err(problem) => return Ok(Fate::Refused(problem.label())),
+                }
+            }
+            Message::SetpointState(told) => return self.setpoint_state(now, told),
+            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {
+                unreachable!("robots do not say this")
+            }
+        }
+        Ok(Fate::Taken)
+    }
+
+    fn contacts(
+        &mut self,
+        now: Micros,
+        boot_id: &protocol::BootId,
+        seq: u64,
+        contacts: &[vibrissa_core::robot::event::Contact<'_>],
+    ) -> Result<(), String> {
+        let outcome = self.step(now, &Event::Contacts { boot_id: boot_id.as_str(), seq, contacts })?;
+        let is_covered = || {
+            self.robot.sequence(boot_id.as_str()).is_some_and(|sequence| {
+                seq < sequence.next() || sequence.held().iter().any(|&(first, last)| (first..=last).contains(&seq))
+            })
+        };
+        // What is taken and not receipted comes again for ever.
+        if matches!(outcome, Outcome::Taken | Outcome::Duplicate) && !is_covered() {
+            return Err(format!("contacts {seq} of boot {boot_id} are {outcome:?} and no receipt covers them"));
+        }
+        Ok(())
+    }
+
+    fn setpoint_state(&mut self, now: Micros, told: &protocol::SetpointState) -> Result<Fate, String> {
+        let found = self.robot.commands_under_way().find(|command| name_of(command.key) == told.command_id);
+        let Some((command, pressure)) = found.map(|command| (command.key, command.pressure)) else {
+            return Ok(Fate::Taken);
+        };
+        match edge::setpoint_report(told, pressure) {
+            Ok(report) => {
+                let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                self.step(now, &Event::Setpoint { boot_id, command, report, robot_time })?;
+                Ok(Fate::Taken)
+            }
+            Err(problem) => Ok(Fate::Refused(problem.label())),
+        }
+    }
+
+    fn step(&mut self, now: Micros, event: &Event<'_>) -> Result<Outcome, String> {
+        self.effects.clear();
+        let outcome = self.robot.step(self.params, now, event, &mut self.effects);
+        match not_finite(&self.effects) {
+            Some(place) => Err(format!("an effect is not finite: ..{place}")),
+            None => Ok(outcome),
+        }
+    }
+
+    /// Everything that is remembered of the robot, and everything that is shown of it.
+    ///
+    /// # Errors
+    /// A number is not finite, or what is stored cannot be read again.
+    pub(crate) fn check_state(&self) -> Result<(), String> {
+        if let Some(place) = not_finite(&self.robot) {
+            return Err(format!("the state is not finite: ..{place}"));
+        }
+        for index in 0..self.robot.whisker_count() {
+            if let Some(place) = not_finite(&self.robot.whisker(index)) {
+                return Err(format!("a view is not finite: ..{place}"));
+            }
+        }
+        let head = self.robot.to_bytes().ok_or("the robot cannot be stored")?;
+        let whiskers: Option<Vec<_>> =
+            (0..self.robot.whisker_count()).map(|index| self.robot.whisker_to_bytes(index)).collect();
+        let whiskers = whiskers.ok_or("a whisker cannot be stored")?;
+        let restored = Robot::restore(&head, &whiskers).map_err(|problem| format!("stored and lost: {problem}"))?;
+        let again: Option<Vec<_>> = (0..whiskers.len()).map(|index| restored.whisker_to_bytes(index)).collect();
+        if restored.to_bytes().as_ref() == Some(&head) && again.as_ref() == Some(&whiskers) {
+            return Ok(());
+        }
+        Err("what is restored is not what was stored".to_owned())
+    }
+}

@@ -1,0 +1,248 @@
+//! Robots' messages at the ends of what the contract allows: the least and greatest values of each range, numbers that are
+//! nearly zero, clocks that are years off, texts with control characters.
+//!
+//! Ranges, words and lengths come from the contract's own schemas, so that a change of the contract is followed. The same
+//! seed gives the same messages.
+
+mod finite;
+mod shape;
+mod values;
+
+use std::fmt::{Display, Write as _};
+
+use rand::Rng;
+use rand::seq::IndexedRandom;
+use vibrissa_protocol::RobotTopic;
+use vibrissa_protocol::document::{Channel, json_schema};
+
+pub use finite::not_finite;
+pub use shape::{Range, Shape, Text};
+pub use values::{number, time_us, write_number};
+
+/// The topics that robots publish on.
+pub const FROM_ROBOTS: [RobotTopic; 5] = [
+    RobotTopic::Connection,
+    RobotTopic::Factsheet,
+    RobotTopic::Contacts,
+    RobotTopic::Status,
+    RobotTopic::SetpointState,
+];
+
+/// What a message must name so that it is about something that the supervisor knows.
+#[derive(Debug, Clone, Default)]
+pub struct Context {
+    /// The robot's boot.
+    pub boot_id: String,
+    /// The number of the message.
+    pub seq: u64,
+    /// The moment, in microseconds since 1970 UTC.
+    pub now_us: u64,
+    /// Names of arrays, each with its number of whiskers.
+    pub arrays: Vec<(String, u16)>,
+    /// Models of whiskers that the supervisor has loaded.
+    pub models: Vec<String>,
+    /// Setpoints that wait for an answer.
+    pub commands: Vec<String>,
+    /// The share of times that are right, from 0 to 1: one wrong time may end the use of all that follow.
+    pub right_times: f64,
+    /// The share of texts that are odd, from 0 to 1: a refused factsheet ends the use of all that follow.
+    pub odd_texts: f64,
+    /// The most entries of a list.
+    pub list_most: usize,
+}
+
+/// Draws messages.
+#[derive(Debug, Clone)]
+pub struct Messages {
+    shapes: [Shape; FROM_ROBOTS.len()],
+}
+
+impl Default for Messages {
+    fn default() -> Self {
+        let of = |kind| {
+            let schema = serde_json::to_value(json_schema(Channel::Robot(kind))).expect("a schema is JSON");
+            Shape::of_schema(&schema)
+        };
+        Self { shapes: FROM_ROBOTS.map(of) }
+    }
+}
+
+impl Messages {
+    /// The shape of a topic's message.
+    ///
+    /// # Panics
+    /// Robots do not publish on the topic.
+    #[must_use]
+    pub fn shape(&self, kind: RobotTopic) -> &Shape {
+        let at = FROM_ROBOTS.iter().position(|&one| one == kind);
+        &self.shapes[at.expect("a topic of robots")]
+    }
+
+    /// The range of a number of contacts, such as `strain`: from the least to the greatest that the contract allows.
+    ///
+    /// # Panics
+    /// Contacts have no such number.
+    #[must_use]
+    pub fn contact_range(&self, field: &str) -> Range {
+        let ranges = self.shape(RobotTopic::Contacts).at(&["contacts", field]).map(Shape::ranges).unwrap_or_default();
+        assert!(!ranges.is_empty(), "contacts have no number {field}");
+        let least = ranges.iter().map(|range| range.least).fold(f64::MAX, f64::min);
+        Range { least, most: ranges.iter().map(|range| range.most).fold(f64::MIN, f64::max) }
+    }
+
+    /// A message.
+    pub fn draw(&self, random: &mut impl Rng, kind: RobotTopic, context: &Context) -> String {
+        let mut out = String::new();
+        Writer { context, random, whisker: 0, whiskers: 0, pressures: [None; 2] }.write(self.shape(kind), "", &mut out);
+        out
+    }
+}
+
+struct Writer<'a, R> {
+    context: &'a Context,
+    random: &'a mut R,
+    /// The whisker of a factsheet's array that is being written, and how many the array has.
+    whisker: u16,
+    whiskers: u16,
+    /// The nominal pressure of that whisker and its limit, which must not be below.
+    pressures: [Option<f64>; 2],
+}
+
+impl<R: Rng> Writer<'_, R> {
+    fn write(&mut self, shape: &Shape, name: &str, out: &mut String) {
+        if self.write_known(shape, name, out) {
+            return;
+        }
+        match shape {
+            Shape::Constant(json) => out.push_str(json),
+            Shape::Choice(choices) => {
+                if let Some(choice) = choices.choose(self.random) {
+                    self.write(choice, "", out);
+                }
+            }
+            Shape::Integer(least, most) => {
+                let _ = write!(out, "{}", values::integer(self.random, *least, *most));
+            }
+            Shape::Number(range) => write_number(number(self.random, *range), out),
+            Shape::Text(kind) => values::text(self.random, *kind, self.context.now_us, out),
+            Shape::List { item, most } => {
+                let most = (*most).min(self.context.list_most);
+                let count = self.random.random_range(0..=most);
+                self.list(item, count, out);
+            }
+            Shape::Object(fields) => {
+                out.push('{');
+                for field in fields.iter() {
+                    if !field.is_required && self.random.random() {
+                        continue;
+                    }
+                    if !out.ends_with('{') {
+                        out.push(',');
+                    }
+                    let _ = write!(out, "\"{}\":", field.name);
+                    self.write(&field.shape, &field.name, out);
+                }
+                out.push('}');
+            }
+        }
+    }
+
+    fn list(&mut self, item: &Shape, count: usize, out: &mut String) {
+        out.push('[');
+        for index in 0..count {
+            if index > 0 {
+                out.push(',');
+            }
+            self.write(item, "", out);
+        }
+        out.push(']');
+    }
+
+    /// Fields whose values must fit to others'; false for all other fields.
+    fn write_known(&mut self, shape: &Shape, name: &str, out: &mut String) -> bool {
+        let is_odd = self.random.random_bool(self.context.odd_texts);
+        match (name, shape) {
+            ("boot_id", _) if !is_odd => quoted(&self.context.boot_id, out),
+            ("seq", _) => put(self.context.seq, out),
+            ("t_us", Shape::Integer(_, most)) => {
+                let is_right = self.random.random_bool(self.context.right_times);
+                let now_us = self.context.now_us;
+                put(if is_right { now_us } else { time_us(self.random, now_us, *most) }, out);
+            }
+            ("arrays", Shape::List { item, .. }) => self.arrays(item, out),
+            ("array", _) if !is_odd => {
+                let Some((array, count)) = self.context.arrays.choose(self.random) else { return false };
+                self.whiskers = *count;
+                quoted(array, out);
+            }
+            // In a factsheet it is another for each; elsewhere one that is there, or none.
+            ("whisker", _) if self.pressures != [None; 2] => put(self.whisker, out),
+            ("whisker", _) if !is_odd && self.whiskers > 0 => {
+                put(self.random.random_range(0..self.whiskers), out);
+            }
+            ("model", _) if !is_odd => match self.context.models.choose(self.random) {
+                Some(model) => quoted(model, out),
+                None => return false,
+            },
+            ("neighbours", _) => {
+                let others = (0..self.whiskers).filter(|&other| other != self.whisker);
+                let beside: Vec<String> = others.map(|other| other.to_string()).collect();
+                put(format_args!("[{}]", beside.join(",")), out);
+            }
+            ("pressure_mpa", _) if self.pressures[0].is_some() => {
+                write_number(self.pressures[0].take().unwrap_or_default(), out);
+            }
+            ("pressure_max_mpa", _) if self.pressures[1].is_some() => {
+                write_number(self.pressures[1].unwrap_or_default(), out);
+            }
+            ("command_id", _) if !is_odd => match self.context.commands.choose(self.random) {
+                Some(command) => quoted(command, out),
+                None => return false,
+            },
+            _ => return false,
+        }
+        true
+    }
+
+    /// The arrays of a factsheet, as the context names them.
+    fn arrays(&mut self, array: &Shape, out: &mut String) {
+        out.push('[');
+        let arrays = &self.context.arrays;
+        for (index, (name, count)) in arrays.iter().enumerate() {
+            out.push_str(if index == 0 { "{" } else { ",{" });
+            let _ = write!(out, "\"array\":\"{name}\",\"type\":");
+            if let Some(kind) = array.at(&["type"]) {
+                self.write(kind, "type", out);
+            }
+            out.push_str(",\"whiskers\":[");
+            self.whiskers = *count;
+            for whisker in 0..*count {
+                if whisker > 0 {
+                    out.push(',');
+                }
+                self.whisker = whisker;
+                if let Some(facts) = array.at(&["whiskers"]) {
+                    let ranges = facts.at(&["pressure_mpa"]).map(Shape::ranges).unwrap_or_default();
+                    let mut pressure = || ranges.first().map(|&range| number(self.random, range));
+                    let (one, other) = (pressure().unwrap_or_default(), pressure().unwrap_or_default());
+                    self.pressures = [Some(one.min(other)), Some(one.max(other))];
+                    self.write(facts, "", out);
+                    self.pressures = [None; 2];
+                }
+            }
+            out.push_str("]}");
+        }
+        out.push(']');
+    }
+}
+
+fn put(value: impl Display, out: &mut String) {
+    let _ = write!(out, "{value}");
+}
+
+fn quoted(text: &str, out: &mut String) {
+    put(format_args!("\"{text}\""), out);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,179 @@
+//! What values a schema allows, as a tree that values can be drawn from quickly.
+
+use serde_json::Value;
+
+/// The most characters that a text gets where its schema gives no limit.
+const TEXT_CHARS: usize = 64;
+
+/// The values of one place of a message.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    /// This JSON and nothing else.
+    Constant(String),
+    /// Any of these.
+    Choice(Vec<Shape>),
+    /// An integer, both ends included.
+    Integer(u64, u64),
+    /// A number.
+    Number(Range),
+    /// A text.
+    Text(Text),
+    /// A list.
+    List {
+        /// What it holds.
+        item: Box<Shape>,
+        /// The most entries.
+        most: usize,
+    },
+    /// An object with its fields in the order of the contract.
+    Object(Vec<Field>),
+}
+
+/// The range of a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// The least value.
+    pub least: f64,
+    /// The greatest value.
+    pub most: f64,
+}
+
+/// What a text means, by its pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Text {
+    /// A name: letters, digits, `_` and `-`.
+    Name,
+    /// A time in RFC 3339.
+    Timestamp,
+    /// Anything of at most that many characters.
+    Free(usize),
+}
+
+/// A field of an object.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// Its name.
+    pub name: String,
+    /// Its values.
+    pub shape: Shape,
+    /// Whether it must be there.
+    pub is_required: bool,
+}
+
+impl Range {
+    /// The range of a schema; numbers that are excluded are left out.
+    fn of(schema: &Value) -> Self {
+        let number = |key: &str| schema[key].as_f64();
+        let least = number("exclusiveMinimum").map(f64::next_up).or_else(|| number("minimum"));
+        let most = number("exclusiveMaximum").map(f64::next_down).or_else(|| number("maximum"));
+        Self { least: least.unwrap_or(f64::MIN), most: most.unwrap_or(f64::MAX) }
+    }
+}
+
+impl Shape {
+    /// The shape of a whole schema of the contract.
+    ///
+    /// # Panics
+    /// The schema uses a word that this reader does not know.
+    #[must_use]
+    pub fn of_schema(schema: &Value) -> Self {
+        Self::new(schema, schema)
+    }
+
+    fn new(schema: &Value, root: &Value) -> Self {
+        if let Some(reference) = schema["$ref"].as_str() {
+            let found = root.pointer(reference.trim_start_matches('#'));
+            return Self::new(found.unwrap_or_else(|| panic!("the schema has no {reference}")), root);
+        }
+        if let Some(constant) = schema.get("const") {
+            return Self::Constant(constant.to_string());
+        }
+        if let Some(words) = schema["enum"].as_array() {
+            return Self::Choice(words.iter().map(|word| Self::Constant(word.to_string())).collect());
+        }
+        let list = |key: &str| schema[key].as_array();
+        if let Some(one_of) = list("anyOf").or_else(|| list("oneOf")).or_else(|| list("allOf")) {
+            // A number's ranges stand beside its type.
+            let merged = |part: &Value| {
+                let mut whole = schema.clone();
+                let fields = whole.as_object_mut().expect("a schema is an object");
+                ["anyOf", "oneOf", "allOf"].iter().for_each(|key| drop(fields.remove(*key)));
+                fields.extend(part.as_object().cloned().unwrap_or_default());
+                whole
+            };
+            return Self::Choice(one_of.iter().map(|part| Self::new(&merged(part), root)).collect());
+        }
+        match &schema["type"] {
+            Value::String(kind) => Self::of_type(kind, schema, root),
+            Value::Array(kinds) => {
+                let kinds = kinds.iter().filter_map(Value::as_str);
+                Self::Choice(kinds.map(|kind| Self::of_type(kind, schema, root)).collect())
+            }
+            other => panic!("a schema of type {other}: {schema}"),
+        }
+    }
+
+    fn of_type(kind: &str, schema: &Value, root: &Value) -> Self {
+        let count = |key: &str| schema[key].as_u64().and_then(|count| usize::try_from(count).ok());
+        match kind {
+            "null" => Self::Constant("null".to_owned()),
+            "boolean" => Self::Choice(["true", "false"].map(|word| Self::Constant(word.to_owned())).into()),
+            "integer" => {
+                let limit = |key: &str, otherwise: u64| schema[key].as_u64().unwrap_or(otherwise);
+                Self::Integer(limit("minimum", 0), limit("maximum", u64::MAX))
+            }
+            "number" => Self::Number(Range::of(schema)),
+            "string" => Self::Text(match schema["pattern"].as_str() {
+                Some(pattern) if pattern.contains("[A-Za-z0-9_-]") => Text::Name,
+                Some(pattern) if pattern.contains("[Tt]") => Text::Timestamp,
+                Some(_) | None => Text::Free(count("maxLength").unwrap_or(TEXT_CHARS)),
+            }),
+            "array" => Self::List {
+                item: Box::new(Self::new(&schema["items"], root)),
+                most: count("maxItems").unwrap_or(usize::MAX),
+            },
+            "object" => Self::Object(Self::fields(schema, root)),
+            other => panic!("a schema of type {other}: {schema}"),
+        }
+    }
+
+    /// Required ones first, which the schema lists in the order of the contract.
+    fn fields(schema: &Value, root: &Value) -> Vec<Field> {
+        let required: Vec<&str> =
+            schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let Some(properties) = schema["properties"].as_object() else { return Vec::new() };
+        let optional = properties.keys().map(String::as_str).filter(|name| !required.contains(name));
+        let field = |(name, is_required): (&str, bool)| Field {
+            name: name.to_owned(),
+            shape: Self::new(&properties[name], root),
+            is_required,
+        };
+        let all = required.iter().map(|&name| (name, true)).chain(optional.map(|name| (name, false)));
+        all.map(field).collect()
+    }
+
+    /// The shape at a path of field names; lists are passed through.
+    #[must_use]
+    pub fn at(&self, path: &[&str]) -> Option<&Self> {
+        match self {
+            Self::List { item, .. } => item.at(path),
+            Self::Object(fields) => match path {
+                [] => Some(self),
+                [name, rest @ ..] => fields.iter().find(|field| field.name == *name)?.shape.at(rest),
+            },
+            Self::Constant(_) | Self::Choice(_) | Self::Integer(..) | Self::Number(_) | Self::Text(_) => {
+                path.is_empty().then_some(self)
+            }
+        }
+    }
+
+    /// Every range of a number that it has, also where others may stand beside it.
+    #[must_use]
+    pub fn ranges(&self) -> Vec<Range> {
+        match self {
+            Self::Number(range) => vec![*range],
+            Self::Choice(choices) => choices.iter().flat_map(Self::ranges).collect(),
+            Self::Constant(_) | Self::Integer(..) | Self::Text(_) | Self::List { .. } | Self::Object(_) => Vec::new(),
+        }
+    }
+}
