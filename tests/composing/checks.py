@@ -151,7 +151,7 @@ def an_outage_of_the_database_is_logged_once(stack):
     before = {name: stack.logs(name).count("cannot keep the leases") for name in names}
     run("docker", "pause", stack.container("postgres"))
     try:
-        until("503", lambda: (stack.http(8080, "/readyz") or (0,))[0] == 503)
+        until("no readiness", lambda: not stack.is_ready("supervisor-1"))
         time.sleep(8)
     finally:
         run("docker", "unpause", stack.container("postgres"))
@@ -162,7 +162,7 @@ def an_outage_of_the_database_is_logged_once(stack):
 
 
 def the_other_supervisor_takes_over_after_a_kill(stack):
-    until("readiness", lambda: all((stack.http(port, "/readyz") or (0,))[0] == 200 for port in (8080, 8081)))
+    until("readiness", lambda: stack.is_ready("supervisor-1") and stack.is_ready("supervisor-2"))
     owner = until("an owner", lambda: stack.sql(OWNER))
     began = time.monotonic()
     # On purpose, so that the engine does not start it again: it might be the first to take the fleet up.

@@ -74,6 +74,11 @@ class Stack:
     def execute(self, service, *command):
         return run("docker", "exec", self.container(service), *command)
 
+    def is_ready(self, service):
+        """Whether a supervisor says so; the image asks its listener for monitoring."""
+        command = ["docker", "exec", self.container(service), "vibrissa-readyz"]
+        return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
     def logs(self, service):
         ended = subprocess.run(["docker", "logs", self.container(service)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return ended.stdout.decode(errors="replace")
