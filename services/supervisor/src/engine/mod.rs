@@ -320,6 +320,9 @@ impl Engine {
                         break;
                     }
                     self.take_in(&mut messages).await?;
+                    if inbox.is_throttling() {
+                        self.rounds.are_waited_for();
+                    }
                     if self.committing.is_some() {
                         // It may be in this thread, too.
                         yield_now().await;

@@ -67,6 +67,13 @@ impl Rounds {
         self.gathered += messages;
     }
 
+    /// Messages wait for the next transaction: what is gathered is not few.
+    pub(super) fn are_waited_for(&mut self) {
+        if let Some(since) = self.since {
+            self.due_by(since + GATHER);
+        }
+    }
+
     /// There is something to commit: at the next round, or as soon as it comes of more messages than are few, after some
     /// milliseconds.
     pub(super) fn has_gathered(&mut self, now: Instant) {
@@ -191,6 +198,34 @@ mod tests {
         assert_eq!(rounds.due(), Some(now + 2 * MS));
         rounds.begin(false, now + 2 * MS);
         assert_eq!(rounds.due(), None, "the next one gathers anew");
+    }
+
+    #[test]
+    fn what_others_wait_for_is_committed_after_20_ms_and_nothing_is_committed_for_nothing() {
+        let now = Instant::now();
+        let mut rounds = begun(now);
+        rounds.are_waited_for();
+        assert_eq!(rounds.due(), None);
+        rounds.heard(1);
+        rounds.has_gathered(now);
+        rounds.are_waited_for();
+        assert_eq!(rounds.due(), Some(now + GATHER));
+    }
+
+    #[test]
+    fn a_round_lasts_until_a_commit_or_while_there_is_nothing_to_commit() {
+        let now = Instant::now();
+        let mut rounds = begun(now);
+        let first = rounds.number();
+        assert!(rounds.number() > first, "nothing is gathered");
+        rounds.heard(1);
+        rounds.has_gathered(now);
+        let gathered_for = rounds.number();
+        assert_eq!(rounds.number(), gathered_for);
+        rounds.begin(false, now);
+        rounds.heard(1);
+        rounds.has_gathered(now);
+        assert!(rounds.number() > gathered_for);
     }
 
     #[test]

@@ -119,6 +119,8 @@ pub(super) struct Fair {
     /// Of all queues.
     held: Filling,
     waiting: usize,
+    /// Queues that have had their bytes of the round, and have more.
+    throttled: usize,
     round: u64,
     look: u64,
     shed: Vec<Shed>,
@@ -156,6 +158,11 @@ impl Fair {
     /// Whether nothing waits.
     pub(super) fn is_empty(&self) -> bool {
         self.waiting == 0
+    }
+
+    /// Whether messages wait for another round.
+    pub(super) fn is_throttling(&self) -> bool {
+        self.throttled > 0
     }
 
     /// Room for a message, in the queue whose place is given back. It must be pushed there, or the room given back.
@@ -262,7 +269,7 @@ impl Fair {
                 (queue.round, queue.given) = (self.round, 0);
             }
             if queue.given >= ROUND_BYTES {
-                queue.is_throttled = true;
+                self.throttled += usize::from(!std::mem::replace(&mut queue.is_throttled, true));
                 queue.is_its_turn = false;
                 self.turns.rotate_left(1);
                 passed_over += 1;
@@ -282,7 +289,8 @@ impl Fair {
             queue.deficit -= cost;
             queue.given += cost;
             if queue.messages.is_empty() {
-                (queue.deficit, queue.is_its_turn, queue.is_throttled) = (0, false, false);
+                self.throttled -= usize::from(std::mem::take(&mut queue.is_throttled));
+                (queue.deficit, queue.is_its_turn) = (0, false);
                 self.turns.pop_front();
             }
             (count, bytes, self.waiting) = (count + 1, bytes + cost, self.waiting - 1);

@@ -110,6 +110,12 @@ impl Inbox {
         self.shared.waiting().messages.begin_round(number);
     }
 
+    /// Whether messages wait for another round.
+    #[must_use]
+    pub fn is_throttling(&self) -> bool {
+        self.shared.waiting().messages.is_throttling()
+    }
+
     /// When the oldest message was received that waits; those do not count that wait because their own robot sends too much.
     #[must_use]
     pub fn oldest(&self) -> Option<Micros> {
@@ -469,10 +475,10 @@ mod tests {
         let (mut intake, mut inbox) = bounded(BOUNDS, counted());
         let payload = Bytes::from(vec![b'x'; 1_000]);
         // One robot sends more than it may in a round; each look brings one message of it and many of others.
-        for _ in 0..500 {
+        for look in 0..500 {
             intake.take(topic("contacts"), payload.clone());
             for other in 0..20 {
-                intake.take(Bytes::from(format!("whisker/v1/f/other-{other}/contacts")), payload.clone());
+                intake.take(Bytes::from(format!("whisker/v1/f/other-{look}-{other}/contacts")), payload.clone());
             }
             intake.hand_over();
             inbox.recv_many(&mut Vec::new(), 1_000).await;

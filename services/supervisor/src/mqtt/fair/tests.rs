@@ -127,13 +127,18 @@ fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
     assert!((most / 2..=most).contains(&count(&first, 0)), "{}", count(&first, 0));
     assert_eq!(count(&first, 1), 1);
     assert!(given(&mut fair, 1_000).is_empty(), "the rest is for another round");
-    assert!(!fair.is_empty());
+    assert!(!fair.is_empty() && fair.is_throttling());
     assert_eq!(fair.oldest(), None, "what waits for its own robot does not hold the time back");
     put(&mut fair, message(2, "status", 2_000, 10));
     assert_eq!(fair.oldest(), Some(Micros(2_000)));
     assert_eq!(given(&mut fair, 1_000).len(), 1);
     fair.begin_round(1);
     assert_eq!(given(&mut fair, 1_000).len(), count(&first, 0));
+    for round in 2..10 {
+        fair.begin_round(round);
+        given(&mut fair, 1_000);
+    }
+    assert!(fair.is_empty() && !fair.is_throttling());
 }
 
 #[test]
