@@ -133,6 +133,8 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let names: Vec<Name> = (0..arguments.robots as usize).map(scenario::robot_name).collect();
     let (honest, hostile_names) = names.split_at((arguments.robots - arguments.hostile) as usize);
     let strangers: Vec<String> = hostile_names.iter().map(|name| name.as_str().to_owned()).collect();
+    // The folder may have logs of an earlier run.
+    let panics_before = stage::panics(logs);
     let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
     let replay = Replay::start(stage.broker.port(), seed);
@@ -173,8 +175,10 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
         undelivered,
         run_s,
         drain_s: drain.as_secs_f64(),
+        panics: stage::panics(logs) - panics_before,
         hostile_robots: arguments.hostile.into(),
         hostile: if arguments.hostile > 0 { hostile.counts() } else { BTreeMap::new() },
+        hostile_setpoints: hostile.setpoints(),
         refusals: refusals.counts(),
         faults,
         ..Report::new(seed, contacts, setpoints, surprises)

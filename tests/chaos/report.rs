@@ -40,12 +40,16 @@ pub struct Report {
     pub ended_by_themselves: u64,
     pub stuck: u64,
     pub ownerless: u64,
+    /// Panics that the supervisors' logs tell of.
+    pub panics: u64,
     /// Seconds that robots touched, and that the rest took to arrive.
     pub run_s: f64,
     pub drain_s: f64,
     /// Hostile robots, and how many messages and connections each of their behaviours made.
     pub hostile_robots: u64,
     pub hostile: BTreeMap<String, u64>,
+    /// Setpoints that were sent to hostile robots, each time.
+    pub hostile_setpoints: u64,
     /// What the supervisors counted as not taken, at least.
     pub refusals: BTreeMap<String, u64>,
     /// What struck, in order.
@@ -107,17 +111,19 @@ impl Report {
             ended_by_themselves: surprises.ended,
             stuck: surprises.stuck,
             ownerless: surprises.ownerless,
+            panics: 0,
             run_s: 0.0,
             drain_s: 0.0,
             hostile_robots: 0,
             hostile: BTreeMap::new(),
+            hostile_setpoints: 0,
             refusals: BTreeMap::new(),
             faults: Vec::new(),
         }
     }
 
     /// What must be 0, by name.
-    fn forbidden(&self) -> [(&'static str, u64); 13] {
+    fn forbidden(&self) -> [(&'static str, u64); 14] {
         let takeovers = self.faults.iter().filter_map(|fault| fault.takeover);
         [
             ("contacts missing", self.missing),
@@ -132,6 +138,7 @@ impl Report {
             ("supervisors ended by themselves", self.ended_by_themselves),
             ("supervisors not ended by SIGTERM", self.stuck),
             ("faults without an owner to hit", self.ownerless),
+            ("panics of supervisors", self.panics),
             ("owners hit without a takeover", takeovers.filter(|one| one.seconds.is_none()).count() as u64),
         ]
     }
@@ -159,6 +166,7 @@ impl Report {
         for (name, count) in &self.hostile {
             writeln!(f, "{name:<42}{count:>9}")?;
         }
+        writeln!(f, "{:<42}{:>9}", "setpoints sent to them", self.hostile_setpoints)?;
         writeln!(f, "\nnot taken by the supervisors, at least")?;
         for (name, count) in &self.refusals {
             writeln!(f, "{name:<78}{count:>9}")?;
@@ -242,7 +250,7 @@ mod tests {
     #[test]
     fn whatever_is_forbidden_is_a_violation() {
         assert_eq!(good().violations(), Vec::<String>::new());
-        let edits: [fn(&mut Report); 12] = [
+        let edits: [fn(&mut Report); 13] = [
             |report| report.missing = 1,
             |report| report.duplicate = 1,
             |report| report.wrong = 1,
@@ -255,6 +263,7 @@ mod tests {
             |report| report.ended_by_themselves = 1,
             |report| report.stuck = 1,
             |report| report.ownerless = 1,
+            |report| report.panics = 1,
         ];
         for edit in edits {
             let mut report = good();

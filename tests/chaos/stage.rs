@@ -1,5 +1,6 @@
 //! What is there: broker, PostgreSQL, two supervisors, robots, and links between them that can fail.
 
+use std::io::BufRead;
 use std::net::SocketAddr;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -28,6 +29,10 @@ pub const ROBOT_PASSWORD: &str = "robot's own";
 pub const SUPERVISOR_PASSWORD: &str = "supervisor's own";
 /// The supervisors' user in the list that is shipped.
 const SUPERVISOR_USER: &str = "vibrissa";
+/// What the supervisors are called.
+const SUPERVISORS: [&str; 2] = ["a", "b"];
+/// In a log it tells of a panic.
+const PANIC: &[u8] = b"panicked at";
 /// Links between robots and broker, each with as many of the robots.
 pub const ROBOT_LINKS: usize = 4;
 /// Contacts until a whisker counts as learned: few, so that trims are found from the start.
@@ -78,8 +83,9 @@ impl Stage {
         for _ in 0..ROBOT_LINKS {
             robot_links.push(Proxy::to(broker.port()).await);
         }
-        let a = supervisor("a", program, control, logs, &broker, &database).await;
-        let b = supervisor("b", program, control, logs, &broker, &database).await;
+        let [a, b] = SUPERVISORS;
+        let a = supervisor(a, program, control, logs, &broker, &database).await;
+        let b = supervisor(b, program, control, logs, &broker, &database).await;
         Self { broker, database, supervisors: [a, b], robot_links }
     }
 
@@ -119,6 +125,21 @@ fn password_file(broker: &Mosquitto) -> PathBuf {
     broker.folder().join("supervisor.password")
 }
 
+/// How many panics the supervisors' logs tell of: a part of a program may panic and be started again without the end of the
+/// process.
+pub fn panics(logs: &Path) -> u64 {
+    let of = |name: &str| {
+        let Ok(file) = std::fs::File::open(log_of(logs, name)) else { return 0 };
+        let lines = std::io::BufReader::new(file).split(b'\n').map_while(Result::ok);
+        lines.filter(|line| line.windows(PANIC.len()).any(|part| part == PANIC)).count() as u64
+    };
+    SUPERVISORS.into_iter().map(of).sum()
+}
+
+fn log_of(logs: &Path, name: &str) -> PathBuf {
+    logs.join(format!("supervisor-{name}.log"))
+}
+
 async fn supervisor(
     name: &'static str,
     program: &Program,
@@ -150,7 +171,7 @@ async fn supervisor(
         program: program.path.clone(),
         arguments,
         environment: [level].into_iter().chain(fault).collect(),
-        log: logs.join(format!("supervisor-{name}.log")),
+        log: log_of(logs, name),
     });
     Supervisor { name, process, broker_link, database_link, http }
 }

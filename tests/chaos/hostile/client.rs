@@ -8,6 +8,7 @@ use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions
 use tokio::task::JoinHandle;
 use vibrissa_protocol::{Message, Name, RobotTopic, Setpoint, Topic, decode};
 
+use super::tally::Tally;
 use crate::scenario::FLEET;
 use crate::stage::ROBOT_PASSWORD;
 
@@ -54,11 +55,11 @@ fn options(port: u16, robot: &Name, id: String) -> MqttOptions {
 
 impl Client {
     /// Connects, and connects again whenever the connection breaks.
-    pub fn start(port: u16, robot: &Name) -> Self {
+    pub fn start(port: u16, robot: &Name, tally: Arc<Tally>) -> Self {
         let (client, events) =
             AsyncClient::builder(options(port, robot, format!("{FLEET}.{robot}"))).capacity(WAITING).build();
         let heard = Arc::new(Mutex::new(Heard::default()));
-        let poller = tokio::spawn(poll(client.clone(), events, robot.clone(), heard.clone()));
+        let poller = tokio::spawn(poll(client.clone(), events, robot.clone(), heard.clone(), tally));
         Self { client, heard, poller }
     }
 
@@ -73,7 +74,7 @@ impl Client {
     }
 }
 
-async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Arc<Mutex<Heard>>) {
+async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Arc<Mutex<Heard>>, tally: Arc<Tally>) {
     let fleet = Name::new(FLEET).expect("a name");
     let own = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request].map(|kind| kind.of(&fleet, &robot));
     loop {
@@ -94,6 +95,7 @@ async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Ar
                         heard.supervisor = Some(receipt.boot_id.as_str().to_owned());
                     }
                     Some(Message::Setpoint(setpoint)) => {
+                        tally.count_setpoint();
                         if heard.setpoints.len() == SETPOINTS {
                             heard.setpoints.pop_front();
                         }

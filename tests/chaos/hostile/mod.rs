@@ -71,6 +71,11 @@ impl Hostile {
         self.tasks.iter().for_each(JoinHandle::abort);
     }
 
+    /// Setpoints that the supervisors sent to them.
+    pub fn setpoints(&self) -> u64 {
+        self.tally.setpoints()
+    }
+
     /// What they did.
     pub fn counts(&self) -> std::collections::BTreeMap<String, u64> {
         self.tally.counts()

@@ -39,6 +39,8 @@ pub struct Robot {
     pub(super) flooding: Arc<Semaphore>,
     pub(super) boot_id: String,
     pub(super) behaviour: Behaviour,
+    /// What is said now only prepares for the behaviour, and does not count.
+    is_preparing: bool,
     model: Model,
     seqs: [u64; RobotTopic::ALL.len()],
 }
@@ -47,7 +49,7 @@ impl Robot {
     /// Connects through a link.
     pub fn new(name: Name, port: u16, seed: u64, shared: &super::Shared) -> Self {
         Self {
-            client: Client::start(port, &name),
+            client: Client::start(port, &name, shared.tally.clone()),
             name,
             port,
             random: ChaCha8Rng::seed_from_u64(seed),
@@ -56,6 +58,7 @@ impl Robot {
             flooding: shared.flooding.clone(),
             boot_id: "b".to_owned(),
             behaviour: Behaviour::Garbage,
+            is_preparing: false,
             model: Model::nguyen_2021(Formulation::Published),
             seqs: [0; RobotTopic::ALL.len()],
         }
@@ -75,7 +78,7 @@ impl Robot {
 
     /// Says something anywhere, and counts it as done by the present behaviour.
     pub fn say_on(&self, topic: &str, payload: impl Into<Vec<u8>>, quality: QoS, is_retained: bool) {
-        if self.client.say(topic, payload.into(), quality, is_retained) {
+        if self.client.say(topic, payload.into(), quality, is_retained) && !self.is_preparing {
             self.tally.count(self.behaviour);
         }
     }
@@ -142,6 +145,7 @@ impl Robot {
 
     /// Becomes a robot that the supervisor takes contacts of, if the supervisor is there.
     pub async fn stand_up(&mut self, length_mm: f64) {
+        self.is_preparing = true;
         self.reboot();
         self.birth();
         let factsheet = self.factsheet(&json!("hostile"), length_mm);
@@ -152,6 +156,7 @@ impl Robot {
             self.touch(0, length_mm, 1);
             sleep(Duration::from_millis(250)).await;
         }
+        self.is_preparing = false;
     }
 
     /// Sends a message of contacts as they would be felt at 0.1 MPa by a whisker of that length.
@@ -174,12 +179,14 @@ impl Robot {
     /// Has whisker 0 learned and cut, so that setpoints are decided for it.
     pub async fn be_cut(&mut self) {
         self.stand_up(70.0).await;
+        self.is_preparing = true;
         for length_mm in [70.0, 70.0, 70.0, 60.0, 60.0, 60.0] {
             for whisker in [0, 1] {
                 self.touch(whisker, if whisker == 0 { length_mm } else { 70.0 }, 20);
             }
             sleep(Duration::from_millis(200)).await;
         }
+        self.is_preparing = false;
     }
 
     /// The setpoints that have come since they were last taken.

@@ -9,12 +9,23 @@ use super::behaviour::Behaviour;
 #[derive(Debug)]
 pub struct Tally {
     counts: Vec<(Behaviour, AtomicU64)>,
+    setpoints: AtomicU64,
 }
 
 impl Tally {
     /// Nothing was done yet.
     pub fn new(behaviours: &[Behaviour]) -> Self {
-        Self { counts: behaviours.iter().map(|&one| (one, AtomicU64::new(0))).collect() }
+        Self { counts: behaviours.iter().map(|&one| (one, AtomicU64::new(0))).collect(), setpoints: AtomicU64::new(0) }
+    }
+
+    /// Counts a setpoint that the supervisor sent to a hostile robot.
+    pub fn count_setpoint(&self) {
+        self.setpoints.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Setpoints that were sent to hostile robots, each time.
+    pub fn setpoints(&self) -> u64 {
+        self.setpoints.load(Ordering::Relaxed)
     }
 
     /// Counts one message or connection.

@@ -1,5 +1,7 @@
 //! Robots that say what lies at the ends of the contract, to the real program: an honest robot beside them is receipted within
 //! two seconds all the time, and the database holds no number that is none.
+//!
+//! `FUZZ_SEED=7` says others, and `FUZZ_WITHOUT=factsheet,times` leaves some out, to find the cause of a fault.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -17,7 +19,7 @@ use tokio::time::{interval, sleep, timeout};
 use vibrissa::store::{DatabaseAddress, Store};
 use vibrissa_protocol::{ArrayType, Message, RobotTopic, encode};
 use vibrissa_simulator::fleet::now_us;
-use vibrissa_tests::extremes::{Context, Messages, not_finite, number};
+use vibrissa_tests::extremes::{Context, Messages, Without, not_finite, number};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
@@ -58,6 +60,7 @@ fn launch(database: &str, broker_port: u16, http: SocketAddr, log: &Path) -> Lau
 /// Says extreme things, and ordinary ones with extreme numbers among them; each counts.
 async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc<AtomicU64>) {
     let (messages, mut random) = (Messages::default(), ChaCha8Rng::seed_from_u64(seed));
+    let without = Without::from_environment();
     let mut clock = interval(PACE);
     for at in 0..MESSAGES {
         clock.tick().await;
@@ -72,9 +75,11 @@ async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc
             94..98 => RobotTopic::Factsheet,
             _ => RobotTopic::Connection,
         };
-        let text = if kind == RobotTopic::Contacts && random.random_bool(0.7) {
+        let is_ordinary = without.is_ordinary(kind);
+        let kind = if is_ordinary { RobotTopic::Contacts } else { kind };
+        let text = if is_ordinary || kind == RobotTopic::Contacts && random.random_bool(0.7) {
             let mut contacts = vec![robot.contact(0), robot.contact(1)];
-            if random.random_bool(0.3) {
+            if !without.is_ordinary(kind) && random.random_bool(0.3) {
                 let odd = &mut contacts[0];
                 let mut draw = |field, otherwise| {
                     let is_odd = random.random_bool(0.6);
@@ -94,8 +99,12 @@ async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc
                 arrays: vec![(ARRAY.to_owned(), 2)],
                 models: vec!["nguyen-2021".to_owned()],
                 commands: Vec::new(),
-                right_times: 0.7,
-                odd_texts: if kind == RobotTopic::Factsheet { 0.1 } else { 0.01 },
+                right_times: if without.times { 1.0 } else { 0.7 },
+                odd_texts: match kind {
+                    _ if without.texts => 0.0,
+                    RobotTopic::Factsheet => 0.1,
+                    _ => 0.01,
+                },
                 list_most: 6,
             };
             messages.draw(&mut random, kind, &context)
@@ -208,6 +217,9 @@ async fn fuzz(database: &str) {
         stored += 1;
     }
     assert!(stored > 1, "only {stored} robots are stored");
+    let log = std::fs::read_to_string(&log).unwrap_or_default();
+    let panic = log.lines().skip_while(|line| !line.contains("panicked at")).take(2).collect::<Vec<_>>();
+    assert!(panic.is_empty(), "seed {seed}: the program panicked: {panic:?}");
 }
 
 /// The tables and columns of numbers, each with what finds a number that is none.

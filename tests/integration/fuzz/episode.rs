@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre};
 use vibrissa_protocol::RobotTopic;
-use vibrissa_tests::extremes::{Context, Messages, number};
+use vibrissa_tests::extremes::{Context, Messages, Without, number};
 
 use crate::subject::{Fate, Input, Subject, name_of};
 
@@ -63,8 +63,8 @@ fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
 }
 
 /// Plays an episode.
-pub(crate) fn play(seed: u64, params: &Params, messages: &Messages) -> Played {
-    let mut player = Player::new(seed, messages);
+pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Without) -> Played {
+    let mut player = Player::new(seed, messages, without);
     let mut inputs = Inputs::new();
     let mut fates = BTreeMap::new();
     let fault = caught(|| {
@@ -155,6 +155,7 @@ fn with_fewer_entries(inputs: &Inputs, at: usize, params: &Params) -> Option<(In
 /// Draws the inputs one after the other.
 struct Player<'a> {
     messages: &'a Messages,
+    without: &'a Without,
     model: vibrissa_core::mechanics::Model,
     random: ChaCha8Rng,
     now_us: u64,
@@ -170,7 +171,7 @@ struct Player<'a> {
 }
 
 impl<'a> Player<'a> {
-    fn new(seed: u64, messages: &'a Messages) -> Self {
+    fn new(seed: u64, messages: &'a Messages, without: &'a Without) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut arrays = vec![("left".to_owned(), random.random_range(1..=3))];
         if random.random_bool(0.2) {
@@ -178,12 +179,16 @@ impl<'a> Player<'a> {
         }
         Self {
             messages,
+            without,
             model: vibrissa_core::mechanics::Model::nguyen_2021(vibrissa_core::mechanics::Formulation::Published),
             now_us: START_US + random.random_range(0..1_000_000),
             boots: 1,
             seqs: BTreeMap::new(),
             truth: BTreeMap::new(),
-            learns_first: random.random_bool(0.6),
+            // Where factsheets or contacts are ordinary, they are all from the start.
+            learns_first: random.random_bool(0.6)
+                || without.is_ordinary(RobotTopic::Factsheet)
+                || without.is_ordinary(RobotTopic::Contacts),
             ordinary: 0,
             said: 0,
             random,
@@ -206,7 +211,10 @@ impl<'a> Player<'a> {
             1 => RobotTopic::Connection,
             2 => RobotTopic::Factsheet,
             _ if self.learns_first && self.ordinary < LEARNED => RobotTopic::Contacts,
-            _ => self.kind(),
+            // There is no ordinary status.
+            _ => Some(self.kind())
+                .filter(|&kind| kind != RobotTopic::Status || !self.without.is_ordinary(kind))
+                .unwrap_or(RobotTopic::Contacts),
         };
         let text = self.message(kind, subject);
         (now, Input::Message(kind, text.into_bytes()))
@@ -239,8 +247,8 @@ impl<'a> Player<'a> {
         }
         let seq = self.seq(kind);
         let is_learning = self.learns_first && self.ordinary < LEARNED;
-        let is_ordinary = is_learning || self.said <= 2 || self.learns_first && self.random.random_bool(0.5);
-        if is_ordinary {
+        let by_chance = self.learns_first && self.random.random_bool(0.5);
+        if is_learning || self.said <= 2 || by_chance || self.without.is_ordinary(kind) {
             let ordinary = match kind {
                 RobotTopic::Connection => Some(json!({"timestamp": "2026-11-21T08:00:00.000Z", "state": "ONLINE"})),
                 RobotTopic::Factsheet if self.learns_first => Some(self.factsheet()),
@@ -248,8 +256,12 @@ impl<'a> Player<'a> {
                 RobotTopic::SetpointState => self.applied(subject),
                 _ => None,
             };
-            if let Some(fields) = ordinary {
-                return self.in_order(kind, seq, fields);
+            match ordinary {
+                Some(fields) => return self.in_order(kind, seq, fields),
+                None if self.without.is_ordinary(kind) => {
+                    return self.in_order(RobotTopic::Connection, seq, json!({"state": "ONLINE"}));
+                }
+                None => {}
             }
         }
         let context = Context {
@@ -259,8 +271,8 @@ impl<'a> Player<'a> {
             arrays: self.arrays.clone(),
             models: vec![MODEL.to_owned()],
             commands: subject.robot.commands_under_way().map(|command| name_of(command.key)).collect(),
-            right_times: 0.7,
-            odd_texts: if self.said <= 2 { 0.0 } else { 0.01 },
+            right_times: if self.without.times { 1.0 } else { 0.7 },
+            odd_texts: if self.said <= 2 || self.without.texts { 0.0 } else { 0.01 },
             list_most: 6,
         };
         self.messages.draw(&mut self.random, kind, &context)
@@ -333,7 +345,7 @@ impl<'a> Player<'a> {
             ("pressure_mpa", pressure_mpa),
             ("temperature_c", 24.0),
         ];
-        if !is_learning && self.random.random_bool(0.2) {
+        if !is_learning && !self.without.is_ordinary(RobotTopic::Contacts) && self.random.random_bool(0.2) {
             for (field, value) in &mut numbers {
                 // The pressure is mostly right: far from the setpoint nothing of a contact is used.
                 let is_odd = self.random.random_bool(if *field == "pressure_mpa" { 0.1 } else { 0.5 });

@@ -1,10 +1,14 @@
 //! A robot under supervision without the service around it: bytes are decoded, become the core's events, and move the robot.
 
-use vibrissa_core::robot::effect::{CommandKey, Effect};
+use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
-use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic, decode, envelope};
+use vibrissa_edge::words::setpoint_reason;
+use vibrissa_protocol::{
+    self as protocol, BootId, Message, Name, RobotTopic, Timestamp, Topic, decode, encode, envelope,
+};
 use vibrissa_tests::extremes::{FROM_ROBOTS, not_finite};
 
 const EPOCH: u64 = 1;
@@ -152,10 +156,39 @@ impl<'a> Subject<'a> {
     fn step(&mut self, now: Micros, event: &Event<'_>) -> Result<Outcome, String> {
         self.effects.clear();
         let outcome = self.robot.step(self.params, now, event, &mut self.effects);
-        match not_finite(&self.effects) {
-            Some(place) => Err(format!("an effect is not finite: ..{place}")),
-            None => Ok(outcome),
+        if let Some(place) = not_finite(&self.effects) {
+            return Err(format!("an effect is not finite: ..{place}"));
         }
+        for effect in &self.effects {
+            if let Effect::Command(command) | Effect::Resend(command) = effect {
+                self.keeps_the_contract(command)?;
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Whether the setpoint can be read by a robot that checks it.
+    fn keeps_the_contract(&self, command: &Command) -> Result<(), String> {
+        let view = self.robot.whisker(command.whisker).ok_or("a setpoint is for a whisker that is not there")?;
+        let setpoint = protocol::Setpoint {
+            boot_id: BootId::new("s").unwrap(),
+            seq: 0,
+            command_id: name_of(command.key),
+            epoch: command.key.epoch,
+            version: command.key.version,
+            robot_boot_id: BootId::new(&command.robot_boot_id).unwrap(),
+            array: Name::new(view.array).unwrap(),
+            whisker: view.sheet.number,
+            pressure_mpa: command.pressure.mpa(),
+            slew_mpa_per_s: command.slew_mpa_per_s,
+            issued: Timestamp(command.issued.0),
+            expires_us: command.expires.0,
+            reason: setpoint_reason(command.reason),
+            gain: command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default(),
+        };
+        let topic = RobotTopic::Setpoint.of(&Name::new("f").unwrap(), &Name::new("r").unwrap());
+        let read = decode(&topic, &encode(&setpoint));
+        read.map(drop).map_err(|refusal| format!("a setpoint breaks the contract: {refusal}"))
     }
 
     /// Everything that is remembered of the robot, and everything that is shown of it.

@@ -7,6 +7,7 @@
 mod finite;
 mod shape;
 mod values;
+mod without;
 
 use std::fmt::{Display, Write as _};
 
@@ -18,6 +19,7 @@ use vibrissa_protocol::document::{Channel, json_schema};
 pub use finite::not_finite;
 pub use shape::{Range, Shape, Text};
 pub use values::{number, time_us, write_number};
+pub use without::Without;
 
 /// The topics that robots publish on.
 pub const FROM_ROBOTS: [RobotTopic; 5] = [
