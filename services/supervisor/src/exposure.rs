@@ -28,7 +28,7 @@ pub fn exposures(config: &Config) -> Vec<String> {
 }
 
 fn http(config: &Config) -> Option<String> {
-    let address = config.http;
+    let address = config.http.listen;
     if !address.ip().is_loopback() {
         return Some(format!(
             "http.listen: HTTP on {address} is plain text, so that everyone on the way can read data and take tokens: listen on \

@@ -9,7 +9,7 @@ use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpSocket, TcpStream};
 use tokio::task::JoinSet;
-use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::wait::{PATIENCE, until, until_true};
 use vibrissa_tests::web::{ask, open, try_get};
 
 use crate::http_program::HttpProgram;
@@ -53,7 +53,7 @@ async fn served(to: SocketAddr) -> TcpStream {
 /// Sends a head that never ends, byte by byte; again whenever it is closed.
 async fn trickle(to: SocketAddr, stop: Arc<AtomicBool>) {
     while !stop.load(Ordering::Relaxed) {
-        let mut stream = connect(to).await;
+        let Ok(mut stream) = TcpStream::connect(to).await else { continue };
         if stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX-Slow: ").await.is_err() {
             continue;
         }
@@ -260,4 +260,45 @@ async fn regress_a_head_larger_than_is_read_is_refused() {
     // The server may have closed before all was sent.
     assert!(answer.is_err() || answer.is_ok_and(|answer| answer.status == 431));
     assert_eq!(try_get(program.http, "/livez").await.unwrap().0, 200);
+}
+
+/// Waits until so many answers of `/livez` are there.
+async fn answers(stream: &mut TcpStream, count: usize) {
+    let mut text = Vec::new();
+    while String::from_utf8_lossy(&text).matches("alive\n").count() < count {
+        let read = tokio::time::timeout(PATIENCE, stream.read_buf(&mut text)).await;
+        assert!(matches!(read, Ok(Ok(1..))), "{read:?} after {}", String::from_utf8_lossy(&text));
+    }
+    assert_eq!(String::from_utf8_lossy(&text).matches("HTTP/1.1 200 OK").count(), count);
+}
+
+/// Between requests a connection gives its buffers back: what was read ahead must not be lost with them.
+#[tokio::test]
+async fn requests_that_come_before_others_are_answered_are_all_answered() {
+    let program = HttpProgram::start(&[]);
+    let mut stream = connect(program.http).await;
+    let request = "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let (begin, end) = request.split_at(20);
+    stream.write_all(format!("{request}{request}{begin}").as_bytes()).await.unwrap();
+    answers(&mut stream, 2).await;
+    stream.write_all(end.as_bytes()).await.unwrap();
+    answers(&mut stream, 1).await;
+    // More than a buffer holds, in pieces that end anywhere.
+    let many = request.repeat(1000);
+    let (mut read, mut write) = stream.split();
+    let sent = async {
+        for piece in many.as_bytes().chunks(1013) {
+            write.write_all(piece).await.unwrap();
+        }
+    };
+    let answered = async {
+        let mut text = Vec::new();
+        while String::from_utf8_lossy(&text).matches("alive\n").count() < 1000 {
+            let read = tokio::time::timeout(PATIENCE, read.read_buf(&mut text)).await;
+            assert!(matches!(read, Ok(Ok(1..))), "{read:?} after {} bytes", text.len());
+        }
+    };
+    tokio::join!(sent, answered);
+    stream.write_all(request.as_bytes()).await.unwrap();
+    answers(&mut stream, 1).await;
 }

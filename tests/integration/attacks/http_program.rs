@@ -63,7 +63,7 @@ impl HttpProgram {
         let lines = BufReader::new(process.stdout.take().unwrap()).lines();
         let (said, says) = mpsc::channel();
         std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
-        let mut address = || {
+        let address = || {
             let line = says.recv_timeout(2 * PATIENCE).unwrap_or_else(|problem| {
                 panic!(
                     "the program does not say where it serves ({problem}): {}",

@@ -1,28 +1,32 @@
 //! Who may see what the service says of itself (`/readyz`, `/metrics`) where everything else is served, too.
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, header};
+use axum::http::header;
+use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::{Access, Gate, Scope, require_direct};
+use super::origin::require_direct;
+use super::{Access, Gate, Scope};
 use crate::http::problem::{Kind, Problem};
 use crate::store::Store;
 
 /// Lets a request in that comes from this machine to a listener on loopback, or with a token for all fleets.
 pub(in crate::http) async fn check(State(gate): State<Gate>, request: Request, next: Next) -> Response {
-    match admit(&gate.access, &gate.store, request.headers()).await {
-        Ok(()) => next.run(request).await,
+    let (parts, body) = request.into_parts();
+    match admit(&gate.access, &gate.store, &parts).await {
+        Ok(()) => next.run(Request::from_parts(parts, body)).await,
         Err(problem) => problem.into_response(),
     }
 }
 
-async fn admit(access: &Access, store: &Store, headers: &HeaderMap) -> Result<(), Problem> {
-    let is_local = access.is_loopback && require_direct(headers).is_ok();
-    if is_local && !headers.contains_key(header::AUTHORIZATION) {
+async fn admit(access: &Access, store: &Store, request: &Parts) -> Result<(), Problem> {
+    let is_local = access.is_loopback && require_direct(request.version, &request.headers).is_ok();
+    if is_local && !request.headers.contains_key(header::AUTHORIZATION) {
         return Ok(());
     }
-    let caller = match access.caller(store, headers).await {
+    let identified = async { access.identify(store, &access.credential(request)?).await };
+    let caller = match identified.await {
         Ok(caller) => caller,
         Err(problem) => return Err(access.limit("nobody").err().unwrap_or(problem)),
     };

@@ -163,8 +163,9 @@ impl Followed {
         Self { stream, unread: Bytes::new(), progress }
     }
 
-    /// With what was read of it already.
-    pub(super) fn behind(self, unread: Bytes) -> Self {
+    /// With what was read of it already, and comes before the rest.
+    pub(super) fn behind(self, read: Bytes) -> Self {
+        let unread = if self.unread.is_empty() { read } else { [read, self.unread].concat().into() };
         Self { unread, ..self }
     }
 
