@@ -73,7 +73,7 @@ async fn regress_a_supervisor_needs_no_superuser() {
     let ended = psql.output().unwrap();
     assert!(ended.status.success(), "{ended:?}");
     let DatabaseAddress::Postgres(supervisor) = url.parse().unwrap() else { panic!("no PostgreSQL: {url}") };
-    let mut grafana = supervisor.username("grafana").connect().await.unwrap();
+    let mut grafana = (*supervisor).clone().username("grafana").connect().await.unwrap();
     let seen: i64 = sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(&mut grafana).await.unwrap();
     assert!(seen >= 100, "{seen}");
 }
@@ -102,7 +102,7 @@ async fn the_role_can_do_nothing_else_on_the_server() {
     link.close().await.unwrap();
     let mut administrator = server.connect().connect().await.unwrap();
     administrator.execute("CREATE ROLE stranger LOGIN").await.unwrap();
-    let refused = supervisor.username("stranger").connect().await.expect_err("nobody else may connect");
+    let refused = (*supervisor).clone().username("stranger").connect().await.expect_err("nobody else may connect");
     assert!(refused.to_string().contains("permission denied"), "{refused}");
 }
 

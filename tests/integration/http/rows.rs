@@ -92,7 +92,7 @@ fn known(epoch: u64) -> Robot {
 
 async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaCha8Rng, written: &mut Written) {
     let robot = known(lease.epoch());
-    let robot_id = writer.robot_id(lease, name).await.unwrap();
+    let robot_id = writer.robot_id(lease, name, 1_000_000).await.unwrap();
     let boot = writer.boot(lease, robot_id, "b1", START_US).await.unwrap();
     let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
     let ids: Vec<i64> = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();

@@ -67,6 +67,7 @@ fn folder() -> TempDir {
         std::fs::write(folder.path().join(format!("calibration{number}.toml")), calibration).unwrap();
         std::fs::write(folder.path().join(format!("file{number}")), format!("{PASSWORD}\n")).unwrap();
         std::fs::write(folder.path().join(format!("token{number}")), "t".repeat(32)).unwrap();
+        std::fs::write(folder.path().join(format!("robots{number}")), "vibrissa/crawler\n").unwrap();
     }
     folder
 }
@@ -82,6 +83,11 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::LeaseTimeToLiveS => ["3.5", "4.5", "5.5"],
         Key::ContactsKeep => ["decisions", "none", "all"],
         Key::ContactsDays | Key::RollupsMinutesDays => ["0", "7", "90"],
+        Key::LimitsRobotsPerFleet | Key::LimitsNewRobotsPerMinute => ["5", "50", "500"],
+        Key::LimitsRobotsFile => ["robots0", "robots1", "robots2"],
+        Key::MqttDeafReleaseAfterS => ["3.5", "4.5", "5.5"],
+        Key::HttpMonitoringListen => ["127.0.0.1:84", "127.0.0.1:85", "[::1]:86"],
+        Key::HttpConnectionsMax | Key::HttpConnectionsPerAddressMax => ["100", "200", "300"],
         Key::MqttUrl => ["mqtts://h0:8883", "mqtts://h1:8884", "mqtts://h2"],
         Key::MqttPort => ["1884", "1885", "1886"],
         Key::MqttUsername | Key::MqttPassword => ["user-0", "user-1", "user-2"],
