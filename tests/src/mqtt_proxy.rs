@@ -13,6 +13,7 @@ use tokio::task::{JoinHandle, JoinSet};
 const PUBLISH: u8 = 3;
 const PUBACK: u8 = 4;
 const SUBSCRIBE: u8 = 8;
+const DISCONNECT: u8 = 14;
 
 /// What the link loses.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -35,6 +36,7 @@ pub enum Loss {
 pub struct MqttProxy {
     port: u16,
     loss: watch::Sender<Loss>,
+    ending: watch::Sender<u8>,
     listening: JoinHandle<()>,
 }
 
@@ -47,8 +49,9 @@ impl MqttProxy {
         let listener = TcpListener::bind(("127.0.0.1", 0)).await.expect("a free port");
         let port = listener.local_addr().expect("a bound listener").port();
         let (loss, losing) = watch::channel(Loss::default());
-        let listening = tokio::spawn(listen(listener, SocketAddr::from(([127, 0, 0, 1], broker_port)), losing));
-        Self { port, loss, listening }
+        let (ending, ended) = watch::channel(0);
+        let link = Link { broker: SocketAddr::from(([127, 0, 0, 1], broker_port)), loss: losing, ending: ended };
+        Self { port, loss, ending, listening: tokio::spawn(listen(listener, link)) }
     }
 
     /// Where it listens, on 127.0.0.1.
@@ -61,6 +64,19 @@ impl MqttProxy {
     pub fn lose(&self, loss: Loss) {
         self.loss.send_replace(loss);
     }
+
+    /// Ends every connection that there is as the broker would: with DISCONNECT and that reason.
+    pub fn end_for(&self, reason: u8) {
+        self.ending.send_replace(reason);
+    }
+}
+
+/// What each connection needs to know.
+#[derive(Debug, Clone)]
+struct Link {
+    broker: SocketAddr,
+    loss: watch::Receiver<Loss>,
+    ending: watch::Receiver<u8>,
 }
 
 impl Drop for MqttProxy {
@@ -69,29 +85,31 @@ impl Drop for MqttProxy {
     }
 }
 
-async fn listen(listener: TcpListener, broker: SocketAddr, loss: watch::Receiver<Loss>) {
+async fn listen(listener: TcpListener, link: Link) {
     let mut connections = JoinSet::new();
     loop {
         tokio::select! {
             accepted = listener.accept() => {
                 let Ok((client, _)) = accepted else { continue };
-                connections.spawn(join(client, broker, loss.clone()));
+                connections.spawn(join(client, link.clone()));
             }
             Some(_) = connections.join_next() => {}
         }
     }
 }
 
-async fn join(client: TcpStream, broker: SocketAddr, loss: watch::Receiver<Loss>) {
-    let Ok(broker) = TcpStream::connect(broker).await else { return };
+async fn join(client: TcpStream, mut link: Link) {
+    // What was ended before is no concern of a new connection.
+    link.ending.mark_unchanged();
+    let Ok(broker) = TcpStream::connect(link.broker).await else { return };
     let _ = (client.set_nodelay(true), broker.set_nodelay(true));
     let (from_client, to_client) = client.into_split();
     let (from_broker, to_broker) = broker.into_split();
     let to_broker = Arc::new(Mutex::new(to_broker));
     // Either end ends both.
     tokio::select! {
-        () = upstream(from_client, &to_broker, loss.clone()) => {}
-        () = downstream(from_broker, to_client, &to_broker, loss) => {}
+        () = upstream(from_client, &to_broker, link.loss.clone()) => {}
+        () = downstream(from_broker, to_client, &to_broker, link) => {}
     }
 }
 
@@ -117,10 +135,19 @@ async fn downstream(
     mut from: OwnedReadHalf,
     mut to: OwnedWriteHalf,
     to_broker: &Mutex<OwnedWriteHalf>,
-    loss: watch::Receiver<Loss>,
+    mut link: Link,
 ) {
-    while let Some(packet) = read(&mut from).await {
-        let loss = loss.borrow().clone();
+    loop {
+        let packet = tokio::select! {
+            packet = read(&mut from) => packet,
+            Ok(()) = link.ending.changed() => {
+                let reason = *link.ending.borrow();
+                let _ = to.write_all(&[DISCONNECT << 4, 1, reason]).await;
+                return;
+            }
+        };
+        let Some(packet) = packet else { return };
+        let loss = link.loss.borrow().clone();
         let is_lost = match &loss {
             Loss::FromBroker => true,
             Loss::Topics(lost) if packet.kind() == PUBLISH => {

@@ -72,7 +72,7 @@ impl Readiness {
     #[must_use]
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
-        parts.problems.values().cloned().chain(parts.links.values().filter_map(LinkState::problem)).collect()
+        parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
     }
 
     /// How things stand with each fleet.

@@ -1,14 +1,18 @@
 //! A broker ends a connection when another client connects with its client id: nobody may know the supervisor's.
 
+use std::collections::BTreeSet;
+
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet};
 use vibrissa_protocol::{ArrayType, BootId, Message};
 use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::mqtt_proxy::MqttProxy;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::{PATIENCE, until, until_true};
 
 use crate::listener::{Supervised, metric_reaches};
 
 const TAKEOVERS: &str = "vibrissa_mqtt_session_takeovers_total";
+const CLOSED: &str = "vibrissa_mqtt_connections_closed_total";
 const CONNECTIONS: &str = "vibrissa_broker_connections_total";
 
 /// A Mosquitto that logs client ids.
@@ -106,9 +110,36 @@ async fn regress_nor_at_the_embedded_broker() {
     supervisor.terminate().await;
 }
 
-/// Whoever can read the broker's log knows the ids.
+/// A broker of MQTT 5 says that it was a takeover.
 #[tokio::test]
-async fn a_takeover_is_counted_and_logged_and_the_next_connection_has_another_id() {
+async fn a_takeover_that_the_broker_tells_of_is_counted_and_logged_once_a_minute() {
+    const SESSION_TAKEN_OVER: u8 = 0x8e;
+    let (broker, folder) = (broker(), tempfile::tempdir().unwrap());
+    let proxy = MqttProxy::to(broker.port()).await;
+    let url = format!("mqtt://127.0.0.1:{}", proxy.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    let mut ids = BTreeSet::new();
+    for times in 1..=3 {
+        supervisor.says(true, &["OWNED".to_owned()]).await;
+        for role in ["in", "out"] {
+            let new = async || newest_id(&broker, role).filter(|id| !ids.contains(id));
+            let id = until("a new id", new).await;
+            ids.insert(id);
+        }
+        proxy.end_for(SESSION_TAKEN_OVER);
+        // Both connections.
+        metric_reaches(&supervisor, TAKEOVERS, "fleet=\"f\"", 2.0 * f64::from(times)).await;
+    }
+    supervisor.says(true, &[]).await;
+    assert_eq!(supervisor.metric(TAKEOVERS, "").await, 6.0);
+    assert_eq!(supervisor.metric(CLOSED, "").await, 0.0);
+    assert_eq!(supervisor.logged("another client connected with the same client id"), 1, "once a minute");
+    supervisor.terminate().await;
+}
+
+/// Whoever can read the broker's log knows the ids. Mosquitto before 2.0.15 closes the connection and says nothing.
+#[tokio::test]
+async fn a_takeover_by_someone_who_reads_the_brokers_log_is_counted_and_the_next_connection_has_another_id() {
     const TIMES: usize = 5;
     let (broker, folder) = (broker(), tempfile::tempdir().unwrap());
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
@@ -119,29 +150,51 @@ async fn a_takeover_is_counted_and_logged_and_the_next_connection_has_another_id
     for role in ["in", "out"] {
         for _ in 0..TIMES {
             let id = until("an id", async || newest_id(&broker, role)).await;
-            let before = supervisor.metric(TAKEOVERS, "").await;
+            let before = counted(&supervisor).await;
             intrude(broker.port(), &id).await;
-            metric_reaches(&supervisor, TAKEOVERS, "fleet=\"f\"", before + 1.0).await;
+            until_true("one more counted", async || counted(&supervisor).await > before).await;
             until_true("another id", async || newest_id(&broker, role).is_some_and(|newest| newest != id)).await;
+            supervisor.says(true, &[]).await;
             known.push(id);
         }
     }
-    supervisor.says(true, &[]).await;
+    assert_eq!(counted(&supervisor).await, 2.0 * TIMES as f64);
     // What the intruder knows is worth nothing any more.
-    let counted = supervisor.metric(TAKEOVERS, "").await;
     for id in &known {
         intrude(broker.port(), id).await;
     }
     robot.touch(0, 5).await;
     robot.receipted().await;
-    assert_eq!(supervisor.metric(TAKEOVERS, "").await, counted);
+    assert_eq!(counted(&supervisor).await, 2.0 * TIMES as f64);
     supervisor.says(true, &[]).await;
-    assert_eq!(supervisor.logged("another client connected with the same client id"), 1, "once a minute");
+    assert_eq!(supervisor.logged("with the same client id"), 1, "once a minute");
     let log = supervisor.log();
     known.extend(["in", "out"].iter().filter_map(|role| newest_id(&broker, role)));
     for id in known {
         let random = id.rsplit('-').next().unwrap();
         assert!(random.len() == 32 && !log.contains(random), "{id} is in the log");
     }
+    supervisor.terminate().await;
+}
+
+/// Takeovers, and what may be one.
+async fn counted(supervisor: &Supervised) -> f64 {
+    supervisor.metric(TAKEOVERS, "").await + supervisor.metric(CLOSED, "").await
+}
+
+/// Both connections break at once: that is no takeover.
+#[tokio::test]
+async fn a_broker_that_is_killed_does_not_count_as_a_takeover() {
+    let (mut broker, folder) = (broker(), tempfile::tempdir().unwrap());
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
+    for _ in 0..3 {
+        supervisor.says(true, &["OWNED".to_owned()]).await;
+        broker.kill();
+        supervisor.says(false, &["nothing listens there".to_owned()]).await;
+        broker.restart();
+    }
+    supervisor.says(true, &[]).await;
+    assert_eq!(counted(&supervisor).await, 0.0);
     supervisor.terminate().await;
 }

@@ -314,14 +314,13 @@ async fn a_predecessors_late_will_does_not_stay_the_last_word() {
     assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, first));
     let program = Program::start(&database_in(&folder), broker.port());
     let (_, second) = next_supervisor_state(&mut observer).await;
-    let will = SupervisorState {
-        boot_id: BootId::new("before").unwrap(),
-        seq: 1,
-        state: SupervisorPresence::Offline,
-        epoch: first,
-    };
-    observer.publish(topic, encode(&will), true).await;
-    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, first));
-    assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Online, second));
+    // The predecessor's, and that of a former connection of its own.
+    for epoch in [first, second] {
+        let boot_id = BootId::new("before").unwrap();
+        let will = SupervisorState { boot_id, seq: 1, state: SupervisorPresence::Offline, epoch };
+        observer.publish(topic, encode(&will), true).await;
+        assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, epoch));
+        assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Online, second));
+    }
     program.end(Ending::Terminated).await;
 }

@@ -25,10 +25,6 @@ pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
                 reader.refuse(key, "is of no use without mqtt.url: only an external broker asks for it");
             }
         }
-        if reader.is_explicit(Key::MqttDeafReleaseAfterS) {
-            let what = "is of no use without mqtt.url: no other supervisor hears through the embedded broker";
-            reader.refuse(Key::MqttDeafReleaseAfterS, what);
-        }
     }
     if is_external && reader.is_explicit(Key::MqttPort) {
         let what = "is the embedded broker's, but mqtt.url names an external one: leave one of them out, \

@@ -36,7 +36,7 @@ impl State {
     }
 }
 
-/// Takeovers of our client ids are logged this often at the most.
+/// Takeovers of our client ids, and what may be one, are logged this often at the most.
 const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
 
 /// Why a fleet's robots cannot be heard or answered; shared by the two connections and whoever asks.
@@ -47,6 +47,8 @@ pub struct LinkState(Arc<Mutex<Link>>);
 struct Link {
     receiving: State,
     publishing: State,
+    /// The broker has closed this connection without a reason, and the other one has stood ever since.
+    closed_alone: Option<Side>,
     /// Since when robots are not known to be heard.
     deaf_since: Option<Instant>,
     /// Takeovers that were not logged yet, and when one was logged last.
@@ -63,6 +65,7 @@ impl Default for Link {
         Self {
             receiving: State::New,
             publishing: State::New,
+            closed_alone: None,
             deaf_since: Some(Instant::now()),
             takeovers: 0,
             takeover_logged: None,
@@ -97,8 +100,14 @@ impl LinkState {
     /// both connections stand.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
+        self.problems().into_iter().next()
+    }
+
+    /// The same of each connection.
+    #[must_use]
+    pub fn problems(&self) -> Vec<String> {
         let link = self.link();
-        [&link.receiving, &link.publishing].into_iter().find_map(State::problem)
+        [&link.receiving, &link.publishing].into_iter().filter_map(State::problem).collect()
     }
 
     /// For how long robots have not been heard, and why; none while they are.
@@ -109,9 +118,11 @@ impl LinkState {
         Some((deaf_for, link.receiving.problem().unwrap_or_default()))
     }
 
-    /// A connection stands, and does what it is for.
-    pub(super) fn connected(&self, side: Side) {
+    /// A connection stands, and does what it is for. True if the broker had closed it alone, without a reason: the other one has
+    /// stood all the time.
+    pub(super) fn connected(&self, side: Side) -> bool {
         let mut link = self.link();
+        let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
         if side == Side::Receiving {
             link.deaf_since = None;
         }
@@ -123,6 +134,7 @@ impl LinkState {
                 Side::Publishing => info!("connected to the MQTT broker: robots are answered"),
             }
         }
+        was_closed_alone
     }
 
     /// There is none, or it does not do what it is for. Said once in the log, not at each attempt, and once
@@ -136,8 +148,15 @@ impl LinkState {
         let (own, other) = link.sides(side);
         let broken = State::Broken(why.clone());
         let is_news = *own != broken && *other != broken;
+        let is_alone = *own == State::Connected && *other == State::Connected;
         *own = broken;
-        if problem.is_takeover() {
+        // If the other one breaks too, the broker has ended.
+        if problem.is_unexplained_end() && is_alone {
+            link.closed_alone = Some(side);
+        } else if link.closed_alone != Some(side) {
+            link.closed_alone = None;
+        }
+        if problem.is_takeover() || (problem.is_unexplained_end() && is_alone) {
             let takeovers = link.takeovers_to_log(Instant::now());
             link.is_quiet = takeovers.is_none();
             if let Some(takeovers) = takeovers {
@@ -248,6 +267,31 @@ mod tests {
         link.broken(Side::Receiving, &problem(Cause::Refused));
         let (later, why) = link.deafness().unwrap();
         assert!(later > first && why == problem(Cause::Refused).to_string(), "{why}");
+    }
+
+    #[test]
+    fn a_connection_that_is_closed_alone_is_told_apart_from_a_broker_that_ends() {
+        let closed = Problem::new(&BrokerAddress::new("h", 1), Cause::Closed);
+        let refused = Problem::new(&BrokerAddress::new("h", 1), Cause::Refused);
+        let sides = [Side::Receiving, Side::Publishing];
+        for (side, other) in [(sides[0], sides[1]), (sides[1], sides[0])] {
+            let link = LinkState::default();
+            assert!(!link.connected(side) && !link.connected(other));
+            link.broken(side, &closed);
+            assert!(link.connected(side), "the other one stands");
+            assert!(!link.connected(side), "once");
+            // An attempt that fails meanwhile changes nothing.
+            link.broken(side, &closed);
+            link.broken(side, &refused);
+            assert!(link.connected(side));
+            // The broker ends.
+            link.broken(side, &closed);
+            link.broken(other, &closed);
+            assert!(!link.connected(side) && !link.connected(other));
+            // Any other break is none that nobody explains.
+            link.broken(side, &refused);
+            assert!(!link.connected(side));
+        }
     }
 
     #[test]

@@ -68,6 +68,8 @@ pub(super) enum Cause {
     Silent,
     /// Another client has connected with our client id.
     TakenOver,
+    /// The broker has closed the connection and says nothing of why.
+    Closed,
     /// Probes for these topics did not come back.
     Unheard {
         fleet: Name,
@@ -100,6 +102,7 @@ impl Problem {
             }) => Cause::TakenOver,
             other => match tls_of(other) {
                 Some(problem) => of_tls(problem),
+                None if connected && is_end(other) => Cause::Closed,
                 None if connected => Cause::Lost(short(other)),
                 None if !reached => of_dial(other),
                 None if matches!(other, ConnectionError::Tls(_)) => Cause::NotTls,
@@ -113,6 +116,17 @@ impl Problem {
     pub(super) fn is_takeover(&self) -> bool {
         self.cause == Cause::TakenOver
     }
+
+    /// Whether the broker has closed the connection without a reason: Mosquitto before 2.0.15 does so after a takeover.
+    pub(super) fn is_unexplained_end(&self) -> bool {
+        self.cause == Cause::Closed
+    }
+}
+
+/// Whether the other side has closed the connection.
+fn is_end(error: &ConnectionError) -> bool {
+    matches!(error, ConnectionError::MqttState(StateError::ConnectionAborted))
+        || io_of(error).is_some_and(|error| error.kind() == io::ErrorKind::ConnectionReset)
 }
 
 fn of_code(code: ConnectReturnCode) -> Cause {
@@ -206,7 +220,6 @@ fn short(error: &ConnectionError) -> String {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();
             format!("the broker ended it: {reason_code:?}{said}")
         }
-        ConnectionError::MqttState(StateError::ConnectionAborted) => "the broker is gone".to_owned(),
         other => io_of(other).map_or_else(|| other.to_string(), ToString::to_string),
     }
 }
@@ -262,6 +275,10 @@ impl fmt::Display for Problem {
             Cause::TakenOver => f.write_str(
                 "it has ended the connection because another client connected with the same client id, which nobody else \
                  can know unless the broker or its log tells it; connecting again under a new one",
+            ),
+            Cause::Closed => f.write_str(
+                "it has closed the connection without a reason, as a broker does that ends, or an old one when another client \
+                 connects with the same client id; connecting again under a new one",
             ),
             Cause::Unheard { .. } => self.unheard(f),
             Cause::ProbeRefused { fleet, why } => write!(

@@ -1,5 +1,7 @@
 //! The connection that publishes: setpoints, receipts, requests, and whether the supervisor is there.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rumqttc::{
@@ -43,7 +45,9 @@ pub fn publish(
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
     let (connected, mut is_connected) = watch::channel(false);
-    let mut polling = tokio::spawn(keep_up(connection.clone(), metrics, client.clone(), poller, connected));
+    let leaving = Arc::new(AtomicBool::new(false));
+    let keeping_up = keep_up(connection.clone(), metrics, client.clone(), poller, connected, leaving.clone());
+    let mut polling = tokio::spawn(keeping_up);
     tokio::spawn(async move {
         while let Some(publication) = outbox.recv().await {
             if !connection_stands(&mut is_connected, &outbox).await {
@@ -61,6 +65,7 @@ pub fn publish(
                 stopwatch.stop();
             }
         }
+        leaving.store(true, Ordering::Relaxed);
         let farewell = async {
             client.publish(topic, offline, retained()).await?;
             client.disconnect().await?;
@@ -94,13 +99,14 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
 ///
 /// It keeps its client id from one connection to the next, so that the broker ends what is left of the old one before the new one
 /// speaks: else the last will of the old one would come late, and say that the supervisor has gone. Only an id that somebody else
-/// knows is given up.
+/// knows, or may know, is given up; then the broker has ended the old connection already.
 async fn keep_up(
     connection: Connection,
     metrics: FleetMetrics,
     client: AsyncClient,
     mut poller: Poller,
     connected: watch::Sender<bool>,
+    leaving: Arc<AtomicBool>,
 ) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut backoff = Backoff::new();
@@ -115,7 +121,7 @@ async fn keep_up(
                 connected.send_replace(true);
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => {
-                if is_a_predecessors(&connection, &publish.payload) {
+                if !leaving.load(Ordering::Relaxed) && is_outdated(&connection, &publish.payload) {
                     say_online(&client, &topic, &online);
                 }
             }
@@ -125,19 +131,21 @@ async fn keep_up(
             }
             Ok(Event::Incoming(Packet::PubAck(_))) => {
                 backoff.reset();
-                connection.link.connected(Side::Publishing);
+                if connection.link.connected(Side::Publishing) {
+                    metrics.mqtt_connections_closed.inc();
+                }
             }
             Ok(Event::Outgoing(Outgoing::Disconnect)) | Err(Failure::Finished) => return,
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => {
                 connected.send_replace(false);
                 connection.link.broken(Side::Publishing, &problem);
-                let is_takeover = problem.is_takeover();
-                if is_takeover {
+                if problem.is_takeover() {
                     metrics.mqtt_session_takeovers.inc();
                 }
                 tokio::time::sleep(backoff.pause()).await;
-                let client_id = is_takeover.then(|| client_id(&connection.fleet, ROLE));
+                let is_known = problem.is_takeover() || problem.is_unexplained_end();
+                let client_id = is_known.then(|| client_id(&connection.fleet, ROLE));
                 poller.renew(&connection.with_secrets_read_again(), client_id);
             }
         }
@@ -150,13 +158,13 @@ fn say_online(client: &AsyncClient, topic: &str, online: &[u8]) {
     }
 }
 
-/// Whether this is what a broker says, late, of a supervisor that froze or lost its link, and whose fleet we have:
-/// its will has taken the place of our own word.
-fn is_a_predecessors(connection: &Connection, payload: &[u8]) -> bool {
+/// Whether this is what a broker says, late, of a supervisor that froze or lost its link, and whose fleet we have, or of a
+/// former connection of ours: its will has taken the place of our own word.
+fn is_outdated(connection: &Connection, payload: &[u8]) -> bool {
     let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     match decode(&topic, payload) {
         Ok(Message::SupervisorState(told)) => {
-            told.epoch < connection.epoch && told.state == SupervisorPresence::Offline
+            told.epoch <= connection.epoch && told.state == SupervisorPresence::Offline
         }
         Ok(_) | Err(_) => false,
     }

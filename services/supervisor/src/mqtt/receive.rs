@@ -165,7 +165,9 @@ impl Receiver {
             self.metrics.broker_connections.inc();
         }
         self.metrics.broker_connected.set(1);
-        self.connection.link.connected(Side::Receiving);
+        if self.connection.link.connected(Side::Receiving) {
+            self.metrics.mqtt_connections_closed.inc();
+        }
     }
 
     fn lost(&self, error: &ClientError) -> Problem {
