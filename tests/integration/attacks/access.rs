@@ -82,6 +82,7 @@ async fn regress_one_caller_cannot_take_all_streams() {
         assert_eq!(status, 200);
         streams.push(events);
     }
+    assert_eq!(stream(&one).await.0, 429);
     let refused = started.get("/v1/events", &[("Authorization", &one)]).await;
     let told = refused.json();
     assert_eq!((refused.status, &told["type"]), (429, &json!("/problems/too-many-requests")), "{told}");

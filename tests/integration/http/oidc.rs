@@ -16,7 +16,7 @@ use vibrissa_simulator::fleet::now_us;
 use vibrissa_tests::web::{Answer, ask, open};
 
 use crate::served::Served;
-use crate::streams::{checked_always, ended};
+use crate::streams::{checked_always, ended, until_the_end};
 
 /// A provider that answers where its keys are, and with its keys; it counts how often it is asked for them.
 struct Provider {
@@ -131,7 +131,7 @@ async fn regress_a_stream_ends_with_the_token_of_the_provider() {
     let served = Served::streaming(&provider.options(), checked_always()).await;
     // A minute of leeway is given to clocks: this one is over in some seconds.
     let bearer = format!("Bearer {}", provider.token("k1", &json!({ "exp": now_us() / 1_000_000 - 55 })));
-    let (status, mut events) = open(served.http, "/v1/events", &[("Authorization", &bearer)]).await.unwrap();
+    let (status, mut events) = open(served.http, "/v1/events", &until_the_end(&bearer)).await.unwrap();
     assert_eq!(status, 200);
     ended(&mut events).await;
 }

@@ -39,8 +39,13 @@ async fn token(served: &Served, good_for_us: i64) -> (String, String) {
     (format!("Bearer {token}"), row.token_id)
 }
 
+/// Headers with which the connection ends with the stream.
+pub(crate) fn until_the_end(bearer: &str) -> [(&str, &str); 2] {
+    [("Authorization", bearer), ("Connection", "close")]
+}
+
 async fn follow(served: &Served, bearer: &str) -> Events {
-    let (status, events) = open(served.http, "/v1/events", &[("Authorization", bearer)]).await.unwrap();
+    let (status, events) = open(served.http, "/v1/events", &until_the_end(bearer)).await.unwrap();
     assert_eq!(status, 200);
     events
 }
