@@ -150,6 +150,10 @@ impl Shard {
         let Message::Factsheet(told) = self.decode(parcel)? else { return None };
         let factsheet = self.gathering.factsheet(&told, &parcel.robot)?;
         let boot_id = told.boot_id.as_str();
+        if let Some(known) = self.robots.get(&parcel.robot).filter(|known| known.boots.is_old(boot_id)) {
+            self.gathering.suspect("old_boot", OLD_FACTSHEET, &known.name);
+            return None;
+        }
         if let Some(known) = self.robots.get_mut(&parcel.robot)
             && known.boots.get(boot_id).is_some()
             && known.is_laid_out(&factsheet)

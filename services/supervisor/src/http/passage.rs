@@ -43,7 +43,8 @@ pub async fn passage(
     request.extensions_mut().insert(RequestId(id.clone()));
     let traced = traces.and_then(|traces| traces.request(&request, &id));
     let path = request.uri().path().to_owned();
-    let span = tracing::info_span!("request", request_id = id, method = %request.method(), path);
+    // Of the highest level, so that even a log of errors alone names the request.
+    let span = tracing::error_span!("request", request_id = id, method = %request.method(), path);
     let response = async {
         if let Some(part) = part_with_nul(request.uri()) {
             return Problem::nul(part).into_response();

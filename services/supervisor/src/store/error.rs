@@ -209,8 +209,15 @@ impl StoreError {
 /// What kind of trouble it is.
 fn outline(problem: &sqlx::Error) -> String {
     if let sqlx::Error::Database(told) = problem {
-        let code = told.code().map_or_else(String::new, |code| format!(" with code {code}"));
-        return format!("refused{code}");
+        let code = told.code().unwrap_or_default();
+        return match &*code {
+            "" => "refused".to_owned(),
+            "28P01" | "28000" => format!("password authentication failed (code {code})"),
+            "3D000" => format!("there is no such database (code {code})"),
+            "53300" => format!("too many connections (code {code})"),
+            "57P03" => format!("the server is starting or stopping (code {code})"),
+            _ => format!("refused with code {code}"),
+        };
     }
     match problem {
         sqlx::Error::Io(problem) => format!("no connection ({})", problem.kind()),
