@@ -85,7 +85,7 @@ impl Postgres {
     /// Its database's URL for the role of [`Self::make_supervisor`], as seen through that port of 127.0.0.1.
     #[must_use]
     pub fn supervisor_url(port: u16) -> String {
-        format!("postgres://{SUPERVISOR}:none@127.0.0.1:{port}/{DATABASE}")
+        format!("postgres://{SUPERVISOR}@127.0.0.1:{port}/{DATABASE}")
     }
 
     /// Where it listens, on 127.0.0.1.
