@@ -43,7 +43,7 @@ const OF_ROBOTS: [(&str, &str); 18] = [
 ];
 
 /// All other tables, and why no row of a robot can be refused there by this way.
-const OTHERS: [(&str, &str); 16] = [
+const OTHERS: [(&str, &str); 17] = [
     ("journal", "has a test of its own"),
     ("quarantine", "has a test of its own"),
     ("redo", "is a whole transaction's, and has a test of its own"),
@@ -59,6 +59,7 @@ const OTHERS: [(&str, &str); 16] = [
     ("api_tokens", "is people's"),
     ("alarm_shelves", "is people's"),
     ("allowed_robots", "is people's"),
+    ("turned_away", "is written by itself, and what is refused there is left out"),
     ("_sqlx_migrations", "is the migrations'"),
 ];
 
