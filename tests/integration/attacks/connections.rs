@@ -9,7 +9,7 @@ use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpSocket, TcpStream};
 use tokio::task::JoinSet;
-use vibrissa_tests::wait::{PATIENCE, until, until_true};
+use vibrissa_tests::wait::{PATIENCE, until_true};
 use vibrissa_tests::web::{ask, open, try_get};
 
 use crate::http_program::HttpProgram;
@@ -36,7 +36,14 @@ fn raise_descriptors() {
 }
 
 async fn connect(to: SocketAddr) -> TcpStream {
-    until("a connection", async || TcpStream::connect(to).await.ok()).await
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        match TcpStream::connect(to).await {
+            Ok(stream) => return stream,
+            Err(problem) => assert!(Instant::now() < deadline, "no connection: {problem}"),
+        }
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
 }
 
 /// A connection that had an answer and is kept.

@@ -33,7 +33,7 @@ use axum::http::header;
 use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::IntoResponse;
 use axum::routing::get;
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
@@ -190,14 +190,14 @@ pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>)
     let limits = server::possible(options.limits, server::descriptors::raise_limit());
     let monitored = match options.monitoring_listen {
         Some(address) => {
-            let (listener, bound) = listen(address, "--http-monitoring-listen").await?;
+            let (listener, bound) = listen(address, "--http-monitoring-listen")?;
             let metrics = app.metrics.http.connections("monitoring");
             let (router, limits, stop) = (monitoring(app.clone()), MONITORING_LIMITS, stop.clone());
             Some((bound, Server { name: "monitoring", listener, router, limits, metrics, stop }))
         }
         None => None,
     };
-    let (listener, address) = listen(options.listen, "--http").await?;
+    let (listener, address) = listen(options.listen, "--http")?;
     let metrics = app.metrics.http.connections("main");
     let (router, _) = router(app);
     let server = Server { name: "main", listener, router, limits, metrics, stop };
@@ -213,9 +213,16 @@ pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>)
     Ok(Serving { address, monitoring, task })
 }
 
-async fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, SocketAddr), ListenError> {
+/// Connections that wait to be accepted: a client that comes while there are more waits a second. Linux takes no more by default.
+const BACKLOG: u32 = 4096;
+
+fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, SocketAddr), ListenError> {
     let failed = |source| ListenError { address, source, flag };
-    let listener = TcpListener::bind(address).await.map_err(failed)?;
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }.map_err(failed)?;
+    // Else nothing can listen there for a minute after a restart.
+    socket.set_reuseaddr(true).map_err(failed)?;
+    socket.bind(address).map_err(failed)?;
+    let listener = socket.listen(BACKLOG).map_err(failed)?;
     let bound = listener.local_addr().map_err(failed)?;
     Ok((listener, bound))
 }

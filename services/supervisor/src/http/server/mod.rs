@@ -65,7 +65,8 @@ impl Server {
             match accepted {
                 Ok((stream, peer)) => match registry.admit(peer.ip()) {
                     Ok(admitted) => {
-                        if let Some(limit) = admitted.reached {
+                        let reached = admitted.reached;
+                        if let Some(limit) = reached {
                             notices.limit(limit, peer, "closed the connection that has waited longest for a request");
                         }
                         let served = connection::serve(stream, peer, admitted, router.clone(), stop.clone());
@@ -76,8 +77,10 @@ impl Server {
                                 debug!(%peer, reason = word(slow), "closed a connection");
                             }
                         });
-                        // Lets it see the request that may be there already, before others that come need its place.
-                        yield_now().await;
+                        if reached.is_some() {
+                            // Those that came just now see the requests that may be there already, before others need their places.
+                            yield_now().await;
+                        }
                     }
                     Err(limit) => {
                         metrics.refused(match limit {
