@@ -309,3 +309,27 @@ async fn requests_that_come_before_others_are_answered_are_all_answered() {
     stream.write_all(request.as_bytes()).await.unwrap();
     answers(&mut stream, 1).await;
 }
+
+/// A body that nobody reads must not be taken for the next request: behind a proxy it would be somebody else's.
+#[tokio::test]
+async fn what_is_left_of_a_body_is_no_request() {
+    let program = HttpProgram::start(&[]);
+    let smuggled = "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    for (method, path) in [("GET", "/v1/nothing"), ("POST", "/livez"), ("POST", "/v1/fleets/f/robots/r/hold")] {
+        for length in [smuggled.len(), smuggled.len() + 1000] {
+            let head = format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {length}\r\n\r\n");
+            let mut stream = connect(program.http).await;
+            stream.write_all(head.as_bytes()).await.unwrap();
+            let mut answer = Vec::new();
+            while !answer.ends_with(b"}") {
+                let read = tokio::time::timeout(PATIENCE, stream.read_buf(&mut answer)).await;
+                assert!(matches!(read, Ok(Ok(1..))), "{method} {path}: {read:?}");
+            }
+            // The server may have closed already.
+            let _ = stream.write_all(smuggled.as_bytes()).await;
+            let mut more = Vec::new();
+            let _ = tokio::time::timeout(Duration::from_millis(300), stream.read_to_end(&mut more)).await;
+            assert_eq!(String::from_utf8_lossy(&more), "", "{method} {path} with {length} bytes");
+        }
+    }
+}

@@ -74,7 +74,10 @@ async fn requests(
 ) -> End {
     let service = service_fn({
         let progress = progress.clone();
-        move |request| answer(request, peer, progress.request(), router.clone())
+        move |request: Request<Incoming>| {
+            let under_way = progress.request(!request.body().is_end_stream());
+            answer(request, peer, under_way, router.clone())
+        }
     });
     let mut builder = Builder::new();
     // `Progress` has the times: hyper's own would also cut an answer that is taken slowly.

@@ -48,6 +48,8 @@ struct State {
     blocked: Option<Instant>,
     /// How long the client may go on taking nothing.
     allowance: Duration,
+    /// Whether the last request had a body. Its rest may still be to come, and is no request.
+    had_body: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,14 +64,16 @@ enum Phase {
 
 impl Progress {
     pub(super) fn new(place: Place, since: Instant) -> Arc<Self> {
-        let state = State { phase: Phase::Idle, since, blocked: None, allowance: ANSWER_PATIENCE };
+        let state = State { phase: Phase::Idle, since, blocked: None, allowance: ANSWER_PATIENCE, had_body: false };
         Arc::new(Self { place, state: Mutex::new(state) })
     }
 
     /// A request is complete; it is under way until what is returned is dropped.
-    pub(super) fn request(self: &Arc<Self>) -> UnderWay {
+    pub(super) fn request(self: &Arc<Self>, has_body: bool) -> UnderWay {
         self.place.serve();
-        self.state().phase = Phase::Request;
+        let mut state = self.state();
+        (state.phase, state.had_body) = (Phase::Request, has_body);
+        drop(state);
         UnderWay(self.clone())
     }
 
@@ -79,15 +83,16 @@ impl Progress {
         state.phase != Phase::Request && state.blocked.is_none()
     }
 
-    /// Whether nothing of the next request is there, and nothing of an answer is left.
+    /// Whether the buffers for requests are of no use now: nothing of the next request is there, and nothing of the last one or of its
+    /// answer is left.
     pub(super) fn is_idle(&self) -> bool {
         let state = self.state();
-        state.phase == Phase::Idle && state.blocked.is_none()
+        state.phase == Phase::Idle && state.blocked.is_none() && !state.had_body
     }
 
     /// When the connection is to be closed unless something happens before; never while a request is under way whose answer is taken.
     pub(super) fn deadline(&self) -> Option<(Instant, Slow)> {
-        let State { phase, since, blocked, allowance } = *self.state();
+        let State { phase, since, blocked, allowance, .. } = *self.state();
         match (blocked, phase) {
             (Some(blocked), _) => Some((blocked + allowance, Slow::Answer)),
             (None, Phase::Idle) => Some((since + IDLE_PATIENCE, Slow::Idle)),
@@ -236,7 +241,7 @@ mod tests {
         let begin = Instant::now();
         let progress = progress(begin);
         progress.read(100, begin);
-        let request = progress.request();
+        let request = progress.request(false);
         assert_eq!((progress.deadline(), progress.is_waiting()), (None, false));
         // The next request arrives before this one is answered.
         progress.read(100, begin);
@@ -244,13 +249,24 @@ mod tests {
         drop(request);
         let (deadline, slow) = progress.deadline().unwrap();
         assert!(slow == Slow::Idle && deadline >= begin + IDLE_PATIENCE && progress.is_waiting());
+        assert!(progress.is_idle());
+    }
+
+    /// What is left of it would be read as a request.
+    #[test]
+    fn a_connection_whose_last_request_had_a_body_stays_with_its_reader() {
+        let progress = progress(Instant::now());
+        drop(progress.request(true));
+        assert!(progress.is_waiting() && !progress.is_idle());
+        drop(progress.request(false));
+        assert!(progress.is_idle());
     }
 
     #[test]
     fn an_answer_must_be_taken_at_a_pace() {
         let begin = Instant::now();
         let progress = progress(begin);
-        let _request = progress.request();
+        let _request = progress.request(false);
         progress.could_not_write(begin);
         assert_eq!(progress.deadline(), Some((begin + ANSWER_PATIENCE, Slow::Answer)));
         // Single bytes earn next to nothing.
