@@ -142,7 +142,8 @@ async fn downstream(
             packet = read(&mut from) => packet,
             Ok(()) = link.ending.changed() => {
                 let reason = *link.ending.borrow();
-                let _ = to.write_all(&[DISCONNECT << 4, 1, reason]).await;
+                // Without properties: a length of 0.
+                let _ = to.write_all(&[DISCONNECT << 4, 2, reason, 0]).await;
                 return;
             }
         };

@@ -171,7 +171,7 @@ of_fleet! {
         "Connections that the broker ended because another client connected with their client id.";
     /// Connections that the broker closed alone, without a reason.
     mqtt_connections_closed: IntCounter = "vibrissa_mqtt_connections_closed_total",
-        "Connections that the broker closed without a reason while the fleet's other one stood; old brokers do so after a takeover.";
+        "Connections that the broker closed without a reason while the fleet's other one stood; some brokers do so after a takeover.";
     /// Probes that did not come back in time, by topic.
     mqtt_probe_failures: Counters = "vibrissa_mqtt_probe_failures_total",
         "Probes that the supervisor sent to itself and that did not come back in time, by topic.", labels::TOPIC;

@@ -117,7 +117,8 @@ impl Problem {
         self.cause == Cause::TakenOver
     }
 
-    /// Whether the broker has closed the connection without a reason: Mosquitto before 2.0.15 does so after a takeover.
+    /// Whether the broker has closed the connection without a reason that is understood. After a takeover Mosquitto 2.0.11 gives
+    /// none, and newer ones send a DISCONNECT without the length of its properties, which the client library does not read.
     pub(super) fn is_unexplained_end(&self) -> bool {
         self.cause == Cause::Closed
     }
@@ -277,7 +278,7 @@ impl fmt::Display for Problem {
                  can know unless the broker or its log tells it; connecting again under a new one",
             ),
             Cause::Closed => f.write_str(
-                "it has closed the connection without a reason, as a broker does that ends, or an old one when another client \
+                "it has closed the connection without a reason, as a broker does that ends, and some when another client \
                  connects with the same client id; connecting again under a new one",
             ),
             Cause::Unheard { .. } => self.unheard(f),
