@@ -197,7 +197,7 @@ impl Whisker {
         }
     }
 
-    /// Of a whisker whose stored numbers are none (a version before this one could learn them), everything is learned anew.
+    /// Of a whisker whose stored numbers are infinite (a version before this one could learn them), everything is learned anew.
     pub(super) fn mend(&mut self) {
         let numbers = [self.noise.variance(), self.told_since_alarm.into(), self.detector.statistic(false)];
         let is_sound = |bin: Bin| bin.mean().is_finite() && bin.variance() > 0.0;
