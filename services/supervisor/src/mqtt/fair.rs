@@ -29,7 +29,9 @@ const LONG_BYTES: usize = 4 * TURN_BYTES;
 const SHED_ROBOTS_MAX: usize = 256;
 /// Places that an empty queue keeps.
 const KEPT_PLACES: usize = 16;
-/// Empty queues that are kept.
+/// Empty queues that are kept for their robots until the round ends, which remember what these have given in it.
+const IDLE_MAX: usize = 4096;
+/// Queues that are kept while all are empty.
 const KEPT_QUEUES: usize = 16_384;
 
 /// An amount of messages.
@@ -97,6 +99,8 @@ struct Queue {
     round: u64,
     /// It had to wait for another round since it was empty.
     is_throttled: bool,
+    /// It was empty in this round.
+    is_idle: bool,
     /// The last look in which it was shed, and its place in that look's list.
     shed: Option<(u64, usize)>,
 }
@@ -113,6 +117,8 @@ pub(super) struct Fair {
     queues: Vec<Queue>,
     /// Places of queues that no robot has.
     unused: Vec<usize>,
+    /// Places of queues that were empty in this round.
+    idle: Vec<usize>,
     by_robot: HashMap<u64, usize>,
     /// Queues with messages, in the order of their turns.
     turns: VecDeque<usize>,
@@ -242,21 +248,38 @@ impl Fair {
         self.held.remove(weight);
         let queue = &mut self.queues[at];
         queue.held[usize::from(is_contacts)].remove(weight);
-        if queue.is_unused() {
-            self.by_robot.remove(&queue.robot);
-            let mut messages = std::mem::take(&mut queue.messages);
-            messages.shrink_to(KEPT_PLACES);
-            *queue = Queue { messages, ..Queue::default() };
-            self.unused.push(at);
-            if self.by_robot.is_empty() && self.queues.len() > KEPT_QUEUES {
-                (self.queues, self.unused) = (Vec::new(), Vec::new());
+        if queue.is_unused() && !std::mem::replace(&mut queue.is_idle, true) {
+            self.idle.push(at);
+            if self.idle.len() > IDLE_MAX {
+                self.release_idle();
             }
+        }
+    }
+
+    /// Takes the queues that are still empty from their robots.
+    fn release_idle(&mut self) {
+        for at in self.idle.drain(..) {
+            let queue = &mut self.queues[at];
+            queue.is_idle = false;
+            if queue.is_unused() {
+                self.by_robot.remove(&queue.robot);
+                let mut messages = std::mem::take(&mut queue.messages);
+                messages.shrink_to(KEPT_PLACES);
+                *queue = Queue { messages, ..Queue::default() };
+                self.unused.push(at);
+            }
+        }
+        if self.by_robot.is_empty() && self.queues.len() > KEPT_QUEUES {
+            (self.queues, self.unused) = (Vec::new(), Vec::new());
         }
     }
 
     /// Another round begins: each robot has [`ROUND_BYTES`] again.
     pub(super) fn begin_round(&mut self, round: u64) {
-        self.round = round;
+        if round != self.round {
+            self.round = round;
+            self.release_idle();
+        }
     }
 
     /// Gives up to `most` messages in turns; says how many. None if nothing waits, or if all that waits is for another round.
