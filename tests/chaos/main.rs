@@ -1,7 +1,7 @@
 //! Nothing lost, nothing stale, whatever fails: robots, broker, PostgreSQL and two supervisors, all real, under
 //! faults that a seed decides; at the end what robots felt and obeyed is held against what was recorded.
 //!
-//! Some of the robots are hostile: they do what they like with their own passwords, and only the others are judged.
+//! Some of the robots are hostile. The harness judges the other ones only.
 //!
 //! Read in this order: [`plan`] (what goes wrong), [`stage`] and [`scenario`] (what is there), [`strike`], [`replay`] and
 //! [`hostile`] (making it go wrong), [`owner`] (who supervises), [`ledger`], [`obedience`] and [`recorded`] (the
@@ -41,15 +41,15 @@ use report::{FaultReport, Report};
 use stage::{Program, ROBOT_LINKS, Robots, Stage};
 use strike::Striker;
 
-/// After the last fault, how long nothing more may arrive of what was felt, until it counts as lost.
+/// The drain ends when the number of messages without a receipt has not changed for so long.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
-/// Between two looks at what arrives, at least.
+/// The pause between two looks at the messages without a receipt.
 const DRAIN_PAUSE: Duration = Duration::from_millis(100);
-/// How often it is told how far a run is.
+/// The interval of the progress lines.
 const PROGRESS: Duration = Duration::from_secs(30);
-/// The longest run, in days: supervisors remove contacts after 30.
+/// The longest run in days: supervisors remove contacts after 30 days.
 const LONGEST_DAYS: f64 = 25.0;
-/// Nothing more is recorded for so long: that was all.
+/// Two equal counts of the rows, so far apart, mean that nothing more comes.
 const SETTLED: Duration = Duration::from_secs(1);
 /// As this the program is a supervisor: it always tests what the sources say.
 const SUPERVISOR: &str = "supervisor";
@@ -73,10 +73,10 @@ struct Arguments {
     /// How many of the robots are hostile; 0 for none.
     #[arg(long, default_value_t = 10)]
     hostile: u32,
-    /// The only things that hostile robots do, separated by commas, instead of all.
+    /// The only behaviours of hostile robots, separated by commas; all by default.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
     hostile_only: Vec<Behaviour>,
-    /// What hostile robots leave out, separated by commas.
+    /// Behaviours that hostile robots leave out, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
     hostile_without: Vec<Behaviour>,
     /// What is broken on purpose, to see that it is noticed.
@@ -147,11 +147,12 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     ensure!(watch.owner(0).await.is_some(), "nobody takes up the fleet: see the supervisors' logs in {logs:?}");
 
     let mut striker = Striker::new(&mut stage, &watch);
+    let mut progress = Progress::new(&robots, started, seconds);
     for strike in plan::plan(seed, seconds, control) {
-        run_until(strike.at_s, started, seconds, &robots).await;
+        progress.wait_until(strike.at_s).await;
         striker.strike(&strike).await;
     }
-    run_until(seconds, started, seconds, &robots).await;
+    progress.wait_until(seconds).await;
     let (struck, mut surprises) = (striker.struck, striker.surprises);
     surprises.ended += stage.revive();
     let run_s = started.elapsed().as_secs_f64();
@@ -185,41 +186,66 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     })
 }
 
-/// Waits until that many seconds after the start, and tells now and then how far the run is.
-async fn run_until(at_s: f64, started: Instant, seconds: f64, robots: &Robots) {
-    let until = started + Duration::from_secs_f64(at_s);
-    loop {
-        let told = started.elapsed().as_secs() / PROGRESS.as_secs();
-        let next = started + PROGRESS * (told as u32 + 1);
-        sleep(next.min(until).saturating_duration_since(Instant::now())).await;
-        if Instant::now() >= until {
-            return;
+/// Prints the progress of a run every half minute.
+struct Progress<'a> {
+    robots: &'a Robots,
+    started: Instant,
+    seconds: f64,
+    next: Instant,
+}
+
+impl<'a> Progress<'a> {
+    fn new(robots: &'a Robots, started: Instant, seconds: f64) -> Self {
+        Self { robots, started, seconds, next: started + PROGRESS }
+    }
+
+    /// Waits until that many seconds after the start.
+    async fn wait_until(&mut self, at_s: f64) {
+        let until = self.started + Duration::from_secs_f64(at_s);
+        loop {
+            if Instant::now() >= self.next {
+                self.tell();
+            }
+            if Instant::now() >= until {
+                return;
+            }
+            sleep(self.next.min(until).saturating_duration_since(Instant::now())).await;
         }
+    }
+
+    fn tell(&mut self) {
+        let elapsed = self.started.elapsed();
         eprintln!(
-            "chaos: {} of {seconds} s: {} contacts felt, {} messages without a receipt",
-            started.elapsed().as_secs(),
-            robots.made(),
-            robots.undelivered()
+            "chaos: {} of {} s: {} contacts felt, {} messages without a receipt",
+            elapsed.as_secs(),
+            self.seconds,
+            self.robots.made(),
+            self.robots.undelivered()
         );
+        self.next = Instant::now() + PROGRESS;
     }
 }
 
-/// Waits until robots have nothing left to send, and nothing more is recorded; tells how long it took. It ends, too, when
-/// nothing has moved for long.
+/// Waits until robots have nothing left to send, or until that has not changed for [`DRAIN_PATIENCE`]; returns how long it took.
+/// Then it waits until the number of rows is stable, too.
 async fn drain(robots: &Robots, connection: &mut PgConnection, strangers: &[String]) -> anyhow::Result<Duration> {
     let begun = Instant::now();
-    let (mut last, mut changed) = ((-1, u64::MAX), Instant::now());
+    let (mut undelivered, mut changed) = (robots.undelivered(), begun);
+    while undelivered > 0 && changed.elapsed() < DRAIN_PATIENCE {
+        sleep(DRAIN_PAUSE).await;
+        let now = robots.undelivered();
+        if now != undelivered {
+            (undelivered, changed) = (now, Instant::now());
+        }
+    }
+    let drain = begun.elapsed();
+    let mut rows = recorded::count(connection, strangers).await?;
     loop {
-        let look = Instant::now();
-        let now = (recorded::count(connection, strangers).await?, robots.undelivered());
-        if now != last {
-            (last, changed) = (now, Instant::now());
+        // The pause begins after a count: counting the rows of a long run is slow.
+        sleep(SETTLED).await;
+        let before = std::mem::replace(&mut rows, recorded::count(connection, strangers).await?);
+        if rows == before {
+            return Ok(drain);
         }
-        let is_settled = changed.elapsed() > SETTLED && now.1 == 0;
-        if is_settled || changed.elapsed() > DRAIN_PATIENCE {
-            return Ok(changed - begun);
-        }
-        // Of a long run each look takes some time: the database has as much time without one.
-        sleep(look.elapsed().max(DRAIN_PAUSE)).await;
     }
 }

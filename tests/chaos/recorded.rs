@@ -6,7 +6,7 @@ use sqlx::{Connection, Row};
 use crate::ledger::{Content, Ledger, Recorded};
 use crate::obedience::Decided;
 
-/// Tells the ledger every contact of the honest robots, in any order: sorting the rows of a long run would take longer than
+/// Gives every contact of the honest robots to the ledger, in any order: sorting the rows of a long run takes longer than
 /// reading them.
 ///
 /// # Errors

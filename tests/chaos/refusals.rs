@@ -1,4 +1,4 @@
-//! What the supervisors say that they refused, over all of their lives.
+//! The supervisors' counters of refused messages, summed over restarts.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -9,15 +9,15 @@ use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 use vibrissa_tests::web::try_get;
 
-/// How often they are asked: what a killed one counted after it was asked last is not known.
+/// The interval of the requests. Counts between the last request and a kill are lost.
 const PAUSE: Duration = Duration::from_secs(1);
-/// One that takes longer is not there.
+/// The longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Parts of the names of counters of what was not taken.
+/// Parts of the names of the counters.
 const WORDS: [&str; 9] =
     ["refused", "duplicate", "shed", "given_up", "quarantin", "takeover", "conflict", "forged", "forgotten"];
 
-/// Keeps asking; dropped, it asks no more.
+/// Reads the counters repeatedly until it is dropped.
 pub struct Refusals {
     sums: Arc<Mutex<BTreeMap<String, u64>>>,
     task: JoinHandle<()>,
@@ -30,14 +30,14 @@ impl Drop for Refusals {
 }
 
 impl Refusals {
-    /// Begins to ask.
+    /// Starts to read the metrics at those addresses.
     pub fn start(supervisors: Vec<SocketAddr>) -> Self {
         let sums = Arc::new(Mutex::new(BTreeMap::new()));
         let task = tokio::spawn(ask(supervisors, sums.clone()));
         Self { sums, task }
     }
 
-    /// Each counter with its labels, if it counted anything: at least so many.
+    /// Lower bounds of the counters that are above zero, by name and labels.
     pub fn counts(&self) -> BTreeMap<String, u64> {
         self.sums.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -62,12 +62,12 @@ async fn ask(supervisors: Vec<SocketAddr>, sums: Arc<Mutex<BTreeMap<String, u64>
     }
 }
 
-/// What a counter has counted since: one that fell began anew.
+/// The increase of a counter; a lower value means that the supervisor has restarted.
 fn added(before: u64, now: u64) -> u64 {
     if now >= before { now - before } else { now }
 }
 
-/// Counters of what was not taken, by name and labels.
+/// Counters of refused messages, by name and labels.
 fn counters(text: &str) -> BTreeMap<String, u64> {
     let line = |line: &str| {
         let (name, value) = line.rsplit_once(' ')?;
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counters_of_what_was_not_taken_are_read_and_others_are_not() {
+    fn counters_of_refusals_are_read_and_other_counters_are_not() {
         let text = "# HELP vibrissa_messages_refused_total Messages.\n\
             vibrissa_messages_refused_total{fleet=\"f\",reason=\"malformed\"} 3\n\
             vibrissa_messages_received_total{fleet=\"f\",topic=\"contacts\"} 9\nvibrissa_messages_shed_total{fleet=\"f\"} 0\n";
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_that_fell_began_anew() {
+    fn a_lower_count_means_a_restart() {
         assert_eq!([added(0, 5), added(5, 7), added(7, 2)], [5, 2, 2]);
     }
 }

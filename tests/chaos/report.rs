@@ -40,7 +40,7 @@ pub struct Report {
     pub ended_by_themselves: u64,
     pub stuck: u64,
     pub ownerless: u64,
-    /// Panics that the supervisors' logs tell of.
+    /// Panics in the supervisors' logs.
     pub panics: u64,
     /// Seconds that robots touched, and that the rest took to arrive.
     pub run_s: f64,
@@ -48,15 +48,15 @@ pub struct Report {
     /// Hostile robots, and how many messages and connections each of their behaviours made.
     pub hostile_robots: u64,
     pub hostile: BTreeMap<String, u64>,
-    /// Setpoints that were sent to hostile robots, each time.
+    /// Setpoints that hostile robots received, repetitions included.
     pub hostile_setpoints: u64,
-    /// What the supervisors counted as not taken, at least.
+    /// Lower bounds of the supervisors' counters of refused messages.
     pub refusals: BTreeMap<String, u64>,
     /// What struck, in order.
     pub faults: Vec<FaultReport>,
 }
 
-/// Faults that are listed one by one for people; of more there are their kinds.
+/// The longest list of faults in the table for people.
 const LISTED: usize = 60;
 
 /// One fault.
@@ -160,14 +160,14 @@ impl Report {
         violations
     }
 
-    /// What hostile robots did, and what the supervisors counted as not taken.
+    /// Writes the counts of hostile messages and of refusals.
     fn fmt_hostile(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\n{:<42}{:>9}", format!("{} hostile robots", self.hostile_robots), "messages")?;
         for (name, count) in &self.hostile {
             writeln!(f, "{name:<42}{count:>9}")?;
         }
         writeln!(f, "{:<42}{:>9}", "setpoints sent to them", self.hostile_setpoints)?;
-        writeln!(f, "\nnot taken by the supervisors, at least")?;
+        writeln!(f, "\nrefused by the supervisors, at least")?;
         for (name, count) in &self.refusals {
             writeln!(f, "{name:<78}{count:>9}")?;
         }

@@ -17,17 +17,17 @@ const ARRAY: &str = "left";
 const WHISKERS: u16 = 2;
 /// Contacts in one message: one in 0.2 s from each robot at 20 contacts per second.
 const CONTACTS_PER_MESSAGE: usize = 4;
-/// Messages that a robot keeps: those of more than an hour without a receipt, and no fault lasts longer than seconds.
+/// Messages that a robot keeps without a receipt: more than an hour's. No fault lasts longer than seconds.
 const KEPT_MESSAGES: usize = 20_000;
 /// Nothing is trimmed before it is learned.
 const FIRST_TRIM_S: f64 = 4.0;
 /// From one trim of a robot to its next.
 const TRIMS_APART_S: f64 = 4.0;
-/// From one trim of a robot to its next on average, at the least.
+/// The shortest mean time from one trim of a robot to its next, in seconds.
 const TRIMS_MEAN_S: f64 = 30.0;
-/// Trims of a robot in the whole run: after that its whiskers are too short. In a long run they are further apart.
+/// Trims of a robot in the whole run: more would make its whiskers too short. A long run has longer pauses between them.
 const TRIMS: f64 = 6.0;
-/// The shortest length that a whisker is cut to, mm, and what a cut takes off.
+/// The shortest length after a cut, and the loss of length by a cut, in mm.
 const SHORTEST_MM: f64 = 58.0;
 const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
@@ -67,7 +67,7 @@ pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Con
     groups.into_iter().map(scenario).collect()
 }
 
-/// What a robot is called.
+/// The name of a robot by its number.
 pub fn robot_name(number: usize) -> Name {
     Name::robot(&format!("r{number:03}")).expect("a name")
 }

@@ -19,9 +19,9 @@ use crate::obedience::Obedience;
 use crate::plan::{Control, LEASE_S};
 use crate::scenario::FLEET;
 
-/// Who may read and write what: the list that is shipped.
+/// The access list that is shipped.
 const ACL: &str = include_str!("../../deploy/mosquitto/acl");
-/// The harness's own client, which repeats setpoints as a broker might.
+/// The user of the client that repeats setpoints.
 pub const REPLAY_USER: &str = "replay";
 /// Every robot's password; each has a user of its own.
 pub const ROBOT_PASSWORD: &str = "robot's own";
@@ -29,9 +29,9 @@ pub const ROBOT_PASSWORD: &str = "robot's own";
 pub const SUPERVISOR_PASSWORD: &str = "supervisor's own";
 /// The supervisors' user in the list that is shipped.
 const SUPERVISOR_USER: &str = "vibrissa";
-/// What the supervisors are called.
+/// The supervisors' names.
 const SUPERVISORS: [&str; 2] = ["a", "b"];
-/// In a log it tells of a panic.
+/// A line of a log with this text reports a panic.
 const PANIC: &[u8] = b"panicked at";
 /// Links between robots and broker, each with as many of the robots.
 pub const ROBOT_LINKS: usize = 4;
@@ -50,7 +50,7 @@ pub struct Supervisor {
     pub broker_link: Proxy,
     /// Its link to PostgreSQL.
     pub database_link: Proxy,
-    /// Where it serves HTTP, in each of its lives.
+    /// Its HTTP address, also after a restart.
     pub http: SocketAddr,
 }
 
@@ -120,13 +120,12 @@ fn broker(robots: &[Name]) -> Mosquitto {
     broker
 }
 
-/// Where the supervisors read their password.
+/// The file with the supervisors' password.
 fn password_file(broker: &Mosquitto) -> PathBuf {
     broker.folder().join("supervisor.password")
 }
 
-/// How many panics the supervisors' logs tell of: a part of a program may panic and be started again without the end of the
-/// process.
+/// The number of panics in the supervisors' logs: a thread may panic and start again while the process goes on.
 pub fn panics(logs: &Path) -> u64 {
     let of = |name: &str| {
         let Ok(file) = std::fs::File::open(log_of(logs, name)) else { return 0 };

@@ -1,4 +1,4 @@
-//! What hostile robots do, by name.
+//! The behaviours of hostile robots, by name.
 
 use clap::ValueEnum;
 
@@ -7,9 +7,9 @@ use clap::ValueEnum;
 pub enum Behaviour {
     /// Factsheets with control characters, unknown models and extreme layouts; they are retained.
     OddFactsheets,
-    /// Contacts at the ends of what the contract allows.
+    /// Contacts at the limits of the contract's ranges.
     ExtremeContacts,
-    /// Contacts outside of what the contract allows.
+    /// Contacts outside the contract's ranges.
     BadContacts,
     /// Contacts and statuses years ahead or back.
     WrongClocks,
@@ -27,11 +27,11 @@ pub enum Behaviour {
     HugeMessages,
     /// Bytes that are no messages.
     Garbage,
-    /// Connections under the client ids of the supervisor that receipts let guess.
+    /// Connections under the supervisor's client ids, guessed from the boot id in receipts.
     Takeover,
-    /// Cuts that need setpoints, and no answer to any of them.
+    /// Cuts that need setpoints, and no answer to any setpoint.
     Deaf,
-    /// Cuts that need setpoints, and lies about what became of them.
+    /// Cuts that need setpoints, and false answers to the setpoints.
     Lies,
 }
 

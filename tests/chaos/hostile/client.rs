@@ -1,4 +1,4 @@
-//! A hostile robot's connection: with its own name and password, and whatever it wants to say.
+//! A hostile robot's MQTT connection, with its own name and password.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,19 +12,19 @@ use super::tally::Tally;
 use crate::scenario::FLEET;
 use crate::stage::ROBOT_PASSWORD;
 
-/// Messages that wait in the client; what does not fit is not said.
+/// Messages that may wait in the client; it drops the rest.
 const WAITING: usize = 4_000;
 /// Setpoints that are remembered.
 const SETPOINTS: usize = 64;
-/// Larger than anything that is said.
+/// The largest packet in bytes: above the largest message of any behaviour.
 const PACKET_MAX: u32 = 16 << 20;
 
-/// What the supervisor said to the robot.
+/// Messages that the supervisor sent to the robot.
 #[derive(Debug, Default)]
 pub struct Heard {
     /// Receipts so far.
     pub receipts: u64,
-    /// The supervisor's boot, which every receipt tells.
+    /// The supervisor's boot id, from the newest receipt.
     pub supervisor: Option<String>,
     /// The newest setpoints.
     pub setpoints: VecDeque<Setpoint>,
@@ -63,12 +63,12 @@ impl Client {
         Self { client, heard, poller }
     }
 
-    /// Says something; whether there was room for it. Without a connection it waits in the client.
+    /// Publishes a message, and returns whether the client had room for it. It waits in the client until there is a connection.
     pub fn say(&self, topic: &str, payload: Vec<u8>, quality: QoS, is_retained: bool) -> bool {
         self.client.try_publish(topic, payload, PublishOptions::new(quality).retain(is_retained)).is_ok()
     }
 
-    /// What was heard so far: be brief.
+    /// The messages received so far. The caller must not hold the lock for long.
     pub fn heard(&self) -> MutexGuard<'_, Heard> {
         self.heard.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -111,7 +111,7 @@ async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Ar
     }
 }
 
-/// Connects under any client id with the robot's own password; whether the broker took it.
+/// Connects under any client id with the robot's own password, and returns whether the broker accepted it.
 pub async fn connect_as(port: u16, robot: &Name, id: String, patience: Duration) -> bool {
     let (_client, mut events) = AsyncClient::builder(options(port, robot, id)).capacity(8).build();
     let connected = async {

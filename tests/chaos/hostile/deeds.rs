@@ -1,4 +1,4 @@
-//! The behaviours, each for some seconds.
+//! The code of each behaviour. Each call lasts some seconds.
 
 use std::time::Duration;
 
@@ -22,18 +22,18 @@ const PAUSE: Duration = Duration::from_millis(25);
 const FLOOD: (u32, u32) = (200, 20);
 /// Of each client id of the supervisor.
 const TAKEOVERS: u32 = 10;
-/// How long a setpoint is waited for.
+/// Seconds to wait for a setpoint.
 const SETPOINT_PATIENCE_S: u32 = 3;
 /// The largest `t_us` of the contract.
 const TIME_MOST_US: u64 = vibrissa_protocol::INTEGER_LIMIT - 1;
 
-/// Contacts of the contract's ranges that once led to numbers that are none, of a whisker of 69.3 mm: ratio, deflection in mm
-/// and strain.
+/// Contact ratio, deflection in mm and strain of contacts that made the state of a whisker of 69.3 mm non-finite. They lay inside
+/// the contract's ranges at that time.
 const TRIPLES: [(f64, f64, f64); 3] = [(5e-324, 1e-9, -0.0117), (0.85, 1000.0, 5e-324), (0.45, 999.999, 1.0)];
 const TRIPLES_LENGTH_MM: f64 = 69.3;
 
 impl Robot {
-    /// Does one thing for some seconds.
+    /// Performs one behaviour for some seconds.
     pub async fn behave(&mut self, behaviour: Behaviour) {
         self.behaviour = behaviour;
         match behaviour {
@@ -70,7 +70,7 @@ impl Robot {
             self.touch(0, 70.0, 2);
             sleep(4 * PAUSE).await;
         }
-        // What is retained last is the oddest.
+        // The broker retains the last factsheet for the next supervisor.
         let factsheet = self.factsheet(&json!("a\u{0}b"), 70.0);
         self.tell(RobotTopic::Factsheet, factsheet);
     }
@@ -148,7 +148,7 @@ impl Robot {
         }
     }
 
-    /// All of it is forbidden by the access list that is shipped.
+    /// The shipped access list forbids all of it.
     async fn others_topics(&mut self) {
         let supervised = ["setpoint", "receipt", "request"].map(|kind| format!("{}/{kind}", self.name));
         for number in 0..12_u64 {
@@ -268,7 +268,7 @@ impl Robot {
         }
     }
 
-    /// Connects as the supervisor: under the ids that its boot, which is in every receipt, lets guess.
+    /// Connects under client ids made from the supervisor's boot id, which every receipt contains.
     async fn take_over(&mut self) {
         self.stand_up(70.0).await;
         let Some(supervisor) = self.client.heard().supervisor.clone() else { return };

@@ -1,6 +1,6 @@
-//! Hostile robots: each has its own password and does with it whatever the broker lets it do.
+//! Hostile robots. Each has its own password and does whatever the broker lets it do.
 //!
-//! Nothing of theirs is held against the database. What counts is that the honest robots lose nothing by them.
+//! The harness does not compare their messages with the database. It only checks that the honest robots lose nothing.
 
 mod behaviour;
 mod client;
@@ -24,14 +24,14 @@ pub use behaviour::Behaviour;
 use robot::Robot;
 use tally::Tally;
 
-/// What all of them use.
+/// Resources that all hostile robots share.
 pub struct Shared {
     messages: Arc<Messages>,
     tally: Arc<Tally>,
     flooding: Arc<Semaphore>,
 }
 
-/// Hostile robots that go on until they are stopped; dropped, they stop.
+/// Running hostile robots; they stop on drop.
 pub struct Hostile {
     tally: Arc<Tally>,
     tasks: Vec<JoinHandle<()>>,
@@ -44,7 +44,7 @@ impl Drop for Hostile {
 }
 
 impl Hostile {
-    /// Starts robots of those names, which go round the behaviours; together they show all of them from the start.
+    /// Starts robots of those names. Each repeats all behaviours, and each starts with another one.
     pub fn start(names: &[Name], links: &[Proxy], behaviours: &[Behaviour], seed: u64) -> Self {
         let tally = Arc::new(Tally::new(behaviours));
         let shared = Shared {
@@ -66,17 +66,17 @@ impl Hostile {
         Self { tally, tasks: tasks.collect() }
     }
 
-    /// They do nothing any more, and their connections break.
+    /// Stops all of them; their connections break.
     pub fn stop(&self) {
         self.tasks.iter().for_each(JoinHandle::abort);
     }
 
-    /// Setpoints that the supervisors sent to them.
+    /// Setpoints that they received, repetitions included.
     pub fn setpoints(&self) -> u64 {
         self.tally.setpoints()
     }
 
-    /// What they did.
+    /// Messages and connections so far, by the name of the behaviour.
     pub fn counts(&self) -> std::collections::BTreeMap<String, u64> {
         self.tally.counts()
     }

@@ -1,4 +1,4 @@
-//! A hostile robot: what it pretends to be, and how it says things.
+//! A hostile robot: its identity, its sequence numbers and its messages.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use crate::scenario::FLEET;
 pub const ARRAY: &str = "left";
 /// The only model of whiskers that the supervisors have loaded.
 pub const MODEL: &str = "nguyen-2021";
-/// How long it waits for the supervisor at most.
+/// The longest wait for the supervisor.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A hostile robot.
@@ -35,11 +35,11 @@ pub struct Robot {
     pub(super) random: ChaCha8Rng,
     pub(super) messages: Arc<Messages>,
     pub(super) tally: Arc<Tally>,
-    /// Of all robots that flood: one at a time.
+    /// Lets one robot flood at a time.
     pub(super) flooding: Arc<Semaphore>,
     pub(super) boot_id: String,
     pub(super) behaviour: Behaviour,
-    /// What is said now only prepares for the behaviour, and does not count.
+    /// The present messages only prepare for the behaviour, and do not count.
     is_preparing: bool,
     model: Model,
     seqs: [u64; RobotTopic::ALL.len()],
@@ -76,14 +76,14 @@ impl Robot {
         *next - 1
     }
 
-    /// Says something anywhere, and counts it as done by the present behaviour.
+    /// Publishes on any topic, and counts the message for the present behaviour.
     pub fn say_on(&self, topic: &str, payload: impl Into<Vec<u8>>, quality: QoS, is_retained: bool) {
         if self.client.say(topic, payload.into(), quality, is_retained) && !self.is_preparing {
             self.tally.count(self.behaviour);
         }
     }
 
-    /// Says something on one of its own topics, as the contract wants it sent.
+    /// Publishes on one of its own topics, with the contract's quality of service.
     pub fn say(&self, kind: RobotTopic, payload: impl Into<Vec<u8>>) {
         let quality = match kind.quality_of_service() {
             QualityOfService::AtMostOnce => QoS::AtMostOnce,
@@ -92,7 +92,7 @@ impl Robot {
         self.say_on(&self.topic(kind), payload, quality, kind.is_retained());
     }
 
-    /// Says a message with those fields under the next number.
+    /// Sends a message with those fields under the next number.
     pub fn tell(&mut self, kind: RobotTopic, fields: Value) {
         let seq = self.seq(kind);
         self.tell_as(kind, seq, fields);
@@ -105,7 +105,7 @@ impl Robot {
         self.say(kind, fields.to_string());
     }
 
-    /// Says a message at the ends of what the contract allows.
+    /// Sends a message at the limits of the contract.
     pub fn tell_extreme(&mut self, kind: RobotTopic, right_times: f64, odd_texts: f64) {
         let context = Context {
             boot_id: self.boot_id.clone(),
@@ -114,6 +114,7 @@ impl Robot {
             arrays: vec![(ARRAY.to_owned(), 2)],
             models: vec![MODEL.to_owned()],
             commands: self.client.heard().setpoints.iter().map(|setpoint| setpoint.command_id.clone()).collect(),
+            pressures_mpa: vec![0.1],
             right_times,
             odd_texts,
             list_most: 12,
@@ -122,13 +123,13 @@ impl Robot {
         self.say(kind, text);
     }
 
-    /// A new boot, of which nobody has heard yet.
+    /// Begins a new boot.
     pub fn reboot(&mut self) {
         self.boot_id = format!("h{:016x}", self.random.random::<u64>());
         self.seqs = [0; RobotTopic::ALL.len()];
     }
 
-    /// Says that it is there.
+    /// Sends its birth message.
     pub fn birth(&mut self) {
         self.tell(RobotTopic::Connection, json!({"timestamp": Timestamp(now_us()), "state": "ONLINE"}));
     }
@@ -143,7 +144,7 @@ impl Robot {
             [{"array": ARRAY, "type": "TYPE_1", "whiskers": [whisker(0), whisker(1)]}]})
     }
 
-    /// Becomes a robot that the supervisor takes contacts of, if the supervisor is there.
+    /// Starts a new boot, and waits until the supervisor sends it a receipt.
     pub async fn stand_up(&mut self, length_mm: f64) {
         self.is_preparing = true;
         self.reboot();
@@ -189,7 +190,7 @@ impl Robot {
         self.is_preparing = false;
     }
 
-    /// The setpoints that have come since they were last taken.
+    /// The setpoints received since the last call.
     pub fn setpoints(&self) -> Vec<Setpoint> {
         self.client.heard().setpoints.drain(..).collect()
     }

@@ -1,11 +1,11 @@
-//! How often hostile robots did what.
+//! Counts of the hostile robots' messages.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::behaviour::Behaviour;
 
-/// Counts what was done, by behaviour.
+/// Counts of messages and connections by behaviour.
 #[derive(Debug)]
 pub struct Tally {
     counts: Vec<(Behaviour, AtomicU64)>,
@@ -13,7 +13,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Nothing was done yet.
+    /// All counts are zero.
     pub fn new(behaviours: &[Behaviour]) -> Self {
         Self { counts: behaviours.iter().map(|&one| (one, AtomicU64::new(0))).collect(), setpoints: AtomicU64::new(0) }
     }
@@ -23,7 +23,7 @@ impl Tally {
         self.setpoints.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Setpoints that were sent to hostile robots, each time.
+    /// Setpoints that hostile robots received, repetitions included.
     pub fn setpoints(&self) -> u64 {
         self.setpoints.load(Ordering::Relaxed)
     }

@@ -1,4 +1,5 @@
-//! Some dozens of messages to one robot, drawn from a seed; and, where they show a fault, the fewest of them that still do.
+//! An episode: some dozens of messages to one robot, drawn from a seed. A failed episode is reduced to the fewest messages that
+//! still fail.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -21,19 +22,19 @@ use crate::subject::{Fate, Input, Subject, name_of};
 pub(crate) const MESSAGES: usize = 64;
 const START_US: u64 = 1_795_248_000_000_000;
 const MODEL: &str = "nguyen-2021";
-/// The whole state is looked at after so many inputs, and at the end: what is not finite stays so.
+/// The whole state is checked after so many inputs and at the end: a number that is not finite stays so.
 const LOOK_EVERY: usize = 16;
 /// Ordinary contacts before anything else in an episode that learns its whiskers first: more than the cold start of the test.
 const LEARNED: usize = 28;
 
-/// What happened, and when by the supervisor's clock.
+/// Inputs with their times by the supervisor's clock.
 pub(crate) type Inputs = Vec<(Micros, Input)>;
 
 /// An episode that was played.
 pub(crate) struct Played {
     pub(crate) inputs: Inputs,
     pub(crate) fates: BTreeMap<&'static str, u64>,
-    /// What must not be.
+    /// The first violation of an invariant.
     pub(crate) fault: Option<String>,
 }
 
@@ -41,7 +42,7 @@ thread_local! {
     static IS_QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Gives what the work gives; a panic is a fault, which is told and not printed.
+/// Runs the work. A panic becomes an error and is not printed.
 fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -83,7 +84,7 @@ pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Wi
                 };
                 *fates.entry(label).or_default() += 1;
             }
-            if inputs.len() % LOOK_EVERY == 0 {
+            if inputs.len().is_multiple_of(LOOK_EVERY) {
                 subject.check_state()?;
             }
         }
@@ -92,7 +93,7 @@ pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Wi
     Played { inputs, fates, fault: fault.err() }
 }
 
-/// What is wrong after some inputs, each of which is looked at, and how many of them it takes.
+/// Plays the inputs, checks the state after each one, and returns the number of inputs up to the first fault, and the fault.
 fn fault_of(inputs: &[(Micros, Input)], params: &Params) -> Option<(usize, String)> {
     let mut count = 0;
     let result = caught(|| {
@@ -152,7 +153,7 @@ fn with_fewer_entries(inputs: &Inputs, at: usize, params: &Params) -> Option<(In
     })
 }
 
-/// Draws the inputs one after the other.
+/// Draws the inputs of an episode one after the other.
 struct Player<'a> {
     messages: &'a Messages,
     without: &'a Without,
@@ -164,7 +165,7 @@ struct Player<'a> {
     arrays: Vec<(String, u16)>,
     /// By array and whisker: length and pressure in truth.
     truth: BTreeMap<(usize, u16), (f64, f64)>,
-    /// Its whiskers are learned before anything odd comes.
+    /// Its whiskers pass the cold start before the first extreme message.
     learns_first: bool,
     ordinary: usize,
     said: usize,
@@ -271,6 +272,10 @@ impl<'a> Player<'a> {
             arrays: self.arrays.clone(),
             models: vec![MODEL.to_owned()],
             commands: subject.robot.commands_under_way().map(|command| name_of(command.key)).collect(),
+            pressures_mpa: (0..subject.robot.whisker_count())
+                .filter_map(|index| subject.robot.whisker(index))
+                .map(|view| view.setpoint.mpa())
+                .collect(),
             right_times: if self.without.times { 1.0 } else { 0.7 },
             odd_texts: if self.said <= 2 || self.without.texts { 0.0 } else { 0.01 },
             list_most: 6,

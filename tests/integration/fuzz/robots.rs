@@ -1,8 +1,8 @@
-//! A million messages at the ends of what the contract allows, through everything from bytes to the state of a robot: nothing
-//! panics, every number stays finite, whatever is taken is receipted, and what is stored can be read again.
+//! A million messages at the limits of the contract, from bytes to the state of a robot. Nothing panics, every number stays finite,
+//! a receipt covers every accepted message, setpoints keep the contract, and the stored state can be restored.
 //!
-//! `FUZZ_CASES=10000000` plays more messages, `FUZZ_SEED=7` others. A fault is told with its seed and with the fewest messages
-//! that show it. `FUZZ_WITHOUT=factsheet,times` makes factsheets ordinary and times right, to find the cause of a fault.
+//! `FUZZ_CASES=10000000` plays more messages, `FUZZ_SEED=7` others. The report of a fault has its seed and the fewest messages that
+//! cause it. `FUZZ_WITHOUT=factsheet,times` makes factsheets ordinary and times right, to find the cause of a fault.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -15,16 +15,16 @@ use vibrissa_tests::extremes::{Messages, Without};
 use crate::episode::{self, Inputs, MESSAGES};
 use crate::subject::Input;
 
-/// Messages that are played, unless the environment asks for others.
+/// The number of messages, unless the environment sets another.
 const CASES: u64 = 1_000_000;
-/// Kinds of faults that are shown with their messages.
+/// Kinds of faults that are reported with their messages.
 const SHOWN: usize = 6;
 
 fn from_environment(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).ok().map_or(otherwise, |text| text.parse().expect("a number"))
 }
 
-/// Faults that differ in numbers only are of one kind: what is wrong, and the field where.
+/// The kind of a fault: its first words and the field at its end, without numbers.
 fn kind_of(fault: &str) -> String {
     let words: Vec<String> =
         fault.split_whitespace().map(|word| word.replace(|one: char| !one.is_alphabetic(), "")).collect();
@@ -32,7 +32,7 @@ fn kind_of(fault: &str) -> String {
     format!("{} .. {}", words[..start].join(" "), words[end..].join(" "))
 }
 
-fn told(inputs: &Inputs) -> String {
+fn listed(inputs: &Inputs) -> String {
     let start = inputs.first().map_or(0, |(now, _)| now.0);
     let line = |(now, input): &(vibrissa_core::units::Micros, Input)| {
         let after_s = now.0.saturating_sub(start) as f64 / 1e6;
@@ -78,8 +78,8 @@ fn property_extreme_messages_leave_every_number_finite_and_are_receipted() {
         println!("\n{} of {episodes} episodes, the first with seed {seed}: {kind}", seeds.len());
         let inputs = episode::play(seed, &params, &messages, &without).inputs;
         match episode::shrunk(inputs, &params) {
-            Some((inputs, fault)) => println!("  {fault}\n  by these messages:\n{}", told(&inputs)),
-            None => println!("  it does not come again when each input is looked at"),
+            Some((inputs, fault)) => println!("  {fault}\n  by these messages:\n{}", listed(&inputs)),
+            None => println!("  it does not come again when each input is checked"),
         }
     }
     assert_eq!(failed, 0, "{failed} of {episodes} episodes show a fault of {} kinds, see above", faults.len());

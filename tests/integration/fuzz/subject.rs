@@ -22,7 +22,7 @@ pub(crate) enum Input {
     Message(RobotTopic, Vec<u8>),
 }
 
-/// What became of an input.
+/// The result of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fate {
     /// The core took it.
@@ -40,7 +40,7 @@ pub(crate) struct Subject<'a> {
     effects: Vec<Effect>,
 }
 
-/// How setpoints are named here.
+/// The name of a setpoint in this test.
 pub(crate) fn name_of(key: CommandKey) -> String {
     format!("{}-{}", key.epoch, key.version)
 }
@@ -60,7 +60,8 @@ impl<'a> Subject<'a> {
     /// Takes an input as the service would.
     ///
     /// # Errors
-    /// What must not be: a number among the effects that is not finite, or a message that is never receipted.
+    /// A violation of an invariant: an effect with a number that is not finite, a message without a receipt, or a setpoint that breaks
+    /// the contract.
     pub(crate) fn take(&mut self, now: Micros, input: &Input) -> Result<Fate, String> {
         let (kind, payload) = match input {
             Input::Tick => {
@@ -85,32 +86,32 @@ impl<'a> Subject<'a> {
 
     fn message(&mut self, now: Micros, message: &Message) -> Result<Fate, String> {
         match message {
-            Message::Connection(told) => {
-                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+            Message::Connection(message) => {
+                let event = Event::Connection { boot_id: message.boot_id.as_str(), link: edge::link(message.state) };
                 self.step(now, &event)?;
             }
-            Message::Factsheet(told) => match edge::factsheet(told, &self.models) {
+            Message::Factsheet(message) => match edge::factsheet(message, &self.models) {
                 Ok(factsheet) => {
-                    let boot_id = told.boot_id.as_str();
+                    let boot_id = message.boot_id.as_str();
                     self.step(now, &Event::Factsheet { boot_id, factsheet: &factsheet })?;
                 }
                 Err(problem) => return Ok(Fate::Refused(problem.label())),
             },
-            Message::Contacts(told) => {
-                let contacts: Vec<_> = told.contacts.iter().filter_map(|one| edge::contact(one).ok()).collect();
-                self.contacts(now, &told.boot_id, told.seq, &contacts)?;
+            Message::Contacts(message) => {
+                let contacts: Vec<_> = message.contacts.iter().filter_map(|one| edge::contact(one).ok()).collect();
+                self.contacts(now, &message.boot_id, message.seq, &contacts)?;
             }
-            Message::Status(told) => {
-                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
+            Message::Status(message) => {
+                let whiskers: Result<Vec<_>, _> = message.whiskers.iter().map(edge::status).collect();
                 match whiskers {
                     Ok(whiskers) => {
-                        let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                        let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
                         self.step(now, &Event::Status { boot_id, robot_time, whiskers: &whiskers })?;
                     }
                     Err(problem) => return Ok(Fate::Refused(problem.label())),
                 }
             }
-            Message::SetpointState(told) => return self.setpoint_state(now, told),
+            Message::SetpointState(message) => return self.setpoint_state(now, message),
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {
                 unreachable!("robots do not say this")
             }
@@ -131,21 +132,21 @@ impl<'a> Subject<'a> {
                 seq < sequence.next() || sequence.held().iter().any(|&(first, last)| (first..=last).contains(&seq))
             })
         };
-        // What is taken and not receipted comes again for ever.
+        // The robot repeats an accepted message for ever if no receipt covers it.
         if matches!(outcome, Outcome::Taken | Outcome::Duplicate) && !is_covered() {
             return Err(format!("contacts {seq} of boot {boot_id} are {outcome:?} and no receipt covers them"));
         }
         Ok(())
     }
 
-    fn setpoint_state(&mut self, now: Micros, told: &protocol::SetpointState) -> Result<Fate, String> {
-        let found = self.robot.commands_under_way().find(|command| name_of(command.key) == told.command_id);
+    fn setpoint_state(&mut self, now: Micros, message: &protocol::SetpointState) -> Result<Fate, String> {
+        let found = self.robot.commands_under_way().find(|command| name_of(command.key) == message.command_id);
         let Some((command, pressure)) = found.map(|command| (command.key, command.pressure)) else {
             return Ok(Fate::Taken);
         };
-        match edge::setpoint_report(told, pressure) {
+        match edge::setpoint_report(message, pressure) {
             Ok(report) => {
-                let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
                 self.step(now, &Event::Setpoint { boot_id, command, report, robot_time })?;
                 Ok(Fate::Taken)
             }
@@ -191,7 +192,7 @@ impl<'a> Subject<'a> {
         read.map(drop).map_err(|refusal| format!("a setpoint breaks the contract: {refusal}"))
     }
 
-    /// Everything that is remembered of the robot, and everything that is shown of it.
+    /// Checks the whole state of the robot, its views, and that the stored state can be restored.
     ///
     /// # Errors
     /// A number is not finite, or what is stored cannot be read again.
@@ -208,11 +209,12 @@ impl<'a> Subject<'a> {
         let whiskers: Option<Vec<_>> =
             (0..self.robot.whisker_count()).map(|index| self.robot.whisker_to_bytes(index)).collect();
         let whiskers = whiskers.ok_or("a whisker cannot be stored")?;
-        let restored = Robot::restore(&head, &whiskers).map_err(|problem| format!("stored and lost: {problem}"))?;
+        let restored = Robot::restore(&head, &whiskers)
+            .map_err(|problem| format!("the stored state cannot be restored: {problem}"))?;
         let again: Option<Vec<_>> = (0..whiskers.len()).map(|index| restored.whisker_to_bytes(index)).collect();
         if restored.to_bytes().as_ref() == Some(&head) && again.as_ref() == Some(&whiskers) {
             return Ok(());
         }
-        Err("what is restored is not what was stored".to_owned())
+        Err("the restored state differs from the stored one".to_owned())
     }
 }

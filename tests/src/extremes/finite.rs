@@ -1,13 +1,13 @@
-//! Whether anything holds a number that is none.
+//! A search for numbers that are not finite, in any value.
 
 use std::fmt::{self, Debug, Write};
 
-/// How a number that is not finite looks in what `Debug` writes; the sign is written by itself.
+/// Numbers that are not finite as `Debug` writes them; it writes the sign separately.
 const NOT_FINITE: [&str; 2] = ["NaN", "inf"];
-/// Characters before such a number that are told with it.
+/// Characters before such a number in a report.
 const BEFORE: usize = 120;
 
-/// Looks at what is written, piece by piece, and keeps nothing: numbers are pieces of their own.
+/// Checks the output piece by piece without a copy: each number is a piece of its own.
 #[derive(Default)]
 struct Search {
     is_found: bool,
@@ -24,7 +24,7 @@ impl Write for Search {
     }
 }
 
-/// Keeps what is written up to the number.
+/// Collects the output up to the number.
 #[derive(Default)]
 struct Place {
     text: String,
@@ -37,9 +37,9 @@ impl Write for Place {
     }
 }
 
-/// Where the first number stands that is not finite, with what `Debug` writes before it; none if all are finite.
+/// The place of the first number that is not finite: the end of the `Debug` output before it. None if all are finite.
 ///
-/// `Debug` is derived, so it visits every field: no list of fields has to be kept. Texts must not be `NaN` or `inf`.
+/// A derived `Debug` visits every field, so new fields are checked, too. Texts must not be `NaN` or `inf`.
 pub fn not_finite(value: &impl Debug) -> Option<String> {
     let mut search = Search::default();
     // It fails on purpose as soon as something is found.
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_none_is_found_wherever_it_lies() {
+    fn a_number_that_is_not_finite_is_found_at_any_depth() {
         for (good, bad) in [(1.0, f64::NAN), (f64::MAX, f64::INFINITY), (5e-324, f64::NEG_INFINITY)] {
             assert_eq!(not_finite(&Deep { _list: vec![(Some(good), 1.0), (None, 0.0)] }), None);
             let found = not_finite(&Deep { _list: vec![(Some(good), 1.0), (Some(bad), 0.0)] }).unwrap();

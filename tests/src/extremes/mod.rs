@@ -1,5 +1,5 @@
-//! Robots' messages at the ends of what the contract allows: the least and greatest values of each range, numbers that are
-//! nearly zero, clocks that are years off, texts with control characters.
+//! Robots' messages at the limits of the contract: the least and greatest values of each range, numbers that are nearly zero,
+//! clocks that are years off, texts with control characters.
 //!
 //! Ranges, words and lengths come from the contract's own schemas, so that a change of the contract is followed. The same
 //! seed gives the same messages.
@@ -30,7 +30,7 @@ pub const FROM_ROBOTS: [RobotTopic; 5] = [
     RobotTopic::SetpointState,
 ];
 
-/// What a message must name so that it is about something that the supervisor knows.
+/// The identifiers and times that make a message relevant to the supervisor.
 #[derive(Debug, Clone, Default)]
 pub struct Context {
     /// The robot's boot.
@@ -45,6 +45,9 @@ pub struct Context {
     pub models: Vec<String>,
     /// Setpoints that wait for an answer.
     pub commands: Vec<String>,
+    /// Pressures that whiskers are to hold, in MPa: two thirds of all pressures are among them. Far from those nothing of a contact
+    /// is used.
+    pub pressures_mpa: Vec<f64>,
     /// The share of times that are right, from 0 to 1: one wrong time may end the use of all that follow.
     pub right_times: f64,
     /// The share of texts that are odd, from 0 to 1: a refused factsheet ends the use of all that follow.
@@ -196,6 +199,10 @@ impl<R: Rng> Writer<'_, R> {
             }
             ("pressure_max_mpa", _) if self.pressures[1].is_some() => {
                 write_number(self.pressures[1].unwrap_or_default(), out);
+            }
+            ("pressure_mpa" | "setpoint_mpa", Shape::Number(_)) if self.random.random_bool(0.66) => {
+                let Some(&pressure_mpa) = self.context.pressures_mpa.choose(self.random) else { return false };
+                write_number(pressure_mpa, out);
             }
             ("command_id", _) if !is_odd => match self.context.commands.choose(self.random) {
                 Some(command) => quoted(command, out),

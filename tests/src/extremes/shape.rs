@@ -1,4 +1,4 @@
-//! What values a schema allows, as a tree that values can be drawn from quickly.
+//! The values that a schema allows, as a tree for fast random draws.
 
 use serde_json::Value;
 

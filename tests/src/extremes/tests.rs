@@ -12,6 +12,7 @@ fn context() -> Context {
         arrays: vec![("left".to_owned(), 3), ("right".to_owned(), 1)],
         models: vec!["nguyen-2021".to_owned()],
         commands: vec!["1-2".to_owned()],
+        pressures_mpa: vec![0.1],
         right_times: 0.5,
         odd_texts: 0.0,
         list_most: 8,

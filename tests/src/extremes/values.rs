@@ -1,4 +1,4 @@
-//! Values at and near the ends of what is allowed.
+//! Values at and near the limits of a range.
 
 use std::fmt::Write as _;
 
@@ -68,7 +68,7 @@ pub fn integer(random: &mut impl Rng, least: u64, most: u64) -> u64 {
     .clamp(least, most)
 }
 
-/// A time in microseconds since 1970 UTC: of this moment, moments off, years off, or at the ends of what is allowed.
+/// A time in microseconds since 1970 UTC: of this moment, seconds or years off, or at the limits.
 pub fn time_us(random: &mut impl Rng, now_us: u64, most: u64) -> u64 {
     const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
     let back = |by: u64| now_us.saturating_sub(by);

@@ -1,10 +1,10 @@
-//! What a run leaves out, to find the cause of a fault.
+//! The parts of a run that are ordinary, to find the cause of a fault.
 
 use vibrissa_protocol::RobotTopic;
 
 use super::FROM_ROBOTS;
 
-/// What is to be ordinary.
+/// The ordinary parts.
 #[derive(Debug, Clone, Default)]
 pub struct Without {
     /// Topics whose messages are ordinary.
