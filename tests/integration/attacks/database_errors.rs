@@ -116,8 +116,9 @@ async fn regress_a_nul_anywhere_in_a_request_is_refused_on_postgresql() {
     assert!(!program.logged().contains("a query failed"), "{}", program.logged());
 }
 
-/// Takes a table away.
+/// Takes a table away, and brings it back.
 const RENAME: &str = "ALTER TABLE trims RENAME TO others";
+const RENAME_BACK: &str = "ALTER TABLE others RENAME TO trims";
 
 /// A list whose table is missing: the client gets a request's name, under which the log has the database's words.
 async fn a_table_is_missing(program: &HttpProgram, words: &str) {
@@ -145,6 +146,7 @@ async fn regress_an_error_of_postgresql_is_logged_and_not_told() {
     let mut connection = server.connect().connect().await.unwrap();
     sqlx::raw_sql(RENAME).execute(&mut connection).await.unwrap();
     a_table_is_missing(&program, "does not exist").await;
+    sqlx::raw_sql(RENAME_BACK).execute(&mut connection).await.unwrap();
 
     // Nor is what drivers say of a server that is away; operators learn what does not work.
     server.kill();

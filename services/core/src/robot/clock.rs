@@ -51,6 +51,9 @@ const AHEAD_MAX_US: i64 = 60_000_000;
 /// Times further behind than this are, too, in microseconds: 30 days, because contacts may wait out a long outage.
 const BEHIND_MAX_US: i64 = 30 * 86_400_000_000;
 
+/// The contract's times end at 2^53 us, in the year 2255. A clock that is less than a day before that lets no setpoint expire.
+const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
+
 /// What a time was told with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Told {
@@ -131,12 +134,7 @@ impl Clock {
     pub(super) fn robot_time(&self, now: Micros) -> Option<Micros> {
         let offset_us = self.offset_us()?;
         let is_known = self.samples.len() >= SETTLED || offset_us.abs() <= NEAR_US;
-        is_known.then(|| Micros(now.0.saturating_add_signed(offset_us)))
-    }
-
-    /// Whether the clock is known well enough to let a setpoint expire by it.
-    pub(super) fn is_known(&self) -> bool {
-        self.robot_time(Micros::default()).is_some()
+        Some(Micros(now.0.saturating_add_signed(offset_us))).filter(|robot_time| is_known && *robot_time < LATEST)
     }
 
     /// When a message was received last, by the supervisor's clock.
@@ -147,7 +145,7 @@ impl Clock {
     /// Known and heard, for a question that rests on neither.
     pub(super) fn assume_known(&mut self, now: Micros) {
         self.heard = Some(now);
-        if !self.is_known() {
+        if self.robot_time(now).is_none() {
             self.samples.clear();
             self.samples.push(Sample { at: now, offset_us: 0, is_live: true });
         }

@@ -77,7 +77,7 @@ impl Robot {
     /// expires after its time to live: to one who is not heard they would go out in vain, one after the other.
     pub(super) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
         let is_heard = self.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
-        self.link == Link::Online && self.boot_id.is_some() && self.clock.is_known() && is_heard
+        self.link == Link::Online && self.boot_id.is_some() && self.clock.robot_time(now).is_some() && is_heard
     }
 
     /// Manual setpoints that were not answered: they are not sent later.

@@ -81,7 +81,7 @@ fn a_robot_in_1970_is_known_by_its_third_message_and_one_in_time_by_its_first() 
 fn a_first_time_that_is_years_off_lets_no_setpoint_out() {
     let mut clock = Clock::default();
     clock.hear(at(0), told(at(0), YEAR_US), Told::Live);
-    assert!(!clock.plausible(at(0)).contains(&told(at(0), YEAR_US)) && !clock.is_known());
+    assert!(!clock.plausible(at(0)).contains(&told(at(0), YEAR_US)) && clock.robot_time(at(0)).is_none());
     clock.hear(at(10), at(10), Told::Live);
     assert_eq!(ahead_us(&clock, at(20), 0), 0);
 }
@@ -172,6 +172,17 @@ fn times_that_cannot_be_are_told_from_those_that_can() {
         assert_eq!(clock.plausible_of_older_boot(now).contains(&told(now, offset_us)), is_of_older, "{offset_us}");
     }
     assert!([0, u64::MAX].iter().all(|&time| !clock.plausible(now).contains(&Micros(time))));
+}
+
+#[test]
+fn regress_a_clock_at_the_end_of_the_contracts_times_lets_no_setpoint_expire() {
+    let mut clock = Clock::default();
+    for second in 0..4 {
+        let now = at(1_000 * second);
+        let robot_time = if second == 0 { now } else { Micros((1 << 53) - 1) };
+        clock.hear(now, robot_time, Told::Live);
+    }
+    assert_eq!(clock.robot_time(at(3_000)), None);
 }
 
 #[test]
