@@ -12,7 +12,7 @@ pub(crate) struct Range {
     /// Whether `least` itself is too little.
     pub(crate) is_least_excluded: bool,
     pub(crate) most: f64,
-    /// Below this only 0 itself: what is nearer to 0 is no measurement. 0 where there is no such gap.
+    /// Values other than 0 must have at least this magnitude: smaller ones are not measurements. 0 means no such limit.
     pub(crate) least_magnitude: f64,
     /// The same for people.
     allowed: &'static str,
@@ -97,7 +97,7 @@ pub(crate) fn is_identifier(text: &str) -> bool {
     (1..=TEXT_MAX_CHARS).contains(&text.chars().count()) && !text.chars().any(char::is_control)
 }
 
-/// What [`is_identifier`] asks.
+/// The rule of [`is_identifier`], as an error text.
 pub(crate) fn identifier_rule() -> String {
     format!("must have 1 to {TEXT_MAX_CHARS} characters, none of them a control character")
 }

@@ -30,25 +30,25 @@ pub enum StateError {
     /// It is there, but cannot be read.
     #[error("cannot read the state file {}: {problem}", path.display())]
     Unreadable {
-        /// Its path.
+        /// Path of the state file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         problem: std::io::Error,
     },
     /// It cannot be written.
     #[error("cannot write the state file {}: {problem}", path.display())]
     Unwritable {
-        /// Its path.
+        /// Path of the state file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the operating system.
         problem: std::io::Error,
     },
     /// It is not in the expected form, or says something that cannot be.
     #[error("the state file {} is damaged: {problem}; remove it, and all whiskers are whole again", path.display())]
     Damaged {
-        /// Its path.
+        /// Path of the state file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The invalid part and its place in the file.
         problem: String,
     },
     /// Another version of the program wrote it.
@@ -57,7 +57,7 @@ pub enum StateError {
          remove the file, and all whiskers are whole again", path.display(), VERSION
     )]
     OtherVersion {
-        /// Its path.
+        /// Path of the state file.
         path: PathBuf,
         /// The file's version.
         version: u64,
@@ -68,7 +68,7 @@ pub enum StateError {
          file with --state-file, or remove this one, and all whiskers are whole again", path.display()
     )]
     OtherScenario {
-        /// Its path.
+        /// Path of the state file.
         path: PathBuf,
         /// The fleet in it.
         fleet: String,
@@ -77,7 +77,7 @@ pub enum StateError {
     },
 }
 
-/// What is in the file.
+/// Content of the file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Content {
@@ -89,7 +89,7 @@ struct Content {
     robots: Vec<RobotState>,
 }
 
-/// What every version has.
+/// The part that files of all versions share.
 #[derive(Debug, Deserialize)]
 struct Head {
     version: u64,
@@ -146,7 +146,7 @@ impl StateFile {
         StateError::Damaged { path: self.path.clone(), problem }
     }
 
-    /// Writes what is true of the robots now.
+    /// Writes the current true state of the robots.
     pub(crate) fn write(&self, robots: &[RobotHandle]) -> Result<(), StateError> {
         let content = Content {
             version: VERSION,

@@ -1,4 +1,4 @@
-//! Which fleets this supervisor hears, as far as that is in doubt: what it tells the others in the roll.
+//! Fleets whose robots may be unheard: this supervisor reports to the others, in the roll, which of them it hears.
 //!
 //! An owner that has not heard its robots for a while says so. Supervisors that could take the fleet then try whether they hear it,
 //! and say so too. Whoever has given a fleet up tries until it hears it, and takes it no sooner.
@@ -18,10 +18,10 @@ use crate::store::{FleetsHeard, Roll};
 
 /// From one trial to the next.
 const TRIAL_PAUSE: Duration = Duration::from_secs(2);
-/// The part of readiness that is kept here.
+/// Name of this part in the service's readiness.
 const PART: &str = "hearing";
 
-/// What is known of fleets that somebody does not hear.
+/// Fleets that some supervisor may not hear, and the trials to hear them from here.
 #[derive(Default)]
 pub(crate) struct Ears {
     /// Fleets that were not heard for too long, and why.
@@ -30,9 +30,9 @@ pub(crate) struct Ears {
     trials: BTreeMap<Name, Trial>,
 }
 
-/// Connections for a moment, one after the other. Dropped, it ends.
+/// Repeatedly opens a short connection to test whether a fleet can be heard. Dropping it ends the test.
 struct Trial {
-    /// What the last one has shown; none before it has ended.
+    /// Result of the last trial; `None` until the first one has ended.
     shown: watch::Receiver<Option<Result<(), String>>>,
     task: JoinHandle<()>,
 }
@@ -117,7 +117,7 @@ impl Ears {
         }
     }
 
-    /// What the others are told.
+    /// The hearing reports for the other supervisors.
     pub(crate) fn told(&self) -> FleetsHeard {
         let heard = |trial: &Trial| matches!(&*trial.shown.borrow(), Some(Ok(())));
         FleetsHeard {

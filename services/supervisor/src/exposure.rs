@@ -1,5 +1,5 @@
-//! What a configuration leaves open to others: the warnings of a start. Each names the setting or file, who can do
-//! what, and how to close it.
+//! Warnings at the start about a configuration that exposes data or control. Each names the setting or file, who has
+//! access, and how to close it.
 
 use std::ffi::OsString;
 use std::os::unix::fs::MetadataExt;
@@ -44,8 +44,8 @@ fn http(config: &Config) -> Option<String> {
     })
 }
 
-/// Who else can read or change a file with secrets, and how to end that. A file of root's may be readable for its
-/// group: so it is handed to a service that runs as somebody else (PostgreSQL has the same rule for its keys).
+/// A warning if others can read or change a file with secrets. Files owned by root may be group-readable:
+/// so they are passed to a service under another user (PostgreSQL has the same rule for its keys).
 fn open_file(key: Key, path: &Path) -> Option<String> {
     let file = std::fs::metadata(path).ok()?;
     let group = if file.uid() == 0 { 0o020 } else { 0o060 };
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use crate::config::{self, Sources};
 
-    /// What is told of a configuration.
+    /// The warnings for a configuration in TOML.
     fn told(toml: &str) -> Vec<String> {
         let sources = Sources { file: Some(("/nowhere/v.toml".into(), toml.to_owned())), ..Sources::default() };
         exposures(&config::read(&sources).config.unwrap())

@@ -42,9 +42,9 @@ pub(crate) struct Shared {
     pub(crate) params: Arc<Params>,
     /// Which contacts are kept one by one.
     pub(crate) keep: Keep,
-    /// What robots may make the supervisor remember.
+    /// Limits on the number of robots.
     pub(crate) limits: Limits,
-    /// Which robots are allowed, if a file says so.
+    /// The allow list of robots from a file, if there is one.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// One start of one supervisor.
     pub(crate) supervisor: Arc<str>,
@@ -54,7 +54,7 @@ pub(crate) struct Shared {
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
-    /// Through what it is heard, once it is taken up.
+    /// State of the fleet's broker connections, once it is taken up.
     link: Arc<OnceLock<LinkState>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,
@@ -73,7 +73,7 @@ impl Fleet {
         Self { lease, link, stop, task }
     }
 
-    /// Through what it is heard; none while it is being taken up.
+    /// State of the fleet's broker connections; `None` while it is being taken up.
     pub(crate) fn link(&self) -> Option<&LinkState> {
         self.link.get()
     }

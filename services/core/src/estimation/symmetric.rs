@@ -44,7 +44,7 @@ impl Symmetric {
         self.0[at(row, column)] = (self.entry(row, column) + more) as f32;
     }
 
-    /// Whether no entry is beyond a bound, nor a variance negative; what is no number is beyond all.
+    /// True if every entry is at most `most` in magnitude and no variance is negative. False if any entry is NaN.
     pub(super) fn is_within(&self, most: f64) -> bool {
         let most = most as f32;
         self.0.iter().all(|entry| entry.abs() <= most) && (0..STATES).all(|state| self.0[at(state, state)] >= 0.0)

@@ -14,7 +14,7 @@
 //! - A robot does not keep `status` and `setpoint_state` to send them again. While these come, times of
 //!   contacts are left out: after an outage, old contacts would lower most samples.
 //!
-//! What it gives:
+//! Behaviour in typical cases:
 //!
 //! - A constant offset, also of years (a robot that believes it is 1970): the offset, less the median delay of some
 //!   milliseconds.
@@ -50,11 +50,10 @@ const NEAR_US: i64 = 10_000_000;
 const AHEAD_MAX_US: i64 = 60_000_000;
 /// Times further behind than this are, too, in microseconds: 30 days, because contacts may wait out a long outage.
 const BEHIND_MAX_US: i64 = 30 * 86_400_000_000;
-
 /// The contract's times end at 2^53 us, in the year 2255. A clock that is less than a day before that lets no setpoint expire.
 const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
 
-/// What a time was told with.
+/// How a message's time relates to the moment at which the robot sent it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Told {
     /// Sent at that time: `status` and `setpoint_state`.
@@ -130,7 +129,7 @@ impl Clock {
         self.offset_us().filter(|_| self.samples.len() >= SETTLED)
     }
 
-    /// What time it is for the robot; none before its clock is known well enough to let a setpoint expire by it.
+    /// The current time by the robot's clock. `None` until that clock is known well enough to expire a setpoint by it.
     pub(super) fn robot_time(&self, now: Micros) -> Option<Micros> {
         let offset_us = self.offset_us()?;
         let is_known = self.samples.len() >= SETTLED || offset_us.abs() <= NEAR_US;

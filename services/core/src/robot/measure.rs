@@ -13,7 +13,7 @@ use crate::units::{ContactRatio, Megapascal, Millimetre};
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
 const MODEL_SD: f64 = 0.01;
 
-/// A response that is further from the model than this, in log sensitivity, is none: e^20 is 5e8.
+/// Responses that deviate from the model by more than this, in log sensitivity, are invalid and ignored: e^20 is 5e8.
 const LOG_DEVIATION_MAX: f64 = 20.0;
 
 /// A response at one contact ratio: log of strain per mm, its variance, where it comes from.

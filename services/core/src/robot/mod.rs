@@ -6,7 +6,7 @@
 //! The same events give the same effects, byte for byte.
 //!
 //! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `clock` (what time it is for the robot), `shared` (what a whole array feels), `layout` (what is on it), `compensation`
+//! `clock` (the robot's clock), `shared` (changes common to an array), `layout` (the whiskers of a robot), `compensation`
 //! (who serves whom), `what_if`, `command` (setpoints), `measure` (Eq. 35), [`refinement`] (the closed loop), [`action`] and `operator` (what people may do),
 //! and `alarms` (what they are told).
 
@@ -396,7 +396,7 @@ impl Robot {
             if plausible.contains(&contact.robot_time) {
                 self.contact(params, now, position, contact, effects);
             } else {
-                // By itself: one whisker's wrong time says nothing of the others, and the message is accounted for.
+                // Only this contact is rejected: other whiskers' times can still be right, and the message is accounted for.
                 effects.push(Effect::BadTime { position });
             }
         }

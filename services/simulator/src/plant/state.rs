@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Baseline, Erosion, GaugeCondition, LengthChange, Plant};
 use crate::scenario::Rubber;
 
-/// What happened to a whisker, and how far its streams of randomness are.
+/// A whisker's true state, and the positions of its random streams.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlantState {
@@ -43,10 +43,10 @@ impl Plant {
         }
     }
 
-    /// Takes up a state of the same whisker.
+    /// Restores the state of the same whisker.
     ///
     /// # Errors
-    /// What in it cannot be.
+    /// Names the first invalid value.
     pub(crate) fn take_up(&mut self, state: &PlantState) -> Result<(), String> {
         if !(state.length_mm > 0.0 && state.length_mm <= self.whole_length_mm) {
             return Err(format!("length_mm is {}, but it was built in with {}", state.length_mm, self.whole_length_mm));

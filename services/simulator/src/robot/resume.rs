@@ -9,7 +9,7 @@ use vibrissa_protocol::Name;
 use super::{Robot, RobotConfig, boot_id};
 use crate::plant::PlantState;
 
-/// What outlives a process of one robot.
+/// The state of one robot that survives a restart of the process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RobotState {
@@ -23,7 +23,7 @@ pub(crate) struct RobotState {
     whiskers: Vec<WhiskerState>,
 }
 
-/// What outlives a process of one whisker.
+/// The state of one whisker that survives a restart of the process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WhiskerState {
@@ -38,7 +38,7 @@ struct WhiskerState {
 }
 
 impl Robot {
-    /// What is to be written down.
+    /// The state to write to the state file.
     pub(crate) fn state(&self) -> RobotState {
         let whisker = |whisker: &super::Whisker| WhiskerState {
             array: whisker.array().clone(),
@@ -54,7 +54,7 @@ impl Robot {
             start_us: self.start_us,
             boots: self.boots,
             supply_mpa: self.supply_mpa,
-            // Without a restart that was asked for: it is none of the scenario's events.
+            // A requested restart is not an event of the scenario, so it is not counted.
             events_left: self.events.iter().filter(|(at_us, _)| *at_us >= self.start_us).count(),
             whiskers: self.whiskers.iter().map(whisker).collect(),
         }
@@ -68,7 +68,7 @@ impl Robot {
     /// The same robot in its next boot.
     ///
     /// # Errors
-    /// What does not fit the configuration, or cannot be.
+    /// Names the first value that is invalid or does not fit the configuration.
     pub(crate) fn resume(config: RobotConfig, seed: u64, state: &RobotState, now_us: u64) -> Result<Self, String> {
         let name = &config.robot.robot;
         if state.robot != *name {

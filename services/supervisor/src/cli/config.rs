@@ -52,7 +52,7 @@ fn flag(key: Key) -> Arg {
         .allow_negative_numbers(true)
         .help(format!("{}{default} [{}]", key.help(), key.environment()))
         .action(if key.kind().is_list() { ArgAction::Append } else { ArgAction::Set });
-    // Whoever gives one is told what to use instead, with or without a value.
+    // A secret given as a flag, with or without a value, is answered with a hint to use a file instead.
     let flag = if key.kind() == Kind::Secret {
         flag.hide(true).num_args(0..=1).default_missing_value("").allow_hyphen_values(true)
     } else {

@@ -64,7 +64,7 @@ pub struct Config {
     pub lease_time_to_live: Duration,
     /// What of contacts is kept, and for how long.
     pub history: HistoryOptions,
-    /// What robots may make the supervisor remember, and which robots.
+    /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
     /// The external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,
@@ -183,7 +183,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     })
 }
 
-/// The file of allowed robots is read to tell what is wrong with it, and again by the service.
+/// Reads the file of allowed robots only to report errors in it. The service reads it again.
 fn limits(reader: &mut Reader) -> Option<LimitOptions> {
     let robots_per_fleet = reader.whole(Key::LimitsRobotsPerFleet);
     let new_robots_per_minute = reader.whole(Key::LimitsNewRobotsPerMinute);

@@ -1,4 +1,4 @@
-//! Which robots a fleet takes, if somebody has said so; and who was turned away.
+//! The allow list of a fleet's robots, and the robots that it turned away.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 /// Robots of a shard that were turned away and are remembered; beyond that the one is forgotten that tried longest ago.
 const TURNED_AWAY_MAX: usize = 64;
 
-/// Who may be in a fleet: everybody if neither list is there, else whoever is in one of them.
+/// A fleet's allow list: every robot is allowed if neither list exists, otherwise each robot in at least one of them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Allowed {
     /// From the file of `limits.robots_file`.
@@ -65,7 +65,7 @@ pub(super) struct AllowedSource {
     /// Of the list that was set over HTTP; 0 before the first.
     version: i64,
     allowed: Allowed,
-    /// Who was refused may be allowed now.
+    /// Set when the lists have changed, so that refused robots may be allowed now.
     pub(super) has_changed: bool,
 }
 

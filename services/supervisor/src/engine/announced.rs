@@ -1,7 +1,7 @@
-//! Robots that have said that they are there, and not yet what is on them.
+//! Robots that have announced themselves but not sent a factsheet yet.
 //!
-//! Nothing of them is in the database: anybody who may publish can make names up. They are asked for the factsheet, and become
-//! known with it.
+//! They are not in the database, because anybody who may publish can invent names. The supervisor requests the factsheet,
+//! and the robot becomes known with it.
 
 use std::time::{Duration, Instant};
 
@@ -78,7 +78,7 @@ impl Announced {
         }
     }
 
-    /// Time has passed: missing factsheets are asked for, and those that do not come are waited for no more.
+    /// Handles a tick: requests missing factsheets again, and forgets robots whose factsheet has not come in time.
     pub(super) fn tick(&mut self, gathering: &mut Gathering, now: Micros) {
         self.robots.retain(|_, announcement| announcement.since.elapsed() < PATIENCE);
         for (name, announcement) in &mut self.robots {
@@ -91,7 +91,7 @@ impl Announced {
         self.robots.get(name).is_some_and(|announcement| announcement.robot.connection_state().0 == Some(boot_id))
     }
 
-    /// The factsheet cannot be taken now: it is asked for again in some seconds.
+    /// Requests a factsheet that cannot be accepted now again some seconds later.
     pub(super) fn ask_later(&mut self, gathering: &mut Gathering, name: &Name, now: Micros) {
         let Some(announcement) = self.robots.get_mut(name) else { return };
         let (boot_id, link) = announcement.robot.connection_state();

@@ -31,11 +31,11 @@ struct Remembered {
     key: CommandKey,
     id: Uuid,
     until: Instant,
-    /// What the robot has said of it last.
+    /// The robot's last answer to this setpoint.
     said: Option<SetpointOutcome>,
 }
 
-/// What a `setpoint_state` is, seen against what went out and was said before.
+/// Whether a `setpoint_state` fits the setpoints sent and the answers received before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Plausibility {
     /// It can be so.

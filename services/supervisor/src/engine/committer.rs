@@ -92,8 +92,8 @@ impl Committer {
         Ok(Committed { took: first.elapsed(), was_away, offenders })
     }
 
-    /// Writes a batch's bytes under its number: it is committed then, and only its rows are still to be written. A database
-    /// that is away is waited for.
+    /// Writes a batch's bytes under its number, which commits it; only its rows are still to be written. Waits until the
+    /// database is available.
     pub(super) async fn keep(
         &mut self,
         number: i64,

@@ -19,7 +19,7 @@ use crate::store::batch::{Owner, Owners, QuarantineRow, Record};
 
 /// More suspects at once than this, and than a quarter of the robots: then the database is at fault rather than messages.
 const SUSPECTS_FEW: usize = 8;
-/// The part of readiness that is kept here.
+/// Name of this part in the service's readiness.
 const PART: &str = "quarantine";
 
 impl Engine {
@@ -55,7 +55,7 @@ impl Engine {
         is
     }
 
-    /// Removes what has come of a robot's messages since the last commit; gives these messages, in their order.
+    /// Removes the effects of a robot's messages since the last commit. Returns these messages in their order.
     fn disown(&mut self, name: &Name, robot_id: i64, sealed: &mut Sealed) -> Vec<Parcel> {
         let at = shard_of(name, self.shards.len());
         let whiskers: HashMap<i64, i64> = self.shards[at]

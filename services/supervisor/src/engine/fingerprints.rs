@@ -1,5 +1,4 @@
-//! What the newest contacts messages of one robot said, in a few bytes each: whether a number that comes again comes with the same
-//! content.
+//! Short hashes of one robot's newest `contacts` messages. They show whether a repeated message number has the same content.
 
 use std::hash::{BuildHasher, Hasher};
 

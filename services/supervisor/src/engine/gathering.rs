@@ -41,7 +41,7 @@ pub(super) struct Gathering {
     pub(super) metrics: FleetMetrics,
     /// Which contacts are kept one by one.
     pub(super) keep: Keep,
-    /// Which robots are taken.
+    /// The allow list of robots.
     pub(super) allowed: Allowed,
     /// Those that were not.
     pub(super) turned_away: TurnedAway,
@@ -52,7 +52,7 @@ pub(super) struct Gathering {
     pub(super) publications: Vec<Publication>,
     /// A setpoint is among the publications: the transaction is not to wait for more.
     pub(super) is_urgent: bool,
-    /// Messages that led to what is gathered, in case that the database refuses it.
+    /// The messages behind the gathered rows, in case the database refuses the rows.
     pub(super) messages: Vec<Parcel>,
     /// The message in hand has changed a robot.
     pub(super) has_stepped: bool,

@@ -177,8 +177,8 @@ impl Shard {
         self.announced.ask_later(&mut self.gathering, &parcel.robot, parcel.received);
     }
 
-    /// A factsheet: a robot becomes known by it, and what comes before is not taken, and sent again. The broker retains it.
-    /// `is_again` says that the database was away the first time.
+    /// Handles a factsheet, which makes a robot known. Earlier contacts are not accepted, and the robot resends them. The
+    /// broker retains the factsheet. `is_again` is true if the database was unavailable the first time.
     pub(super) async fn handle_factsheet(
         &mut self,
         parcel: &Parcel,
@@ -245,7 +245,7 @@ impl Gathering {
         }
     }
 
-    /// What a factsheet says, if it can be used; else it is refused.
+    /// Parses a factsheet. `None` if it is unusable; then it is counted as refused.
     fn factsheet(&self, told: &protocol::Factsheet, robot: &Name) -> Option<Factsheet> {
         let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
         match edge::factsheet(told, &models) {

@@ -7,7 +7,7 @@ pub(super) const BOOTS_AT_ONCE: u32 = 10;
 /// New boots, and new layouts, of a robot in a minute, once it has had these.
 pub(super) const BOOTS_PER_MINUTE: u32 = 1;
 
-/// Limits on what robots may make the supervisor remember.
+/// Limits on the number of robots that the supervisor stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Robots of a fleet.
@@ -27,7 +27,7 @@ impl Default for Limits {
 pub(super) struct Bucket {
     at_once: u32,
     per_minute: u32,
-    /// What is in it, as the time that fills as much: none before it was first used, because then it is full.
+    /// Tokens left, as the time that it takes to refill them. `None` before the first use, when the bucket is full.
     left: Option<(Duration, Instant)>,
 }
 

@@ -77,7 +77,7 @@ const MESSAGES_AT_A_TIME: usize = 1024;
 const CONTACTS_MAX: usize = 32_768;
 /// Bytes of its journal row at the most, likewise.
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
-/// Messages that it comes of at the most, likewise: they are kept until it is committed, in case that the database refuses it.
+/// Messages behind one commit at most, likewise. They stay in memory until it succeeds, in case the database refuses it.
 const MESSAGES_MAX: usize = 65_536;
 /// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
 const DECIDED_MAX: usize = 2500;
@@ -276,7 +276,7 @@ impl Engine {
         self
     }
 
-    /// The same with other limits on what robots may make it remember.
+    /// The same engine with other limits on the number of robots.
     #[must_use]
     pub(crate) fn limited(mut self, limits: Limits) -> Self {
         self.limits = limits;

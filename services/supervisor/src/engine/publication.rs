@@ -29,7 +29,7 @@ pub struct Publication {
     pub payload: Vec<u8>,
     /// Quality of service.
     pub qos: QualityOfService,
-    /// When it is not to go out any more, for setpoints; what is left then is its MQTT message expiry.
+    /// Deadline for sending, for setpoints. The remaining time becomes the MQTT message expiry.
     pub until: Option<Instant>,
     /// What is stopped when it is on its way, for setpoints that were not sent before.
     pub stopwatch: Option<Stopwatch>,

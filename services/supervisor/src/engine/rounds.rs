@@ -67,7 +67,7 @@ impl Rounds {
         self.gathered += messages;
     }
 
-    /// Messages wait for the next transaction: what is gathered is not few.
+    /// Shortens the wait: messages already wait for the next transaction, so there are more than a few.
     pub(super) fn are_waited_for(&mut self) {
         if let Some(since) = self.since {
             self.due_by(since + GATHER);

@@ -23,7 +23,7 @@ const SMALL: usize = 200;
 /// With more contacts a transaction is not worth writing twice, in bytes and in rows.
 const KEPT_CONTACTS_MAX: usize = 2000;
 
-/// Contacts that the journal holds at the most because of robots whose rows the database has refused: some 20 MB.
+/// Contacts kept in the journal at most for robots whose rows the database has refused: some 20 MB.
 const HELD_FOR_SUSPECTS_MAX: usize = 200_000;
 /// Robots that are sent receipts at a time, ten times a second: of more each one's comes a bit less often.
 const RECEIPTS_AT_ONCE: usize = 500;

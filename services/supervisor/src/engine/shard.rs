@@ -38,7 +38,7 @@ pub(super) struct Known {
     pub(super) new_boots: Bucket,
     /// How many more layouts are taken.
     pub(super) new_layouts: Bucket,
-    /// When it was excused last for what was left out of its messages.
+    /// Last time that its silence was excused because its messages were shed.
     pub(super) listened_anew: Option<Instant>,
     /// The last boot that was refused because there were too many: it is taken once there is room for it.
     pub(super) refused_boot: Option<BootId>,
@@ -52,7 +52,7 @@ pub(super) struct Known {
     pub(super) stored: Stored,
     /// Setpoints that went out to it.
     pub(super) commands: Commands,
-    /// What its newest contacts messages said.
+    /// Hashes of its newest contacts messages.
     pub(super) fingerprints: Fingerprints,
     /// Boots whose contacts are to be receipted.
     pub(super) receipts_due: SmallVec<[ShortText; 1]>,
@@ -202,7 +202,7 @@ impl Shard {
 }
 
 impl Shard {
-    /// That robot was not silent while its messages were left out. Its state is written for it, so not too often.
+    /// Restarts the robot's silence timer after its messages were shed. Each restart writes its state, so they are limited.
     pub(super) fn listen_to_one_from(&mut self, name: &Name, now: Micros) {
         let Some(known) = self.robots.get_mut(name) else { return };
         if known.listened_anew.is_none_or(|last| last.elapsed() >= LISTEN_EVERY) {

@@ -33,12 +33,12 @@ const FREE_REFUSALS: u32 = 3;
 const REST: Duration = Duration::from_millis(250);
 /// The longest rest.
 const REST_MAX: Duration = Duration::from_secs(60);
-/// Messages that wait at the most. Robots send contacts again that are not receipted.
+/// Messages waiting at most. Robots resend contacts without a receipt.
 const WAITING_MAX: usize = 2048;
-/// Bytes that wait at the most.
+/// Bytes waiting at most.
 const WAITING_BYTES_MAX: usize = 4 * 1024 * 1024;
 
-/// What a suspect's turn consists of.
+/// One step of a suspect's queue.
 #[derive(Debug, Clone)]
 pub(super) enum Turn {
     /// A message as it came.
@@ -70,7 +70,7 @@ pub(super) struct Suspect {
     refused_last: Instant,
 }
 
-/// What follows from a refusal.
+/// The consequence of a refusal.
 #[derive(Debug)]
 pub(super) enum Verdict {
     /// It is not known yet which message is to blame.
@@ -93,8 +93,8 @@ impl Suspect {
         }
     }
 
-    /// The database has refused the rows of what was under way, and of these messages, which came before what waits.
-    /// If the fault is `widespread`, no message is blamed: then it is rather the database's.
+    /// The database has refused the rows of the messages under way, or of `messages`, which came before those waiting.
+    /// If the fault is `widespread`, no message is blamed: then the database is the likely cause.
     pub(super) fn refused(
         &mut self,
         now: Instant,
@@ -146,7 +146,7 @@ impl Suspect {
         Ok(())
     }
 
-    /// Whether nothing may be asked of it now, not even what time it is.
+    /// True while the suspect rests: it then gets no events, not even ticks.
     pub(super) fn rests(&self, now: Instant) -> bool {
         now < self.rests_until
     }

@@ -44,7 +44,7 @@ async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError
     Ok(())
 }
 
-/// Writes a batch; what the database refuses of it for good is said, and given up, so that the fleet can be taken up.
+/// Writes a batch. Rows that the database refuses for good are logged and dropped, so that the fleet can be taken up.
 async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Result<(), StoreError> {
     match writer.commit(lease, &batch).await {
         Err(problem) if problem.rejection().is_some() => {}

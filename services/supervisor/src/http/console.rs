@@ -16,9 +16,8 @@ use super::problem::{Kind, Problem};
 /// The page itself, which is at `/` only: its links are relative to that.
 const PAGE: &str = "index.html";
 
-/// What browsers are told of every file, beside what `headers` says of all answers. Scripts, styles and data come from this origin
-/// alone, nothing is inline, and no other site's page may frame it. `no-cache` means that a copy is asked about each time, by its
-/// `ETag`.
+/// Headers for every file, in addition to those of `headers` for all answers. Scripts, styles and data come from this origin
+/// alone, nothing is inline, and no other site's page may frame it. `no-cache` makes browsers check a copy's `ETag` each time.
 const HEADERS: [(HeaderName, &str); 2] = [
     (
         header::CONTENT_SECURITY_POLICY,

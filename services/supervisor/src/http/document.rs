@@ -75,14 +75,14 @@ fn operations(
     of_methods.into_iter().filter_map(|(method, operation)| Some((method, operation?)))
 }
 
-/// Which role each method of each route asks for.
+/// The role that each method of each route requires.
 #[derive(Debug, Default)]
 pub struct Roles(BTreeMap<String, BTreeMap<String, Role>>);
 
-/// What a request must have.
+/// The requirement for a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Need {
-    /// This role.
+    /// The caller must have this role.
     Role(Role),
     /// The route does not declare the method.
     NoSuchMethod,
@@ -115,7 +115,7 @@ impl Roles {
         Self(roles)
     }
 
-    /// What a request for a method of a route must have.
+    /// The requirement for a method of a route.
     #[must_use]
     pub fn needed(&self, method: &Method, path: &str) -> Need {
         let Some(methods) = self.0.get(path) else { return Need::Undeclared };

@@ -14,7 +14,7 @@ const PICTURE_POLICY: &str =
 const DOCS_POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
                            connect-src 'self'; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// What holds for every answer.
+/// Headers of every answer.
 const FOR_ALL: [(HeaderName, &str); 5] = [
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::X_FRAME_OPTIONS, "DENY"),
@@ -23,7 +23,7 @@ const FOR_ALL: [(HeaderName, &str); 5] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// Adds to an answer what it does not say by itself.
+/// Adds the headers that an answer lacks.
 pub(super) async fn of_all(mut response: Response) -> Response {
     let headers = response.headers_mut();
     for (name, value) in FOR_ALL {

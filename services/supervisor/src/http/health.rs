@@ -10,7 +10,7 @@ use serde_json::json;
 use super::App;
 use super::problem::{Kind, Problem};
 
-/// What tells more than that the program runs.
+/// The routes that reveal more than that the program runs.
 pub(super) fn told() -> Router<App> {
     Router::new().route("/readyz", get(readyz)).route("/metrics", get(metrics))
 }

@@ -73,7 +73,7 @@ pub struct App {
     pub mailroom: Mailroom,
     /// Where traces of requests go.
     pub traces: Option<Traces>,
-    /// Which robots are allowed, if a file says so.
+    /// The allow list of robots from a file, if there is one.
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
 }
 
@@ -168,10 +168,10 @@ impl FromStr for HttpOptions {
     }
 }
 
-/// HTTP as it is served.
+/// The running HTTP service.
 #[derive(Debug)]
 pub struct Serving {
-    /// Where, with the port where 0 was asked for.
+    /// Address of the main listener, with the real port if port 0 was configured.
     pub address: SocketAddr,
     /// Where monitoring is served.
     pub monitoring: Option<SocketAddr>,
@@ -251,13 +251,13 @@ pub fn router(app: App) -> (Router, Document) {
     (around(router, &app), document)
 }
 
-/// What monitoring asks for, without tokens.
+/// The routes of the monitoring listener, without tokens.
 fn monitoring(app: App) -> Router {
     let router = health::told().route("/livez", get(health::livez)).with_state(app.clone());
     around(router, &app)
 }
 
-/// What every request and every answer passes through.
+/// Adds the layers that every request and every answer passes through.
 fn around(router: Router, app: &App) -> Router {
     router
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))

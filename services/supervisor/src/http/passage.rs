@@ -65,7 +65,7 @@ pub async fn passage(
     response
 }
 
-/// Which part of an address has a NUL character, percent-encoded as it must be.
+/// The part of an address that has a NUL character, percent-encoded as it must be.
 fn part_with_nul(uri: &Uri) -> Option<&'static str> {
     let has = |text: &str| text.contains("%00");
     if has(uri.path()) {

@@ -46,7 +46,7 @@ impl Streams {
         Self { options, open: Arc::default() }
     }
 
-    /// The limits.
+    /// The configured limits.
     #[must_use]
     pub fn options(&self) -> StreamOptions {
         self.options

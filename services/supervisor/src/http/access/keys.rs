@@ -33,7 +33,7 @@ const PACE: Pace = Pace {
 
 /// How long the provider is waited for, in each of two requests.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Bytes of a provider's answer at the most.
+/// Size limit of a provider's answer, in bytes.
 const ANSWER_BYTES_MAX: u64 = 1024 * 1024;
 
 /// Algorithms of RSA keys.
@@ -205,7 +205,7 @@ fn fitness(key: &Jwk, algorithm: Algorithm) -> Result<(), &'static str> {
     let is_on = |curve| matches!(&key.algorithm, AlgorithmParameters::EllipticCurve(point) if point.curve == curve);
     let is_ed25519 =
         matches!(&key.algorithm, AlgorithmParameters::OctetKeyPair(pair) if pair.curve == EllipticCurve::Ed25519);
-    // Never HS256 and the like: a secret that is public is none.
+    // Never HS256 and the like: their secret would be public here.
     let is_of_its_kind = (OF_RSA.contains(&algorithm) && matches!(key.algorithm, AlgorithmParameters::RSA(_)))
         || (algorithm == Algorithm::ES256 && is_on(EllipticCurve::P256))
         || (algorithm == Algorithm::ES384 && is_on(EllipticCurve::P384))

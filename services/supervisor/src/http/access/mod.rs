@@ -125,12 +125,12 @@ pub struct AccessOptions {
     pub oidc: Option<OidcOptions>,
 }
 
-/// What a caller identifies itself with. It is kept as long as a stream is, to identify the caller again.
+/// A caller's credential. A stream keeps it, to identify the caller again.
 #[derive(Debug, Clone)]
 pub enum Credential {
-    /// Nothing: a direct request on loopback, where no token is asked for.
+    /// No credential: a direct request on loopback, where no token is required.
     Nothing,
-    /// A token.
+    /// A bearer token.
     Bearer(Secret),
 }
 
@@ -176,7 +176,7 @@ impl Access {
             })
     }
 
-    /// What a request identifies its caller with.
+    /// Reads a request's credential.
     fn credential(&self, request: &Parts) -> Result<Credential, Problem> {
         let Some(told) = request.headers.get(header::AUTHORIZATION) else {
             return if self.is_open {
@@ -193,7 +193,7 @@ impl Access {
         Ok(Credential::Bearer(Secret::new(bearer)))
     }
 
-    /// Who that is at this moment.
+    /// The caller that currently belongs to this credential.
     ///
     /// # Errors
     /// The token is not known, has expired or was revoked; or the database or the identity provider does not answer.

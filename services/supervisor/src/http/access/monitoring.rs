@@ -1,4 +1,4 @@
-//! Who may see what the service says of itself (`/readyz`, `/metrics`) where everything else is served, too.
+//! Access to `/readyz` and `/metrics` on the main listener, which also serves everything else.
 
 use axum::extract::{Request, State};
 use axum::http::header;

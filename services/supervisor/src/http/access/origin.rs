@@ -1,4 +1,4 @@
-//! Which way a request came: through a proxy, or from a page of another site.
+//! The origin of a request: refuses requests through a proxy where no token is required, and from pages of other sites.
 
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, Method, Version, header};

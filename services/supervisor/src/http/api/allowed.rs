@@ -1,4 +1,4 @@
-//! Which robots a fleet takes, and who else has tried.
+//! Allow lists of robots, and the robots that they turned away.
 
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -20,9 +20,9 @@ use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 use crate::store::lists::actions::ActionRow;
 use crate::store::time::Time;
 
-/// Robots of a list at the most.
+/// Robots in a list at most.
 const ROBOTS_MAX: usize = 10_000;
-/// Bytes of a list at the most: so many names of full length.
+/// Size limit of a list in bytes: enough for `ROBOTS_MAX` names of full length.
 const BODY_BYTES_MAX: usize = 1024 * 1024;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
@@ -34,7 +34,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 /// A robot that is not allowed, and has tried.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TurnedAway {
-    /// Name.
+    /// The robot's name.
     pub robot: String,
     /// Messages of it that were refused.
     #[schema(minimum = 1)]
@@ -51,23 +51,23 @@ impl From<TurnedAwayReading> for TurnedAway {
     }
 }
 
-/// Which robots a fleet takes: everybody if both lists are null, else whoever is in one of them.
+/// A fleet's allow list: every robot is allowed if both lists are null, otherwise each robot in at least one of them.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct AllowedRobots {
-    /// Fleet.
+    /// The fleet's name.
     pub fleet: String,
     /// Rises with each change; 0 before the first.
     #[schema(minimum = 0)]
     pub version: i64,
-    /// The list that was set here; null if there is none.
+    /// The list set over HTTP; null if there is none.
     pub robots: Option<Vec<String>>,
     /// The list in this supervisor's file (`limits.robots_file`); null if it has none.
     pub in_file: Option<Vec<String>>,
     /// When the list was set or removed; null if never.
     pub changed_at: Option<Time>,
-    /// Who did it.
+    /// Who set or removed it; null if never.
     pub changed_by: Option<String>,
-    /// Why.
+    /// The reason given; null if none was given.
     pub reason: Option<String>,
     /// Robots in no list whose messages were refused, at most some hundreds, the last first; a few seconds old.
     pub turned_away: Vec<TurnedAway>,
@@ -97,7 +97,7 @@ fn etag(version: i64) -> String {
     format!("\"{version}\"")
 }
 
-/// Which robots the fleet takes, and who else has tried. Its `ETag` is what a change must name.
+/// The fleet's allow list, and the robots that it turned away. A change must name the `ETag` of this answer.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots", params(FleetPath),
     responses((
@@ -172,7 +172,7 @@ async fn set(
         names.dedup();
         names.join("\n")
     });
-    // A long list is not repeated in the audit log: its versions are kept.
+    // The audit log does not repeat a long list, because the list's own versions are stored.
     let parameters = json!({
         "expected_version": version,
         "robots": text.as_ref().map(|text| text.lines().count()),
@@ -188,7 +188,7 @@ async fn set(
 
 /// Allow these robots and no others, in place of the list that was read.
 ///
-/// Whoever has the fleet goes by it within five seconds. Messages of other robots are refused as `not_allowed`; what they have
+/// The fleet's owner applies it within five seconds. Messages of other robots are refused as `not_allowed`; what they have
 /// recorded stays. Robots in the file of a supervisor (`limits.robots_file`) are allowed as well.
 #[utoipa::path(
     put, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",

@@ -45,7 +45,7 @@ pub struct EventsQuery {
 struct Follower {
     app: App,
     caller: Caller,
-    /// What the caller is identified with again.
+    /// The credential for identifying the caller again.
     credential: Credential,
     /// When that is due.
     check_at: Instant,
@@ -63,7 +63,7 @@ struct Follower {
 
 /// Whether a stream may go on.
 enum Standing {
-    /// The caller may still see what it sees.
+    /// The caller may still see these events.
     Good,
     /// The token has ended.
     Ended,
@@ -136,7 +136,7 @@ impl Follower {
             match self.standing().await {
                 Standing::Good => {}
                 Standing::Ended => return None,
-                // Nothing is told before it is known.
+                // Sends no event while the caller's rights are unknown.
                 Standing::Unknown => {
                     self.pause().await;
                     continue;

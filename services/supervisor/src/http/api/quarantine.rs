@@ -18,7 +18,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which messages.
+    /// Filters for the list of messages in quarantine.
     pub struct QuarantineQuery by QuarantineSort {
         /// Of this fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
@@ -30,7 +30,7 @@ list_query! {
 }
 
 /// Messages in quarantine: they keep the contract, but the database refuses a row that follows from them. Each was receipted,
-/// so that its robot does not send it again, and nothing else followed from it. The newest 1000 of each fleet are kept.
+/// so that its robot does not send it again, and had no other effect. Each fleet keeps its newest 1000.
 #[utoipa::path(
     get, path = "/v1/quarantine", tag = "happenings", params(QuarantineQuery),
     responses((status = 200, description = "A page of messages", body = Page<Quarantined>))

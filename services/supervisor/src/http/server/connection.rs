@@ -23,7 +23,7 @@ use tokio::time::{Instant, sleep_until};
 use super::progress::{Followed, IDLE_PATIENCE, Progress, Slow, UnderWay};
 use super::registry::Admitted;
 
-/// Bytes of a request's head at the most, and of what is read or written at once.
+/// Size limit of a request's head, and of one read or write, in bytes.
 const BUFFER_BYTES_MAX: usize = 16 * 1024;
 
 /// Serves a connection until it ends; tells if the server has closed it for being slow. While nothing of a request is there, the

@@ -2,9 +2,9 @@
 
 use rustix::process::{Resource, Rlimit, setrlimit};
 
-/// What is left for the database, MQTT and files, at the least.
+/// File descriptors reserved for the database, MQTT and files at least.
 const RESERVE_MIN: u64 = 256;
-/// What connections get at the least, so that somebody can be answered under the smallest limits.
+/// File descriptors for connections at least, so that some clients are served under the smallest limits.
 const CONNECTIONS_MIN: u64 = 16;
 
 /// Raises the process's soft limit of file descriptors to its hard limit, and returns the limit that is in effect; none if the

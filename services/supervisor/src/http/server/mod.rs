@@ -29,21 +29,21 @@ pub use registry::Limits;
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// How often the log says that a limit is reached.
 const NOTICE_EVERY: Duration = Duration::from_secs(60);
-/// What a connection gets for which there is no room.
+/// The answer to a connection that exceeds the limits.
 const NO_ROOM: &[u8] =
     b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\nContent-Length: 0\r\n\r\n";
 
 /// A port on which HTTP is served.
 pub(super) struct Server {
-    /// What it is called in the log and in metrics.
+    /// Name of the listener in the log and in metrics.
     pub(super) name: Word,
-    /// Who listens.
+    /// The socket that accepts connections.
     pub(super) listener: TcpListener,
-    /// What is served.
+    /// The routes served here.
     pub(super) router: Router,
     /// How many connections may be open.
     pub(super) limits: Limits,
-    /// What is counted of them.
+    /// Counters of connections.
     pub(super) metrics: ConnectionMetrics,
     /// Becomes true when the service stops.
     pub(super) stop: watch::Receiver<bool>,
@@ -115,7 +115,7 @@ fn word(slow: Slow) -> Word {
     }
 }
 
-/// Tells a client why it is not served; one that cannot be told at once is not waited for.
+/// Sends the reason for a refusal, if the socket takes it at once.
 fn refuse(stream: &TcpStream) {
     if let Err(problem) = stream.try_write(NO_ROOM) {
         debug!(%problem, "a refused connection was not told why");
@@ -132,7 +132,7 @@ fn is_of_the_client(problem: &io::Error) -> bool {
     )
 }
 
-/// What the log says of limits: not each time, since whoever reaches them does so often.
+/// Log messages about limits. They are rate-limited, since clients that reach a limit do so often.
 struct Notices {
     name: Word,
     limits: Limits,
@@ -177,7 +177,7 @@ impl Notices {
     }
 }
 
-/// The limits that can be kept: those of the configuration, or less if the process cannot have so many file descriptors.
+/// The limits in effect: the configured ones, or lower ones if the process cannot have so many file descriptors.
 pub(super) fn possible(limits: Limits, descriptors: Option<u64>) -> Limits {
     let connections_max = descriptors::connections_max(limits.connections_max, descriptors);
     if connections_max < limits.connections_max {

@@ -1,4 +1,4 @@
-//! What a connection is at, and until when: a request may not trickle for ever, nor may an answer be read for ever.
+//! Phase and deadline of a connection. Both a slow request and a slowly read answer must end in time.
 
 use std::io;
 use std::pin::Pin;
@@ -13,7 +13,7 @@ use tokio::time::Instant;
 
 use super::registry::Place;
 
-/// How long a connection may stay open without a byte of a request: a new one, or one that is kept for the next request.
+/// How long a connection may stay open without a byte of a request, whether it is new or waits for the next request.
 pub(super) const IDLE_PATIENCE: Duration = Duration::from_secs(60);
 /// How long the head of a request may take from its first byte to its last.
 const HEAD_PATIENCE: Duration = Duration::from_secs(10);
@@ -22,7 +22,7 @@ const ANSWER_PATIENCE: Duration = Duration::from_secs(20);
 /// Bytes a second that a client must take of an answer, once it has used up that patience.
 const ANSWER_BYTES_PER_S: u32 = 8 * 1024;
 
-/// Why the server closes a connection by itself.
+/// The server's reason for closing a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slow {
     /// No request came.
@@ -33,7 +33,7 @@ pub(super) enum Slow {
     Answer,
 }
 
-/// What one connection is at.
+/// Phase and deadline of one connection.
 #[derive(Debug)]
 pub(super) struct Progress {
     place: Place,
@@ -44,7 +44,7 @@ pub(super) struct Progress {
 struct State {
     phase: Phase,
     since: Instant,
-    /// Since when the client takes nothing of what is written.
+    /// Since when the client has read nothing while an answer waits to be written.
     blocked: Option<Instant>,
     /// How long the client may go on taking nothing.
     allowance: Duration,
@@ -68,7 +68,7 @@ impl Progress {
         Arc::new(Self { place, state: Mutex::new(state) })
     }
 
-    /// A request is complete; it is under way until what is returned is dropped.
+    /// Marks a complete request, which is under way until the returned guard is dropped.
     pub(super) fn request(self: &Arc<Self>, has_body: bool) -> UnderWay {
         self.place.serve();
         let mut state = self.state();
@@ -141,7 +141,7 @@ impl Drop for UnderWay {
 #[derive(Debug)]
 pub(super) struct Followed {
     pub(super) stream: TcpStream,
-    /// What was read behind the last request: the beginning of the next one.
+    /// Bytes read after the last request: the beginning of the next one.
     pub(super) unread: Bytes,
     progress: Arc<Progress>,
 }
@@ -168,7 +168,7 @@ impl Followed {
         Self { stream, unread: Bytes::new(), progress }
     }
 
-    /// With what was read of it already, and comes before the rest.
+    /// Puts bytes that were already read from the stream before the rest.
     pub(super) fn behind(self, read: Bytes) -> Self {
         let unread = if self.unread.is_empty() { read } else { [read, self.unread].concat().into() };
         Self { unread, ..self }
@@ -252,7 +252,7 @@ mod tests {
         assert!(progress.is_idle());
     }
 
-    /// What is left of it would be read as a request.
+    /// The rest of the body would be parsed as a request.
     #[test]
     fn a_connection_whose_last_request_had_a_body_stays_with_its_reader() {
         let progress = progress(Instant::now());
@@ -279,7 +279,7 @@ mod tests {
         }
         let (deadline, _) = progress.deadline().unwrap();
         assert!(deadline < now + Duration::from_secs(1), "{:?}", deadline - now);
-        // What is taken at the pace earns it all back, and no more.
+        // Reading at the required pace restores the whole allowance, and no more.
         progress.wrote(1024 * 1024, now);
         progress.could_not_write(now);
         assert_eq!(progress.deadline(), Some((now + ANSWER_PATIENCE, Slow::Answer)));

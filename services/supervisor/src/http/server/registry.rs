@@ -1,4 +1,4 @@
-//! Which connections are open, and which one is closed for a new one when a limit is reached.
+//! Registry of open connections. When a limit is reached, it chooses a connection to close for the new one.
 //!
 //! A connection waits while it has no complete request under way. When there is no room, the one that has waited longest is closed: a
 //! client that sends its request at once is served although somebody else opens connections without end.
@@ -14,7 +14,7 @@ use crate::metrics::ConnectionMetrics;
 /// How many connections may be open at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// In total.
+    /// Connections from all addresses together.
     pub connections_max: u32,
     /// From one address; an IPv6 network of 64 bits counts as one, because one host can have all of it.
     pub connections_per_address_max: u32,
@@ -81,7 +81,7 @@ pub(super) struct Place {
 /// A connection that was let in.
 #[derive(Debug)]
 pub(super) struct Admitted {
-    /// Its place.
+    /// The connection's entry in the registry.
     pub(super) place: Place,
     /// Ends when the connection is to be closed for another.
     pub(super) displaced: oneshot::Receiver<()>,
@@ -203,7 +203,7 @@ impl Open {
     }
 }
 
-/// What counts as one address.
+/// The address that counts for the limit: of IPv6, the /64 network.
 fn network(peer: IpAddr) -> IpAddr {
     match peer.to_canonical() {
         IpAddr::V6(address) => {

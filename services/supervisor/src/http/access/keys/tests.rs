@@ -23,7 +23,7 @@ fn key(kid: &str, more: &Value) -> Value {
     key
 }
 
-/// A provider that answers a request for its keys whenever it is told to.
+/// A provider that answers each request for its keys only after a message in `answer`.
 struct Provider {
     keys: Keys,
     /// A message for each request that has come in.
