@@ -39,7 +39,7 @@ pub(crate) struct Ownership {
     outage: Outage,
 }
 
-/// A time in which leases cannot be kept. Its begin and its end are logged, and nothing in between.
+/// A time in which leases cannot be renewed. The log has its begin and its end, and nothing in between.
 #[derive(Debug, Default)]
 struct Outage(Option<Instant>);
 

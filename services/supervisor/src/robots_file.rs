@@ -12,7 +12,7 @@ use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
 use vibrissa_protocol::Name;
 
-/// Bytes of the file at the most: some 100,000 names of full length.
+/// Size limit of the file in bytes: some 100,000 names of full length.
 const BYTES_MAX: u64 = 16 * 1024 * 1024;
 /// How often it is looked whether the file has changed.
 const LOOK_EVERY: Duration = Duration::from_secs(2);
@@ -72,7 +72,7 @@ impl RobotsFile {
     }
 }
 
-/// What tells one state of a file from another.
+/// Identifies the version of a file, to notice changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Stamp {
     modified: Option<SystemTime>,

@@ -44,10 +44,10 @@ pub struct HistoryOptions {
     pub retention: Retention,
 }
 
-/// What robots may make the supervisor remember, and which robots.
+/// Limits on the number of robots, and the file of allowed robots.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LimitOptions {
-    /// How much.
+    /// Limits on the number of robots.
     pub limits: Limits,
     /// A file with the robots that are allowed; none allows all, unless people have set a list over HTTP.
     pub robots_file: Option<PathBuf>,
@@ -66,7 +66,7 @@ pub struct ServiceOptions {
     pub lease_time_to_live: Duration,
     /// What of contacts is kept, and for how long.
     pub history: HistoryOptions,
-    /// What robots may make it remember, and which robots.
+    /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
     /// An external broker; none starts the embedded one.
     pub broker: Option<BrokerAddress>,

@@ -26,11 +26,11 @@ pub struct HttpMetrics {
     accept_errors: IntCounterVec,
 }
 
-/// Why the server closes a connection by itself: another one needs its place, no request came, a request did not go on, or an answer was
-/// not taken.
+/// The server's reasons for closing a connection: a new connection needs its place, no request came, a request did not go on, or
+/// the client did not read an answer.
 const CLOSED: [Word; 4] = [DISPLACED, "IDLE", "SLOW_ANSWER", "SLOW_REQUEST"];
 const DISPLACED: Word = "DISPLACED";
-/// Which limit refuses a connection.
+/// The limits that can refuse a connection: per address, or in total.
 const REFUSED: [Word; 2] = ["ADDRESS", "TOTAL"];
 
 /// Connections of one listener.

@@ -20,11 +20,11 @@ pub struct BrokerAddress {
     pub credentials: Option<Credentials>,
     /// How to know the broker, and to be known; none speaks in plain text.
     pub tls: Option<TlsOptions>,
-    /// For how long a fleet that is not heard through it is kept while another supervisor hears it.
+    /// How long an owner may keep a fleet that it does not hear, while another supervisor hears it.
     pub deaf_release_after: Duration,
 }
 
-/// For how long a fleet that is not heard is kept, unless it is told otherwise.
+/// Default of `deaf_release_after`.
 const DEAF_RELEASE_AFTER: Duration = Duration::from_secs(10);
 
 /// A user of the broker.

@@ -3,8 +3,8 @@
 //! Two rules keep robots apart. Room: a robot may hold at most as much as is still free, so that there is always room for the
 //! others (dynamic thresholds, Choudhury and Hahne 1998). Turns: each queue may give the same number of bytes in its turn
 //! (deficit round robin, Shreedhar and Varghese 1995), and only [`ROUND_BYTES`] for one transaction. So a message of a robot
-//! that sends little waits for one turn of each other robot at most, whatever they send. The order of one robot's messages
-//! stays.
+//! that sends little waits for one turn of each other robot at most, whatever they send. Each robot's messages keep their
+//! order.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -29,17 +29,17 @@ const LONG_BYTES: usize = 4 * TURN_BYTES;
 const SHED_ROBOTS_MAX: usize = 256;
 /// Places that an empty queue keeps.
 const KEPT_PLACES: usize = 16;
-/// Empty queues that are kept for their robots until the round ends, which remember what these have given in it.
+/// Idle queues that keep their robot until the round ends, to remember the bytes that it has given in the round.
 const IDLE_MAX: usize = 4096;
-/// Queues that are kept while all are empty.
+/// Queues that stay allocated while all are empty.
 const KEPT_QUEUES: usize = 16_384;
 
 /// An amount of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Filling {
-    /// Messages.
+    /// Number of messages.
     pub messages: usize,
-    /// Bytes.
+    /// Sum of their weights in bytes.
     pub bytes: usize,
 }
 
@@ -88,7 +88,7 @@ struct Queue {
     /// Hash of the robot's name.
     robot: u64,
     messages: VecDeque<Incoming>,
-    /// What it has room for: what waits, and what was taken in and is not handed over yet; contacts, and all else.
+    /// Reserved room: waiting messages, and received ones that are not handed over yet; contacts, and all else.
     held: [Filling; 2],
     /// Bytes that it may still give.
     deficit: usize,
@@ -111,7 +111,7 @@ impl Queue {
     }
 }
 
-/// What waits of all robots.
+/// The waiting messages of all robots.
 #[derive(Debug, Default)]
 pub(super) struct Fair {
     queues: Vec<Queue>,
@@ -144,7 +144,7 @@ fn is_contacts(topic: &[u8]) -> bool {
     topic.ends_with(b"/contacts")
 }
 
-/// What a message counts in its robot's turn, bytes.
+/// The bytes that a message takes from its robot's turn.
 fn cost(message: &Incoming) -> usize {
     let own = weight(&message.topic, &message.payload);
     if message.topic.ends_with(b"/factsheet") { own.max(FACTSHEET_BYTES) } else { own }
@@ -171,7 +171,7 @@ impl Fair {
         self.throttled > 0
     }
 
-    /// Room for a message, in the queue whose place is given back. It must be pushed there, or the room given back.
+    /// Reserves room for a message in its robot's queue. Returns the queue's place, for [`Self::push`].
     pub(super) fn reserve(&mut self, topic: &[u8], payload: &[u8], bounds: &Bounds) -> Result<usize, LeftOut> {
         let (weight, is_contacts) = (weight(topic, payload), is_contacts(topic));
         let reserve = if is_contacts { (bounds.messages_reserved, bounds.bytes_reserved) } else { (0, 0) };
@@ -222,13 +222,13 @@ impl Fair {
         self.shed_others += 1;
     }
 
-    /// Who was shed since the last look, and how many messages of others.
+    /// The robots shed since the last look, and the number of messages left out of other robots.
     pub(super) fn take_shed(&mut self) -> (Vec<Shed>, u64) {
         self.look += 1;
         (std::mem::take(&mut self.shed), std::mem::take(&mut self.shed_others))
     }
 
-    /// Whether what is put into that queue now waits for others of its robot.
+    /// True if a message added to that queue now waits behind others of its robot.
     pub(super) fn is_long(&self, at: usize) -> bool {
         self.queues[at].held.iter().map(|held| held.bytes).sum::<usize>() > LONG_BYTES
     }

@@ -63,12 +63,12 @@ impl Probe {
     }
 }
 
-/// What to do now.
+/// The next action.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Tick {
     /// Nothing until [`Hearing::due`].
     Wait,
-    /// Publish [`Hearing::probes`].
+    /// Publish the probes of [`Hearing::probes`].
     Probe,
     /// Nothing comes through these filters.
     Deaf {
@@ -152,7 +152,7 @@ impl Hearing {
         self.probes.iter().map(|probe| (probe.topic.as_str(), probe.payload.as_slice()))
     }
 
-    /// The broker does not let us publish a probe. That says nothing about what it lets us hear.
+    /// The broker refuses a probe. That shows nothing about the topics that it lets us read.
     pub(super) fn refused(&mut self) {
         self.is_refused = true;
         if let Some(sent) = self.sent {
@@ -260,7 +260,7 @@ mod tests {
         RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
     }
 
-    /// After its first probes were sent, at the time that is given back.
+    /// The state after the first probes were sent, and the time at which that happened.
     fn probing() -> (Hearing, Instant) {
         let now = Instant::now();
         let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);

@@ -17,7 +17,7 @@ pub(super) fn random_hex() -> String {
     format!("{:032x}", u128::from_ne_bytes(bits))
 }
 
-/// What all client ids of a fleet's connections with this role begin with. It may be shown.
+/// The prefix of all client ids of a fleet's connections with this role. It is not secret.
 pub(super) fn id_prefix(fleet: &Name, role: &str) -> String {
     format!("vibrissa-{fleet}-{role}-")
 }

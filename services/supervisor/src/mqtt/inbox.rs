@@ -1,5 +1,5 @@
-//! What was received and is not handled yet: bounded in messages and bytes, whatever robots send, and shared out fairly
-//! among them ([`super::fair`]).
+//! The queue of received messages: bounded in messages and bytes, whatever robots send, and shared fairly among them
+//! ([`super::fair`]).
 //!
 //! Messages that came together are handed over together: one lock, one wake-up and one allocation for all of them.
 
@@ -41,7 +41,7 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Waiting {
     messages: Fair,
-    /// What the broker retains is to come once more.
+    /// Request the broker's retained messages once more.
     wants_retained: bool,
     /// No more can come.
     ended: bool,
@@ -128,7 +128,7 @@ impl Inbox {
         self.shared.waiting().messages.take_shed()
     }
 
-    /// Has the broker send once more what it retains: births and factsheets that were refused may be good now.
+    /// Requests the broker's retained messages again: births and factsheets that were refused may be acceptable now.
     pub fn want_retained(&self) {
         self.shared.waiting().wants_retained = true;
     }
@@ -281,8 +281,8 @@ impl Intake {
         }
     }
 
-    /// True once when there is room again after something retained was left out, or when it is wanted anew: it must be asked
-    /// for.
+    /// True once if the retained messages must be requested again: on demand, or when there is room again after one was
+    /// left out.
     pub(super) fn take_missed(&mut self) -> bool {
         if std::mem::take(&mut self.shared.waiting().wants_retained) {
             return true;

@@ -36,7 +36,7 @@ impl State {
     }
 }
 
-/// Takeovers of our client ids, and what may be one, are logged this often at the most.
+/// Minimum time between two log messages about takeovers, or possible takeovers, of our client ids.
 const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
 
 /// Why a fleet's robots cannot be heard or answered; shared by the two connections and whoever asks.
@@ -56,7 +56,7 @@ struct Link {
     takeover_logged: Option<Instant>,
     /// The last break was not logged: nor is its end.
     is_quiet: bool,
-    /// What is wrong with a file of secrets.
+    /// The problem with a file of secrets, if there is one.
     secrets: Option<String>,
 }
 
@@ -118,8 +118,8 @@ impl LinkState {
         Some((deaf_for, link.receiving.problem().unwrap_or_default()))
     }
 
-    /// A connection stands, and does what it is for. True if the broker had closed it alone, without a reason: the other one has
-    /// stood all the time.
+    /// A connection is up and does its job. Returns true if the broker had closed it without a reason while the other one
+    /// stayed up.
     pub(super) fn connected(&self, side: Side) -> bool {
         let mut link = self.link();
         let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
@@ -167,7 +167,7 @@ impl LinkState {
         }
     }
 
-    /// What is wrong with a file of secrets, or nothing. Logged when it changes.
+    /// Sets or clears the problem with a file of secrets. Changes are logged.
     pub(super) fn secrets(&self, problem: Option<String>) {
         let mut link = self.link();
         if let Some(problem) = problem.as_deref().filter(|_| link.secrets != problem) {
@@ -288,7 +288,7 @@ mod tests {
             link.broken(side, &closed);
             link.broken(other, &closed);
             assert!(!link.connected(side) && !link.connected(other));
-            // Any other break is none that nobody explains.
+            // A break with a stated reason is not a connection closed alone.
             link.broken(side, &refused);
             assert!(!link.connected(side));
         }

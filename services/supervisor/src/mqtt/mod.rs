@@ -74,7 +74,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// What a client is told, and where it says whether TCP has stood. The client id is new each time.
+    /// The options of a client, with a new client id, and a flag that shows whether it has reached TCP.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
         let id = identity::client_id(&self.fleet, role);
         let (host, port) = (self.broker.host.clone(), self.broker.port);
@@ -104,8 +104,8 @@ impl Connection {
         }
     }
 
-    /// The same with what the files of password and certificates hold now. A file that cannot be used keeps what was read
-    /// from it before.
+    /// The same connection with the current contents of the password and certificate files. If a file is unusable, the contents
+    /// read before stay in use.
     fn with_secrets_read_again(&self) -> Self {
         let mut renewed = self.clone();
         let mut problem = None;

@@ -21,7 +21,7 @@ use super::problem::{Cause, Problem};
 use crate::engine::Publication;
 use crate::metrics::FleetMetrics;
 
-/// Publications that the client is given ahead: as many as go out in one write. What it is given it keeps, however old it gets.
+/// Publications queued in the client: as many as one write takes. The client sends a queued publication however old it gets.
 const WAITING: usize = super::WRITE_BATCH;
 /// How often whoever waits for the connection looks whether there is anything left to wait for.
 const LOOK: Duration = Duration::from_millis(100);
@@ -30,8 +30,8 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 const ROLE: &str = "out";
 
-/// Publishes what comes out of `outbox` until it is closed, then says good-bye. What has waited there for too long is counted, and
-/// does not go out.
+/// Publishes messages from `outbox` until it is closed, then says good-bye. Messages that have waited too long are counted and
+/// dropped.
 pub fn publish(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -79,9 +79,9 @@ pub fn publish(
     })
 }
 
-/// Waits for the connection; false if nothing more comes and there is none.
+/// Waits for the connection. Returns false if the outbox is closed before the connection is up.
 ///
-/// Nothing is given to the client before: it would keep it, and send it when it is too late.
+/// Until then the client gets no publications: it would keep them and send them too late.
 async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mpsc::Receiver<Publication>) -> bool {
     if *is_connected.borrow() {
         return true;
@@ -97,9 +97,9 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
 
 /// Polls, connects again, and says at each connection that the supervisor is there.
 ///
-/// It keeps its client id from one connection to the next, so that the broker ends what is left of the old one before the new one
-/// speaks: else the last will of the old one would come late, and say that the supervisor has gone. Only an id that somebody else
-/// knows, or may know, is given up; then the broker has ended the old connection already.
+/// It keeps its client id from one connection to the next, so that the broker ends the old connection before the new one
+/// speaks: else the last will of the old one would come late, and say that the supervisor has gone. It changes only an id that
+/// somebody else knows, or may know; then the broker has ended the old connection already.
 async fn keep_up(
     connection: Connection,
     metrics: FleetMetrics,
@@ -180,7 +180,7 @@ fn retained() -> PublishOptions {
     PublishOptions::at_least_once().retained()
 }
 
-/// How a publication goes out at a moment; none if it is too late for it. The broker keeps it for no longer than what is left.
+/// The options for sending a publication now; `None` if its time is over. The time left becomes the broker's expiry.
 fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions> {
     let options = PublishOptions::new(match publication.qos {
         QualityOfService::AtMostOnce => QoS::AtMostOnce,

@@ -182,7 +182,7 @@ impl Receiver {
 /// Publishes probes when they are due.
 ///
 /// # Errors
-/// Some did not come back in time; `deaf` is told which.
+/// Some probes did not come back in time; `deaf` gets their topics.
 pub(super) fn judge(
     client: &AsyncClient,
     hearing: &mut Hearing,
@@ -214,16 +214,16 @@ pub(super) fn filters(fleet: &Name, which: impl Fn(RobotTopic) -> bool) -> Vec<S
     heard().filter(|&kind| which(kind)).map(asked).collect()
 }
 
-/// What the broker does not let us read, and why; none if it lets us read everything.
+/// The first topic that the broker does not let us read, and why; `None` if it lets us read all.
 pub(super) fn refused(ack: &SubAck, fleet: &Name) -> Option<String> {
     let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
     let (at, code) = ack.return_codes.iter().enumerate().find(|(_, code)| is_refused(code))?;
-    // In the order in which they were asked for; the first to be asked for again come first there, too.
+    // Codes are in the order of the filters. Retained topics may be requested alone, and come first in both lists.
     let topic = heard().nth(at).map(|kind| kind.fleet_filter(fleet));
     Some(format!("{} ({code:?})", topic.as_deref().unwrap_or("the robots' topics")))
 }
 
-/// What robots say.
+/// The kinds of topics that robots publish on.
 pub(super) fn heard() -> impl Iterator<Item = RobotTopic> {
     RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
 }

@@ -1,4 +1,4 @@
-//! What is read from files before a connection: authorities, and the supervisor's own certificate.
+//! Certificates read from files before a connection: the authorities' and the supervisor's own.
 
 use std::io;
 use std::os::unix::fs::MetadataExt;

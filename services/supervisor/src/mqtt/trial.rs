@@ -12,12 +12,12 @@ use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::receive::{filters, heard, judge, refused};
 
-/// For everything.
+/// Time limit of the whole trial.
 const LIMIT: Duration = Duration::from_secs(15);
 /// How long the good-bye may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Connects, subscribes to what robots send, without what is retained, and waits for a probe of each topic.
+/// Connects, subscribes to the robots' topics without retained messages, and waits for a probe of each topic.
 ///
 /// # Errors
 /// Why robots would not be heard, in a sentence for people.

@@ -37,8 +37,8 @@ impl PostgresAddress {
         Self { options: Box::new(self.options.application_name(application)), ..self }
     }
 
-    /// The same server, with the password that the file holds now. A file that cannot be used keeps the one that was read before:
-    /// the server says what is wrong with it.
+    /// The same server, with the current password of the file. If the file is unusable, the password read before stays in use:
+    /// the server reports it if that one is wrong.
     pub(super) fn with_password_read_again(&self) -> Self {
         let renewed = self.password.as_ref().and_then(|password| password.read_again().ok());
         renewed.map_or_else(|| self.clone(), |password| self.clone().with_password(password))

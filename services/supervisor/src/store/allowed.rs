@@ -1,4 +1,4 @@
-//! Which robots people have allowed in a fleet, and which others have tried.
+//! Allow lists of robots that people have set, and the robots turned away.
 
 use tokio::time::Duration;
 use vibrissa_protocol::Name;
@@ -10,7 +10,7 @@ use super::{Lease, Store, StoreError, Writer, failed};
 
 /// How long reading or writing of an engine may take.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Versions of a fleet's list that are kept.
+/// Versions of a fleet's list to keep.
 const VERSIONS_KEPT: i64 = 20;
 
 readings! {
@@ -21,18 +21,18 @@ readings! {
         pub version: i64,
         /// Names, one on each line; none if everybody is allowed.
         pub robots: Option<String>,
-        /// Since when.
+        /// When this version was set, in microseconds since 1970 UTC.
         pub changed_us: i64,
-        /// Who set it.
+        /// The actor who set it, as the audit log names them.
         pub changed_by: String,
-        /// Why.
+        /// The reason that they gave.
         pub reason: Option<String>,
     }
 
     /// A robot that is not allowed, and has tried.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct TurnedAwayReading {
-        /// Name.
+        /// The robot's name.
         pub robot: String,
         /// Messages of it.
         pub tries: i64,
@@ -61,7 +61,7 @@ impl Store {
             .map_err(failed("read which robots are allowed"))
     }
 
-    /// Who was turned away, the last to try first.
+    /// The robots turned away, the last to try first.
     ///
     /// # Errors
     /// The database cannot be read.

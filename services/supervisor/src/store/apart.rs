@@ -6,8 +6,8 @@
 //!                                            └──▶ second half ──refused──▶ ... ──▶ one robot ──refused──▶ named, left out
 //! ```
 //!
-//! Each attempt is a savepoint of one transaction, so that a half that is taken need not be written again, and two robots whose
-//! rows conflict with each other are told apart, too.
+//! Each attempt is a savepoint of one transaction, so that a half that is taken need not be written again, and it also finds
+//! two robots whose rows conflict with each other.
 
 use std::collections::{HashMap, HashSet};
 
@@ -22,12 +22,12 @@ const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
 /// Numbers in the list of one question.
 const NUMBERS_A_QUESTION: usize = 500;
 
-/// What the database refuses of a batch.
+/// Rows of one owner that the database refuses.
 #[derive(Debug, Clone)]
 pub struct Refused {
-    /// Whose rows were left out.
+    /// Owner of the rows that were left out.
     pub owner: Owner,
-    /// Why.
+    /// The database's reason.
     pub rejection: Rejection,
 }
 

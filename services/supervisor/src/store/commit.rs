@@ -50,7 +50,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
     Ok(true)
 }
 
-/// The contacts that are kept one by one.
+/// Writes the contacts that are stored individually.
 pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
     if contacts.is_empty() {
         return Ok(());
@@ -81,7 +81,7 @@ pub(super) async fn write_rest(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) ->
     Ok(())
 }
 
-/// Removes what is not needed any more once all rows of this batch are committed; if some are left out, the journal stays.
+/// Removes rows that are obsolete once all rows of this batch are committed; if some are left out, the journal stays.
 pub(super) async fn write_done(
     tx: &mut Tx<'_>,
     fleet: &str,
@@ -142,7 +142,7 @@ pub(super) fn tell_of_rollups(resolution: Resolution, rows: usize, written: u64)
     }
 }
 
-/// What happened since robots' states were written.
+/// Writes the events since the robots' states were written.
 async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::Result<()> {
     // Two owners at once would write the same numbers, and keep each other from the harm that a test waits for.
     let sql = if fault::is(Fault::NoFence) {

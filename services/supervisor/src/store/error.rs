@@ -206,7 +206,7 @@ impl StoreError {
     }
 }
 
-/// What kind of trouble it is.
+/// A short description of the kind of problem, without the database's own text.
 fn outline(problem: &sqlx::Error) -> String {
     if let sqlx::Error::Database(told) = problem {
         let code = told.code().unwrap_or_default();

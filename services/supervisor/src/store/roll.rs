@@ -62,7 +62,8 @@ pub struct Present {
     pub hearing: FleetsHeard,
 }
 
-/// What a supervisor says of how it hears fleets. It is taken to hear those of which it says nothing.
+/// A supervisor's reports on which fleets it hears. Fleets in neither list count as heard while their
+/// owner hears them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FleetsHeard {
     /// Those that it does not hear.
@@ -80,7 +81,7 @@ impl Writer {
         self.sign_in_hearing(supervisor, held, &FleetsHeard::default()).await
     }
 
-    /// Says that a supervisor is there and how it hears, keeps what it holds for another time to live, and tells who has what.
+    /// Registers a supervisor and its hearing reports, renews its leases for another time to live, and reads the owners of all fleets.
     ///
     /// # Errors
     /// The database does not answer within the time to live.

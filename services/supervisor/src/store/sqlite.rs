@@ -39,7 +39,7 @@ pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(P
         return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
     let lock = FileLock::take(path, supervisor)?;
-    // SQLite gives its other files the mode of this one. What is wrong with the file or its folder is SQLite's to say.
+    // SQLite gives its other files the mode of this one. SQLite itself reports a problem with the file or its folder.
     let _ = OpenOptions::new().write(true).create_new(true).mode(MODE).open(path);
     connect(path, name, Some(lock)).await
 }

@@ -65,7 +65,7 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
                 }
             }
             for _ in 0..random.below(25) {
-                // A round for each message: what is left for another one is not looked at here.
+                // Each message has a round of its own: this test does not check what a round leaves for the next one.
                 fair.begin_round(fair.round + 1);
                 let Some(one) = given(&mut fair, 1).pop() else { break };
                 let from = robot(&one);

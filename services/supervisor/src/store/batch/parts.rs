@@ -1,11 +1,11 @@
-//! A batch by the owners of its rows: each owner's rows lie together, so that any range of owners can be written by itself.
+//! A batch grouped by the owners of its rows: each owner's rows are adjacent, so that any range of owners can be written alone.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
 use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 
-/// Whose a row is.
+/// The owner of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
     /// No robot's: a policy, a calibration.
@@ -19,11 +19,11 @@ pub enum Owner {
 /// The robots of numbers that do not say so themselves.
 #[derive(Debug, Default)]
 pub struct Owners {
-    /// By `whisker_id`.
+    /// Numbers of robots by `whisker_id`.
     pub whiskers: HashMap<i64, i64>,
-    /// By `action_id`.
+    /// Numbers of robots by `action_id`.
     pub actions: HashMap<i64, i64>,
-    /// By `command_id`.
+    /// Numbers of robots by `command_id`.
     pub commands: HashMap<String, i64>,
 }
 
@@ -182,7 +182,7 @@ impl<'o> Parts<'o> {
         entries.flat_map(|entries| entries.iter().copied()).collect()
     }
 
-    /// What the batch says beside its rows.
+    /// The batch's fields other than its rows.
     pub(crate) fn rest(&self) -> &Batch {
         &self.batch
     }

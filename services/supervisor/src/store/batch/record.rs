@@ -100,9 +100,9 @@ pub struct QuarantineRow {
 }
 
 impl QuarantineRow {
-    /// Bytes of a message that are kept at the most.
+    /// Stored bytes of a message at most.
     pub const PAYLOAD_BYTES_MAX: usize = 64 * 1024;
-    /// Messages of a fleet that are kept at the most: the oldest go first.
+    /// Stored messages of a fleet at most: the oldest go first.
     pub const ROWS_MAX: i64 = 1000;
 }
 

@@ -8,10 +8,10 @@ use crate::store::list::List;
 use crate::store::readings::readings;
 use crate::store::time::Time;
 
-/// Characters of a message that a list shows at the most.
+/// Characters of a message that a list shows at most.
 const PAYLOAD_CHARACTERS_MAX: usize = 2000;
 
-/// A message's bytes as text; what is no UTF-8 is replaced.
+/// A message's bytes as text, with a replacement character for invalid UTF-8.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(transparent)]
 pub struct PayloadText(String);
@@ -43,10 +43,10 @@ readings! {
     /// A message that the database refused, although it keeps the contract. It was receipted, and nothing followed from it.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Quarantined {
-        /// Number.
+        /// The row's number.
         #[schema(minimum = 0)]
         pub quarantine_id: i64,
-        /// Fleet.
+        /// The fleet's name.
         pub fleet: String,
         /// The robot that sent it.
         pub robot: String,
@@ -71,7 +71,7 @@ readings! {
 }
 
 sorts! {
-    /// What a list of messages in quarantine may be sorted by.
+    /// Sort orders of the list of messages in quarantine.
     pub enum QuarantineSort {
         /// When they were put there.
         QuarantinedAt = "quarantined_at" Whole Down,
