@@ -3,7 +3,7 @@
 //!
 //! Some of the robots are hostile. The harness judges the other ones only.
 //!
-//! Read in this order: [`plan`] (what goes wrong), [`stage`] and [`scenario`] (what is there), [`strike`], [`replay`] and
+//! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`replay`] and
 //! [`hostile`] (making it go wrong), [`owner`] (who supervises), [`ledger`], [`obedience`] and [`recorded`] (the
 //! judgement), [`refusals`], [`report`].
 

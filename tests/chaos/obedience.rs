@@ -272,7 +272,7 @@ mod tests {
         };
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.88)]), 0);
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.87)]), 1);
-        // The later one repeats what is not the newest any more.
+        // The later one repeats an outdated decision.
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.86)]), 1);
     }
 

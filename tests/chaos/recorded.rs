@@ -56,7 +56,7 @@ pub async fn count(connection: &mut PgConnection, hostile: &[String]) -> sqlx::R
 /// Every setpoint for an honest robot.
 ///
 /// # Errors
-/// The database does not answer, or a gain is none.
+/// The database does not answer, or a gain is not valid JSON.
 pub async fn setpoints(connection: &mut PgConnection, hostile: &[String]) -> sqlx::Result<Vec<Decided>> {
     const SQL: &str = "SELECT command_id, robot, \"array\", whisker, compensation_id, epoch, version, s.pressure_mpa, \
         reason, s.state, s.gain FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \

@@ -1,4 +1,4 @@
-//! A minute of chaos with ten hostile robots of a hundred, and that the harness sees what it is meant to see.
+//! A minute of chaos with ten hostile robots among a hundred; then controls: faults that the harness must detect.
 
 use std::process::Command;
 
@@ -33,7 +33,7 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     assert!(done.len() > 10 && done.values().all(|count| count.as_u64() > Some(0)), "{done:?}");
 
     let control = |name: &str, seconds: &str| {
-        // Whatever else goes on: each control is to be caught by itself.
+        // No hostile robots: the harness must catch each control alone.
         let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name, "--hostile", "0"]);
         assert_eq!(code, 1, "{name} is not caught");
         result

@@ -292,7 +292,7 @@ impl Mosquitto {
         self.process.id()
     }
 
-    /// What it has said since it was first started.
+    /// The broker's log lines since its first start.
     ///
     /// # Panics
     /// The thread that reads the log has panicked.

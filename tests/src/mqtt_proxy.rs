@@ -15,15 +15,15 @@ const PUBACK: u8 = 4;
 const SUBSCRIBE: u8 = 8;
 const DISCONNECT: u8 = 14;
 
-/// What the link loses.
+/// The traffic that the link loses.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Loss {
-    /// Nothing.
+    /// No traffic is lost.
     #[default]
     Nothing,
     /// Messages from the broker on topics that match one of these filters; `+` stands for any level.
     Topics(Vec<String>),
-    /// Subscriptions with exactly one of these filters. The client is told that it has them.
+    /// Subscriptions with exactly one of these filters. The broker's answer still confirms them to the client.
     Subscriptions(Vec<String>),
     /// Everything that comes from the broker.
     FromBroker,
@@ -31,7 +31,7 @@ pub enum Loss {
     FromClients,
 }
 
-/// A listener that passes on what it does not lose; dropped, all its connections end.
+/// A proxy on 127.0.0.1 that drops some of the MQTT traffic. When it is dropped itself, all its connections end.
 #[derive(Debug)]
 pub struct MqttProxy {
     port: u16,
@@ -41,7 +41,7 @@ pub struct MqttProxy {
 }
 
 impl MqttProxy {
-    /// Listens on a free port of 127.0.0.1 for what is to go to a broker on another one. It loses nothing yet.
+    /// Listens on a free port of 127.0.0.1 and forwards to a broker on another port. At first no traffic is lost.
     ///
     /// # Panics
     /// There is no free port.
@@ -71,7 +71,7 @@ impl MqttProxy {
     }
 }
 
-/// What each connection needs to know.
+/// Shared state of the connections.
 #[derive(Debug, Clone)]
 struct Link {
     broker: SocketAddr,
@@ -99,7 +99,7 @@ async fn listen(listener: TcpListener, link: Link) {
 }
 
 async fn join(client: TcpStream, mut link: Link) {
-    // What was ended before is no concern of a new connection.
+    // A new connection ignores reasons given before.
     link.ending.mark_unchanged();
     let Ok(broker) = TcpStream::connect(link.broker).await else { return };
     let _ = (client.set_nodelay(true), broker.set_nodelay(true));
@@ -178,7 +178,7 @@ fn matches(filter: &str, topic: &[u8]) -> bool {
 /// A whole packet.
 struct Packet {
     bytes: Vec<u8>,
-    /// Where what follows the length begins.
+    /// Where the packet's body begins, after the length.
     body: usize,
 }
 
@@ -241,7 +241,7 @@ mod tests {
 
     const FILTERS: [&str; 2] = ["whisker/v1/f/+/request", "whisker/v1/f/+/receipt"];
 
-    /// Which messages come through: one on each of the topics is sent, the last one always passes.
+    /// Sends one message on each topic. Returns whether each came through.
     async fn passed(observer: &mut Observer, sender: &Observer) -> Vec<bool> {
         let request = br#"{"boot_id":"b","seq":0,"robot_boot_id":"r","request":"STATUS"}"#;
         let receipt = br#"{"boot_id":"b","seq":0,"robot_boot_id":"r","next":0,"held":[]}"#;

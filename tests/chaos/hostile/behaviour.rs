@@ -42,7 +42,7 @@ impl Behaviour {
         self.to_possible_value().expect("no behaviour is hidden").get_name().to_owned()
     }
 
-    /// Those that are asked for: `only` some or, where none are named, all; without those `left_out`.
+    /// Selects behaviours: those in `only`, or all if `only` is empty; without those in `left_out`.
     #[must_use]
     pub fn chosen(only: &[Self], left_out: &[Self]) -> Vec<Self> {
         let is_asked = |one: &Self| only.is_empty() || only.contains(one);

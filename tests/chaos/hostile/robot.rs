@@ -160,13 +160,13 @@ impl Robot {
         self.is_preparing = false;
     }
 
-    /// Sends a message of contacts as they would be felt at 0.1 MPa by a whisker of that length.
+    /// Sends a message of contacts that a whisker of that length would measure at 0.1 MPa.
     pub fn touch(&mut self, whisker: u16, length_mm: f64, contacts: usize) {
         let contacts: Vec<Value> = (0..contacts).map(|_| self.contact(whisker, length_mm, now_us())).collect();
         self.tell(RobotTopic::Contacts, json!({ "contacts": contacts }));
     }
 
-    /// A contact as it would be felt at 0.1 MPa.
+    /// A contact that a whisker of that length would measure at 0.1 MPa.
     pub fn contact(&mut self, whisker: u16, length_mm: f64, t_us: u64) -> Value {
         let (ratio, deflection_mm) = (self.random.random_range(0.7..1.0), self.random.random_range(0.5..4.0));
         let morphology = self.model.morphology(Megapascal::known(0.1));

@@ -1,4 +1,4 @@
-//! Who may ask without a token, whose streams are open, and whom the audit log names.
+//! Access without a token, limits on streams, and the actors in the audit log.
 
 use serde_json::json;
 use vibrissa_tests::wait::until;

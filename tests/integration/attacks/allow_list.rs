@@ -27,7 +27,7 @@ async fn is_refused(supervised: &Supervised, robot: &mut HandRobot) {
     .await;
 }
 
-/// Waits until it is taken; what it says again meanwhile is what it would say anyway.
+/// Waits until the supervisor accepts the robot. It repeats only messages that the robot would send anyway.
 async fn is_taken(robot: &mut HandRobot) {
     robot.settle().await;
 }

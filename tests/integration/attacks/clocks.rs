@@ -46,7 +46,7 @@ async fn one_wrong_time_decides_nothing(supervised: Supervised) {
     robot.clock_us = now_us();
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
 
-    // What was felt is all there but for what cannot have been, and nothing of the future.
+    // All contacts with plausible times are recorded, and none of the future.
     robot.receipted().await;
     until_true("every contact with a time recorded", async || {
         supervised.number("SELECT count(*) FROM contacts").await == (LEARNED as i64 + 20) + 2 + 80

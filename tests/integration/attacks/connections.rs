@@ -16,7 +16,7 @@ use crate::http_program::HttpProgram;
 
 const IDLE: usize = 10_000;
 const TRICKLING: usize = 1_000;
-/// Bytes.
+/// Limit of the program's memory in bytes.
 const MEMORY_MAX: u64 = 150_000_000;
 /// Bytes of a connection.
 const CONNECTION_MAX: u64 = 64 * 1024;
@@ -46,7 +46,7 @@ async fn connect(to: SocketAddr) -> TcpStream {
     }
 }
 
-/// A connection that had an answer and is kept.
+/// An open connection that has had one answer.
 async fn served(to: SocketAddr) -> TcpStream {
     let mut stream = connect(to).await;
     stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n").await.unwrap();
@@ -197,7 +197,7 @@ async fn regress_connections_never_take_the_last_file_descriptor() {
     assert_eq!(program.metric("vibrissa_http_accept_errors_total{listener=\"main\"}").await, 0.0);
 }
 
-/// What a connection gets until the server closes it.
+/// Reads the answer until the server closes the connection.
 async fn until_closed(stream: &mut TcpStream) -> String {
     let mut answer = Vec::new();
     let read = tokio::time::timeout(Duration::from_secs(60), stream.read_to_end(&mut answer)).await;
@@ -279,7 +279,7 @@ async fn answers(stream: &mut TcpStream, count: usize) {
     assert_eq!(String::from_utf8_lossy(&text).matches("HTTP/1.1 200 OK").count(), count);
 }
 
-/// Between requests a connection gives its buffers back: what was read ahead must not be lost with them.
+/// Between requests a connection releases its buffers; bytes that were read ahead must not get lost with them.
 #[tokio::test]
 async fn requests_that_come_before_others_are_answered_are_all_answered() {
     let program = HttpProgram::start(&[]);

@@ -13,7 +13,7 @@ use vibrissa_tests::web::{Answer, ask, send, try_get};
 
 use crate::http_program::HttpProgram;
 
-/// What only databases, their drivers and statements say, in lower case.
+/// Words that appear only in texts of databases, drivers and statements, in lower case.
 const WORDS: [&str; 12] = [
     "sqlx",
     "sqlite",
@@ -53,7 +53,7 @@ fn assert_is_refused(what: &str, field: &str, answer: &Answer) {
     assert_says_nothing_of_the_database(what, answer);
 }
 
-/// Every parameter of every route, and what is in cursors and bodies.
+/// Sends a NUL character in each parameter of every route, and in cursors and bodies.
 async fn nul_everywhere(http: SocketAddr) {
     let document: Value = try_get(http, "/openapi.json").await.unwrap().1.parse().unwrap();
     let mut count = 0;

@@ -12,7 +12,7 @@ use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::PATIENCE;
 use vibrissa_tests::web::try_get;
 
-/// The program.
+/// Path of the program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
 /// A running program; dropped, it is killed.
@@ -34,7 +34,7 @@ impl HttpProgram {
         Self::run(folder, &database, arguments, Command::new(PROGRAM))
     }
 
-    /// On PostgreSQL.
+    /// Starts the program on PostgreSQL.
     pub(crate) fn on(server: &Postgres) -> Self {
         let database = Postgres::url(server.port());
         Self::run(tempfile::tempdir().unwrap(), &database, &[], Command::new(PROGRAM))
@@ -76,7 +76,7 @@ impl HttpProgram {
         Self { process, http, monitoring, log, folder }
     }
 
-    /// What it has logged.
+    /// The log so far.
     pub(crate) fn logged(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap()
     }

@@ -1,4 +1,4 @@
-//! Tokens of an identity provider that are not what they seem, and a flood of keys that nobody has.
+//! Forged tokens of an identity provider, and a flood of unknown keys.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -14,7 +14,7 @@ use vibrissa_simulator::fleet::now_us;
 
 use crate::started::{Place, Started};
 
-/// One key under several names, each with other members; it counts how often it is asked for them.
+/// An identity provider with one key under several names, each with other members. It counts requests for its keys.
 struct Provider {
     issuer: String,
     key: KeyPair,

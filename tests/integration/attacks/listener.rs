@@ -38,7 +38,7 @@ impl Supervised {
         Self { process: Process::start(launch), http, log }
     }
 
-    /// What `/readyz` says: whether it is ready, and why not; none while nobody answers.
+    /// The answer of `/readyz`: whether it is ready, and the text with the reasons; `None` without an answer.
     pub(crate) async fn ready(&self) -> Option<(bool, String)> {
         let (status, body) = try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()?;
         let told: Value = serde_json::from_str(&body).unwrap();
@@ -73,7 +73,7 @@ impl Supervised {
         values.map(|(_, value)| value.parse::<f64>().unwrap()).sum()
     }
 
-    /// What it has logged.
+    /// The log so far.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap()
     }

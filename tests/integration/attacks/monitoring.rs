@@ -1,4 +1,4 @@
-//! What the service says of itself: to whom, and where.
+//! Access to metrics and readiness, and the listener for monitoring.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
@@ -54,7 +54,7 @@ async fn regress_whoever_comes_through_a_proxy_to_loopback_needs_a_token() {
     assert_eq!(through_proxy.status, 200, "whether it runs is no secret");
 }
 
-/// The listener is on loopback here; what it is told of itself decides.
+/// The listener of this test is on loopback; the address given to `Access::new` decides.
 #[tokio::test]
 async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_fleets() {
     let folder = tempfile::tempdir().unwrap();

@@ -28,7 +28,7 @@ async fn odd_values_are_refused(supervised: Supervised) {
     }
     let spoilt = text.replace("nguyen-2021", "nguyen\\u0000");
     odd.say(RobotTopic::Factsheet, spoilt).await;
-    // What is in force is not left retained as junk.
+    // Sends the valid factsheet again, so that the broker retains this one.
     odd.say(RobotTopic::Factsheet, text).await;
     for (ratio, deflection_mm, strain) in POISON {
         let contact = Contact { ratio, deflection_mm, strain, ..odd.contact(1) };

@@ -38,7 +38,7 @@ async fn an_old_boot_stays_old(mut supervised: Supervised) {
         // A birth, a factsheet, and contacts that nothing is known of any more.
         supervised.has_refused(&[("old_boot", 4.0)]).await;
         assert!(supervised.logged("old_boot") >= 1);
-        // The newest goes on, and what is retained is its own again.
+        // The newest boot goes on, and the retained messages are its own again.
         robot.boot_id = newest.clone();
         robot.connection(ConnectionState::Online).await;
         let factsheet = robot.factsheet();

@@ -99,7 +99,7 @@ async fn one_robot(kind: Kind) {
     ];
     for (at, (table, condition)) in cases.into_iter().enumerate() {
         admin.refuse(table, &condition).await;
-        // A cut, and what follows from it, leads to a row in each of the tables. Later ones have something cut already.
+        // A cut leads to a row in each of the tables. In later cases the whisker has been cut before.
         bad.cut(at as u16 % 3, 64.0 - 2.0 * (at / 3) as f64);
         bad.touch(at as u16 % 3, 60).await;
         bad.connection(vibrissa_protocol::ConnectionState::Online).await;

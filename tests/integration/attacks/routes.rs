@@ -8,7 +8,7 @@ use vibrissa_tests::web::{Answer, ask, open};
 use crate::started::{Place, ROOT, Started};
 
 const METHODS: [&str; 8] = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE"];
-/// What is served to everybody: it holds no data of fleets.
+/// Paths served to everybody: they hold no data of fleets.
 const PUBLIC: [&str; 7] =
     ["/", "/console/main.js", "/docs/", "/openapi.json", "/problems/forbidden", "/livez", "/readyz"];
 /// Each role has the rights of those before it.

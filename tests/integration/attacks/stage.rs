@@ -11,7 +11,7 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until;
 use vibrissa_tests::web::try_get;
 
-/// Which database.
+/// The database in use.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {
     Sqlite,
@@ -69,14 +69,14 @@ impl Stage {
         line.and_then(|line| line.rsplit_once(' ')).map_or(0.0, |(_, value)| value.parse().unwrap())
     }
 
-    /// What REST answers.
+    /// GETs a path of the API. Returns the JSON of an answer 200.
     pub(crate) async fn get(&self, path: &str) -> Value {
         let (status, body) = try_get(self.http, path).await.unwrap();
         assert_eq!(status, 200, "{path}: {body}");
         serde_json::from_str(&body).unwrap()
     }
 
-    /// What the program has logged so far.
+    /// The program's log so far.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap()
     }

@@ -14,7 +14,7 @@ use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::{PATIENCE, until};
 use vibrissa_tests::web::{Answer, ask};
 
-/// The program.
+/// Path of the program under test.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 /// A token with every right.
 pub(crate) const ROOT: &str = "a-token-of-more-than-32-characters-for-the-test";
@@ -99,7 +99,7 @@ impl Drop for Started {
 }
 
 impl Started {
-    /// What it has logged so far.
+    /// The log so far.
     pub(crate) fn log(&self) -> String {
         read(&self.log)
     }

@@ -1,4 +1,4 @@
-//! What a start tells of secrets that others can reach, and what it takes from the command line.
+//! Warnings at the start about secrets that others can read, and secrets on the command line.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The program as a process, with Mosquitto and either database: what it says and what it has recorded.
+//! The program as a process, with Mosquitto and either database: its answers, its log and its records.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -93,7 +93,7 @@ impl Supervised {
         HandRobot::born(self.broker.port(), name, array(ArrayType::Type2, &[70.0, 69.3])).await
     }
 
-    /// What was refused, by reason.
+    /// Counts of refused messages by reason, without zeros.
     pub(crate) async fn refused(&self) -> BTreeMap<String, f64> {
         let before = "vibrissa_messages_refused_total{fleet=\"f\",reason=\"";
         let counted = |line: &str| {

@@ -57,7 +57,7 @@ async fn published_boot(robot: &mut HandRobot) -> BootId {
         .await
 }
 
-/// What can be made of everything that is published.
+/// Client ids that a robot could guess from published data.
 fn guesses(boot: &BootId) -> Vec<String> {
     let roles = ["in", "out", "trial", "record", "check"];
     let parts = |role: &str| {

@@ -90,7 +90,7 @@ async fn regress_an_owner_with_a_wrong_password_gives_way_and_takes_the_fleet_ag
     let mut robot = HandRobot::born(stage.broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
     robot.touch(0, 5).await;
     robot.receipted().await;
-    // It goes on trying, and does not take what it does not hear.
+    // Supervisor `a` keeps trying, and does not take the fleet while it cannot hear it.
     let refused = stage.refused();
     until_true("three trials", async || stage.refused() >= refused + 3).await;
     assert_eq!((stage.epochs().await, stage.deaf().await), (2, 1));

@@ -15,7 +15,7 @@ use vibrissa_tests::web::{Answer, send, try_get};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
-/// Which database.
+/// The database in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Sqlite,

@@ -1,4 +1,4 @@
-//! What one robot with its own password can cost the broker that is shipped.
+//! Limits of the shipped broker configuration, against one robot with its own password.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;

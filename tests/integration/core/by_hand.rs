@@ -12,7 +12,7 @@ pub(crate) const ARRAY: &str = "left";
 pub(crate) const S: u64 = 1_000_000;
 pub(crate) const YEAR_US: i64 = 365 * 86_400 * 1_000_000;
 
-/// A robot with one whisker, its supervisor's clock, and what has come of it.
+/// A robot with one whisker, its supervisor's clock, and the effects so far.
 pub(crate) struct ByHand {
     pub(crate) robot: Robot,
     pub(crate) params: Params,
@@ -67,7 +67,7 @@ impl ByHand {
         self.now = self.now.after(Micros::from_s(seconds));
     }
 
-    /// Time passes, and the core is told so four times a second; nothing is heard.
+    /// Lets time pass without messages from the robot, with four ticks a second.
     pub(crate) fn silent_for_s(&mut self, seconds: f64) {
         for _ in 0..(4.0 * seconds) as usize {
             self.passes_s(0.25);

@@ -6,12 +6,12 @@ use vibrissa_core::units::Micros;
 
 use crate::by_hand::{ByHand, S, YEAR_US};
 
-/// What a contact in order reads on a whisker of 70 mm.
+/// A plausible contact of a whisker of 70 mm: ratio, deflection in mm, strain.
 const PLAIN: (f64, f64, f64) = (0.85, 2.4, 0.0117);
 /// 10 s, and 2.5 s for the way from 0.1 to 0.05 MPa.
 const VALID_FOR_US: u64 = 12_500_000;
 
-/// How long a setpoint that is asked for now would live by a clock that is ahead by this.
+/// The life of a setpoint requested now, in us, by a robot's clock that is ahead by `ahead_us`.
 fn left_us(one: &mut ByHand, ahead_us: i64) -> i64 {
     let command = one.asked_for(0.05).expect("a setpoint");
     command.expires.0 as i64 - one.time(ahead_us).0 as i64

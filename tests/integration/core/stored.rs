@@ -378,7 +378,7 @@ fn of_version_4() -> Vec<Vec<Vec<u8>>> {
     parts.chunks(1 + usize::from(WHISKERS)).map(<[_]>::to_vec).collect()
 }
 
-/// What was told of such a robot then.
+/// Describes the parts of a robot's state that existed in that version.
 fn told_of(robot: &Robot) -> String {
     let mut told = format!("{:?}\n", robot.connection_state());
     BOOTS[..3].iter().for_each(|boot| told += &format!("{:?}\n", robot.sequence(boot)));
@@ -427,7 +427,7 @@ fn a_robot_of_version_4_goes_on_once_it_has_said_its_time_again() {
     assert!((10.0..15.0).contains(&left_s), "{left_s} s");
 }
 
-/// A version before could learn it from contacts. What is no number was never stored.
+/// An earlier version could learn such a length from contacts. A stored NaN cannot occur.
 #[test]
 fn regress_a_whisker_whose_stored_length_is_infinite_is_learned_anew() {
     let mut parts = of_version_4().swap_remove(0);

@@ -305,7 +305,7 @@ async fn in_the_journal(database: Fresh) {
     let refused = write(&mut writer, &lease, &mut batch).await;
     assert_eq!(refused.iter().map(|one| one.owner).collect::<Vec<_>>(), [Owner::Robot(bad)]);
     let journal = writer.journal(&lease, -1, 10).await.unwrap();
-    // What came before stays: the state of who was left out may need it.
+    // The earlier entry stays: the state of the robot that was left out may need it.
     assert_eq!(journal.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
     let mut written: Vec<i64> = split(&journal[1].1).into_iter().map(|(robot_id, _)| robot_id).collect();
     written.sort_unstable();
@@ -341,7 +341,7 @@ async fn a_transaction_written_apart_is_not_written_again() {
     writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap();
     assert_eq!(refused.len(), 1);
     assert_eq!(database.store.contact_count().await.unwrap(), 3);
-    // Somebody else's count is none of ours.
+    // A count that another owner has raised is not mistaken for this transaction's.
     run!(&mut admin, "UPDATE leases SET commits = commits + 5".to_owned()).unwrap();
     let lost = writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap_err();
     assert!(matches!(lost, StoreError::LeaseLost { .. }), "{lost}");

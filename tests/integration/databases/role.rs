@@ -12,7 +12,7 @@ use crate::supervisors::{Replica, start_fleet};
 
 const GRAFANA_SQL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/postgres/grafana.sql");
 
-/// Runs a supervisor until it has recorded contacts of robots, and gives what it said.
+/// Runs a supervisor until it has recorded contacts of robots. Returns its log.
 async fn works(database: &str, server: &Postgres, broker: &Mosquitto, folder: &Path, name: &str) -> String {
     let mut replica = Replica::start(folder, name, "f", database, broker.port(), 2.0);
     replica.says(200, "true").await;

@@ -154,7 +154,7 @@ impl Replica {
         self.process.kill();
     }
 
-    /// What it answers to GET of that path.
+    /// The answer to GET of that path.
     pub(crate) async fn get(&self, path: &str) -> String {
         try_get(([127, 0, 0, 1], self.http).into(), path).await.unwrap().1
     }

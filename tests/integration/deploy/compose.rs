@@ -168,7 +168,7 @@ fn the_broker_gets_its_access_list_as_a_secret() {
     }
 }
 
-/// The image runs what is in the folder, in the new database.
+/// The database's image runs the scripts of that folder in a new database.
 #[test]
 fn the_database_makes_the_supervisors_role() {
     let postgres = services()["postgres"];

@@ -316,7 +316,7 @@ impl<'a> Player<'a> {
         json!({"timestamp": "2026-11-21T08:00:00.000Z", "model": "m", "on_supervisor_loss": "HOLD", "arrays": arrays})
     }
 
-    /// Contacts as they are felt; beyond the first ones some have extreme numbers in some fields.
+    /// Plausible contacts; after the first ones, some have extreme numbers in some fields.
     fn contacts(&mut self) -> Value {
         let is_learning = self.ordinary < LEARNED;
         let count = if is_learning { 8 } else { self.random.random_range(1..=3) };

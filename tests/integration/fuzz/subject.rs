@@ -16,7 +16,7 @@ const EPOCH: u64 = 1;
 /// One thing that happens to the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Input {
-    /// Time passes.
+    /// A tick of the clock.
     Tick,
     /// A message comes.
     Message(RobotTopic, Vec<u8>),
@@ -132,7 +132,7 @@ impl<'a> Subject<'a> {
                 seq < sequence.next() || sequence.held().iter().any(|&(first, last)| (first..=last).contains(&seq))
             })
         };
-        // The robot repeats an accepted message for ever if no receipt covers it.
+        // Without a receipt the robot would send an accepted message again without end.
         if matches!(outcome, Outcome::Taken | Outcome::Duplicate) && !is_covered() {
             return Err(format!("contacts {seq} of boot {boot_id} are {outcome:?} and no receipt covers them"));
         }
@@ -195,7 +195,7 @@ impl<'a> Subject<'a> {
     /// Checks the whole state of the robot, its views, and that the stored state can be restored.
     ///
     /// # Errors
-    /// A number is not finite, or what is stored cannot be read again.
+    /// A number is not finite, or the stored state cannot be restored.
     pub(crate) fn check_state(&self) -> Result<(), String> {
         if let Some(place) = not_finite(&self.robot) {
             return Err(format!("the state is not finite: ..{place}"));

@@ -56,7 +56,7 @@ pub struct Context {
     pub list_most: usize,
 }
 
-/// Draws messages.
+/// Draws random messages of robots, with all values that the contract's schemas allow.
 #[derive(Debug, Clone)]
 pub struct Messages {
     shapes: [Shape; FROM_ROBOTS.len()],
@@ -95,7 +95,7 @@ impl Messages {
         Range { least, most: ranges.iter().map(|range| range.most).fold(f64::MIN, f64::max) }
     }
 
-    /// A message.
+    /// Draws a message of one topic, as JSON.
     pub fn draw(&self, random: &mut impl Rng, kind: RobotTopic, context: &Context) -> String {
         let mut out = String::new();
         Writer { context, random, whisker: 0, whiskers: 0, pressures: [None; 2] }.write(self.shape(kind), "", &mut out);

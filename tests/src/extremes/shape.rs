@@ -14,13 +14,13 @@ pub enum Shape {
     Choice(Vec<Shape>),
     /// An integer, both ends included.
     Integer(u64, u64),
-    /// A number.
+    /// A number within a range.
     Number(Range),
-    /// A text.
+    /// A text with that meaning.
     Text(Text),
-    /// A list.
+    /// A list of up to `most` entries.
     List {
-        /// What it holds.
+        /// The shape of each entry.
         item: Box<Shape>,
         /// The most entries.
         most: usize,
@@ -38,7 +38,7 @@ pub struct Range {
     pub most: f64,
 }
 
-/// What a text means, by its pattern.
+/// The meaning of a text, which its pattern tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Text {
     /// A name: letters, digits, `_` and `-`.
@@ -52,9 +52,9 @@ pub enum Text {
 /// A field of an object.
 #[derive(Debug, Clone)]
 pub struct Field {
-    /// Its name.
+    /// The field's name.
     pub name: String,
-    /// Its values.
+    /// The field's values.
     pub shape: Shape,
     /// Whether it must be there.
     pub is_required: bool,

@@ -97,7 +97,7 @@ pub fn text(random: &mut impl Rng, kind: Text, now_us: u64, out: &mut String) {
         }
         Text::Free(most) => match random.random_range(0..4) {
             0 => out.push_str(TEXTS.choose(random).copied().unwrap_or(r#""""#)),
-            // As long as it may be, of characters of four bytes.
+            // The longest text allowed, of characters of four bytes.
             1 => {
                 let _ = write!(out, "\"{}\"", "😀".repeat(most));
             }

@@ -19,7 +19,7 @@ impl Without {
     /// The words of `FUZZ_WITHOUT`, separated by commas: topics such as `factsheet`, `times`, `texts`.
     ///
     /// # Panics
-    /// A word is none of these.
+    /// A word is neither a topic of robots, nor `times`, nor `texts`.
     #[must_use]
     pub fn from_environment() -> Self {
         let words = std::env::var("FUZZ_WITHOUT").unwrap_or_default();
