@@ -54,7 +54,7 @@ pub(crate) struct Shared {
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
-    /// State of the fleet's broker connections, once it is taken up.
+    /// State of the fleet's broker connections; not set while it is being taken up.
     link: Arc<OnceLock<LinkState>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,

@@ -50,7 +50,7 @@ impl Secret {
         Ok(Self { text: secret.to_owned(), file: Some(path.to_owned()) })
     }
 
-    /// What the file holds now; the same secret if it came from none.
+    /// The secret with the current content of its file; unchanged if it came from no file.
     ///
     /// # Errors
     /// As [`Self::from_file`].

@@ -7,8 +7,8 @@ use vibrissa_protocol::Name;
 
 use crate::store::{Present, Roll};
 
-/// Who should have each fleet. Owners that are there keep what they have, except what evens out the numbers, and what they do not
-/// hear and another has proved to hear; fleets without one go to whoever has the fewest.
+/// The best owner of each fleet. A present owner keeps its fleets, except to even out the numbers, and except a fleet that it does
+/// not hear and another supervisor has proved to hear. Fleets without an owner go to the supervisor with the fewest.
 #[must_use]
 pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
     let mut present: Vec<&Present> = roll.present.iter().collect();
@@ -18,7 +18,7 @@ pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
         present.iter().find(|one| lease.owner.as_deref() == Some(&*one.supervisor) && one.fleets.contains(fleet))
     };
     let is_deaf = |one: &Present, fleet: &Name| one.hearing.deaf.contains(fleet);
-    // Nobody takes what it does not hear; from an owner that does not hear it, only whoever has proved to do better.
+    // No supervisor takes a fleet that it does not hear. From an owner that does not hear it, it must have proved to hear it.
     let may = |one: &Present, fleet: &Name| {
         let must_prove = owner(fleet).is_some_and(|owner| is_deaf(owner, fleet));
         one.fleets.contains(fleet) && !is_deaf(one, fleet) && (!must_prove || one.hearing.heard.contains(fleet))

@@ -56,7 +56,7 @@ pub struct Context {
     pub list_most: usize,
 }
 
-/// Draws random messages of robots, with all values that the contract's schemas allow.
+/// Draws random messages of robots from the schemas of the contract.
 #[derive(Debug, Clone)]
 pub struct Messages {
     shapes: [Shape; FROM_ROBOTS.len()],

@@ -44,7 +44,7 @@ async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError
     Ok(())
 }
 
-/// Writes a batch. Rows that the database refuses for good are logged and dropped, so that the fleet can be taken up.
+/// Writes a batch. Logs and drops rows that the database refuses for good, so that the take-up of the fleet goes on.
 async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Result<(), StoreError> {
     match writer.commit(lease, &batch).await {
         Err(problem) if problem.rejection().is_some() => {}

@@ -59,13 +59,13 @@ pub struct AllowedRobots {
     /// Rises with each change; 0 before the first.
     #[schema(minimum = 0)]
     pub version: i64,
-    /// The list set over HTTP; null if there is none.
+    /// The list set over HTTP; null if no list is set.
     pub robots: Option<Vec<String>>,
     /// The list in this supervisor's file (`limits.robots_file`); null if it has none.
     pub in_file: Option<Vec<String>>,
     /// When the list was set or removed; null if never.
     pub changed_at: Option<Time>,
-    /// Who set or removed it; null if never.
+    /// The actor who set or removed it; null if never.
     pub changed_by: Option<String>,
     /// The reason given; null if none was given.
     pub reason: Option<String>,
