@@ -97,11 +97,8 @@ impl Ears {
         for (fleet, trial) in &self.trials {
             match trial.shown.borrow().as_ref() {
                 None => {}
-                Some(Ok(())) => {
-                    if self.deaf.remove(fleet).is_some() {
-                        info!(%fleet, "it would be heard again");
-                    }
-                }
+                Some(Ok(())) if self.deaf.remove(fleet).is_some() => info!(%fleet, "it would be heard again"),
+                Some(Ok(())) => {}
                 Some(Err(why)) => {
                     if let Some(told) = self.deaf.get_mut(fleet) {
                         told.clone_from(why);

@@ -35,11 +35,11 @@ async fn intrude(port: u16, client_id: &str) {
 fn newest_id(broker: &Mosquitto, role: &str) -> Option<String> {
     let begin = format!("vibrissa-f-{role}-");
     let lines = broker.lines();
-    let ids = lines.iter().filter(|line| line.contains("New client connected")).filter_map(|line| {
+    let mut ids = lines.iter().filter(|line| line.contains("New client connected")).filter_map(|line| {
         let id = &line[line.find(&begin)?..];
         id.split_whitespace().next().map(str::to_owned)
     });
-    ids.last()
+    ids.next_back()
 }
 
 async fn born(port: u16) -> HandRobot {

@@ -91,11 +91,13 @@ impl Engine {
         messages.extend(take_of(&mut gathering.messages, name));
         // An action whose answer was left out waits again.
         let answers = |records: &[Record]| {
-            let ids = records.iter().filter_map(|record| match record {
-                Record::Answer { action_id, .. } => Some(*action_id),
-                _ => None,
-            });
-            ids.collect::<BTreeSet<i64>>()
+            let mut ids = BTreeSet::new();
+            for record in records {
+                if let Record::Answer { action_id, .. } = record {
+                    ids.insert(*action_id);
+                }
+            }
+            ids
         };
         let committed = answers(&sealed.batch.records);
         sealed.answered.retain(|action_id| committed.contains(action_id));
@@ -148,10 +150,11 @@ impl Engine {
             return Some(parcel);
         }
         let Some(suspect) = self.suspects.get_mut(&parcel.robot) else { return Some(parcel) };
-        if let Err(parcel) = suspect.wait(parcel) {
+        let robot = parcel.robot.clone();
+        if !suspect.wait(parcel) {
             let problem =
                 "the database has refused this robot's rows: its messages wait, and there are too many of them";
-            self.metrics.refuse("suspect", problem, parcel.robot.as_str());
+            self.metrics.refuse("suspect", problem, robot.as_str());
         }
         None
     }

@@ -136,14 +136,14 @@ impl Suspect {
         self.rests_until = now + REST.saturating_mul(1 << doublings.min(16)).min(REST_MAX);
     }
 
-    /// Adds a message; gives it back if there is no room.
-    pub(super) fn wait(&mut self, parcel: Parcel) -> Result<(), Parcel> {
+    /// Adds a message; false, and the message is lost, if there is no room.
+    pub(super) fn wait(&mut self, parcel: Parcel) -> bool {
         let bytes: usize = self.waiting.iter().map(Turn::bytes).sum();
         if self.waiting.len() >= WAITING_MAX || bytes + parcel.payload.len() > WAITING_BYTES_MAX {
-            return Err(parcel);
+            return false;
         }
         self.waiting.push_back(Turn::Message(parcel));
-        Ok(())
+        true
     }
 
     /// True while the suspect rests: it then gets no events, not even ticks.
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn what_waits_is_bounded() {
         let mut suspect = Suspect::new(Instant::now());
-        let fit = (0..10_000).filter(|&seq| suspect.wait(parcel(seq)).is_ok()).count();
+        let fit = (0..10_000).filter(|&seq| suspect.wait(parcel(seq))).count();
         assert_eq!(fit, WAITING_MAX);
     }
 }

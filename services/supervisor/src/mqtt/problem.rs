@@ -15,7 +15,8 @@ use super::hearing::PATIENCE;
 /// A cause, with the broker that it is about.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Problem {
-    broker: BrokerAddress,
+    /// In a box, so that results with a problem stay small.
+    broker: Box<BrokerAddress>,
     cause: Cause,
 }
 
@@ -83,7 +84,7 @@ pub(super) enum Cause {
 
 impl Problem {
     pub(super) fn new(broker: &BrokerAddress, cause: Cause) -> Self {
-        Self { broker: broker.clone(), cause }
+        Self { broker: Box::new(broker.clone()), cause }
     }
 
     /// What of the client's errors it is.

@@ -10,6 +10,7 @@
 //! two robots whose rows conflict with each other.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use tokio::time::Instant;
 
@@ -72,7 +73,7 @@ async fn write(
     }
     refused.clear();
     // The halves that are still to be tried, the first one last.
-    let mut waiting = vec![0..parts.len()];
+    let mut waiting = Vec::from([Range { start: 0, end: parts.len() }]);
     while let Some(range) = waiting.pop() {
         if range.is_empty() {
             continue;
@@ -154,10 +155,12 @@ impl Sought {
         whiskers.dedup();
         let (mut actions, mut commands) = (Vec::new(), Vec::new());
         for record in &batch.records {
-            match record {
-                Record::Answer { action_id, robot_id: 0, .. } => actions.push(*action_id),
-                Record::SetpointState(row) if row.robot_id == 0 => commands.push(row.command_id.clone()),
-                _ => {}
+            if let Record::Answer { action_id, robot_id: 0, .. } = record {
+                actions.push(*action_id);
+            } else if let Record::SetpointState(row) = record
+                && row.robot_id == 0
+            {
+                commands.push(row.command_id.clone());
             }
         }
         Self { whiskers, actions, commands }

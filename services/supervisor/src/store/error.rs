@@ -219,6 +219,7 @@ fn outline(problem: &sqlx::Error) -> String {
             _ => format!("refused with code {code}"),
         };
     }
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others need no words of their own")]
     match problem {
         sqlx::Error::Io(problem) => format!("no connection ({})", problem.kind()),
         sqlx::Error::PoolTimedOut => "no free connection in time".to_owned(),
