@@ -65,9 +65,9 @@ words!(
 words!(
     /// What a whisker array can do about a shortened whisker.
     ArrayType {
-        /// One gauge per whisker and individually set chambers: a whisker compensates for itself.
+        /// An array: a neighbour compensates for the shortened whisker, or the shortened whisker itself does.
         Type1 = "TYPE_1",
-        /// A neighbour compensates in place of the shortened whisker.
+        /// Single whiskers: the shortened whisker compensates for itself.
         Type2 = "TYPE_2",
     }
 );
