@@ -11,6 +11,9 @@ use crate::words::{Word, named};
 /// Bounds of the policy's numbers, as in the configuration.
 const NUMBER_MAX: f64 = 10.0;
 
+/// The kind of an action that puts a calibration in force.
+pub const CALIBRATION: &str = "CALIBRATION";
+
 /// What is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActionKind {

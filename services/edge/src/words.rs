@@ -1,4 +1,7 @@
-//! The core's closed enums in the words of the contract, the database, REST and the metrics: one place.
+//! The core's closed enums in the words of the contract, the database, REST and the metrics.
+//!
+//! The OpenAPI schema (`http/words.rs`), the label values of metrics (`metrics/labels.rs`) and the console list some of these words
+//! again.
 
 use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::mechanics::Objective;

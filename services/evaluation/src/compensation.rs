@@ -23,7 +23,7 @@ use vibrissa_simulator::scenario::{
     ArrayScenario, Behaviour, Change, Event, Noise, RobotScenario, Rubber, TrueFormulation, WhiskerScenario,
 };
 
-pub use summary::{Summary, served_in, summary};
+pub use summary::{Summary, example, served_in, summary};
 pub use truth::Truth;
 
 use crate::World;

@@ -9,7 +9,8 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
-use crate::engine::{Ending, Engine, Keep, Limits};
+use crate::ending::Ending;
+use crate::engine::{Engine, Keep, Limits};
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};

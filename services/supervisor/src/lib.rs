@@ -7,6 +7,7 @@
 pub mod service;
 
 mod ears;
+mod ending;
 mod fleet;
 pub mod mailroom;
 mod ownership;
@@ -27,8 +28,13 @@ pub mod replay;
 pub mod store;
 
 mod backoff;
+pub mod clock;
 pub mod exposure;
 pub mod fault;
+mod ids;
+pub mod inbox;
+pub mod outbox;
+mod params;
 pub mod robots_file;
 pub mod secret;
 

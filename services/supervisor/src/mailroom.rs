@@ -39,8 +39,8 @@ impl Default for Mailroom {
 }
 
 impl Mailroom {
-    /// Says that something was asked of a fleet: if it is supervised here, it is looked at now, else within a quarter of a
-    /// second by whoever supervises it.
+    /// Announces a new action for a fleet. Its engine reads the action now if the fleet is supervised here, else within a second,
+    /// when the owner looks at the table of actions.
     pub fn ring(&self, fleet: &Name) {
         if let Some(bell) = self.bells().get(fleet) {
             bell.notify_one();

@@ -13,10 +13,10 @@ use tracing::warn;
 use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
-use crate::engine::Incoming;
+use crate::ids::start_seed;
+use crate::inbox::Incoming;
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState};
 use crate::replay::Recorded;
-use crate::service::start_seed;
 
 /// Messages that wait to be written.
 const WAITING: usize = 10_000;

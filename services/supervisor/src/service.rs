@@ -14,10 +14,12 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::broker::Broker;
-use crate::engine::{Keep, Limits, wall_clock};
+use crate::clock::wall_clock;
+use crate::engine::{Keep, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, HttpOptions, Serving};
+use crate::ids::start_seed;
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
@@ -255,12 +257,4 @@ async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
             warn!(%problem, "old changes stay for now");
         }
     }
-}
-
-/// What makes the name of a start its own: the time, the process, and where.
-pub(crate) fn start_seed() -> Vec<u8> {
-    let mut seed = wall_clock().0.to_le_bytes().to_vec();
-    seed.extend(std::process::id().to_le_bytes());
-    seed.extend(std::fs::read("/proc/sys/kernel/random/uuid").unwrap_or_default());
-    seed
 }

@@ -2,12 +2,15 @@
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
-use vibrissa::engine::Publication;
 use vibrissa::metrics::{FleetMetrics, Metrics};
-use vibrissa::mqtt::{self, BrokerAddress, ClientCertificate, Connection, Credentials, Inbox, LinkState, TlsOptions};
+use vibrissa::mqtt::{self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, TlsOptions};
 use vibrissa::secret::Secret;
 use vibrissa_protocol::{BootId, Name};
 use vibrissa_tests::wait::{until, until_true};
+
+use vibrissa::outbox::Publication;
+
+use vibrissa::inbox::Inbox;
 
 /// The password that must never get out.
 pub(crate) const PASSWORD: &str = "correct-horse-battery-staple";

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use sqlx::ConnectOptions;
 use vibrissa::engine::Keep;
-use vibrissa::engine::Resolution;
 use vibrissa::engine::rollup::{Open, Rollup};
 use vibrissa::mqtt::BrokerAddress;
 use vibrissa::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa::store::DatabaseAddress;
+use vibrissa::store::Resolution;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;

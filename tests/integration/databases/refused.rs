@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use sqlx::{AssertSqlSafe, ConnectOptions};
-use vibrissa::engine::Resolution;
+use vibrissa::store::Resolution;
 use vibrissa::store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
 use vibrissa::store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
 use vibrissa_tests::actions::asks_of;

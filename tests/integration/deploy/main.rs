@@ -5,6 +5,7 @@
 mod compose;
 mod sbom;
 mod secrets;
+mod structure;
 mod systemd;
 
 use std::path::PathBuf;

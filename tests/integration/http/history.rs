@@ -1,7 +1,7 @@
 //! Minutes and hours of a whisker.
 
 use serde_json::Value;
-use vibrissa::engine::Resolution;
+use vibrissa::store::Resolution;
 use vibrissa::store::batch::RollupRow;
 use vibrissa::store::time::Time;
 use vibrissa_tests::web::ask;

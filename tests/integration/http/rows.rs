@@ -2,7 +2,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vibrissa::engine::Resolution;
+use vibrissa::store::Resolution;
 use vibrissa::store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
     Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow, TrimRow,

@@ -70,3 +70,12 @@ pub fn served_in(case: Case, outcomes: &[Outcome]) -> impl Iterator<Item = &Serv
         Outcome::Served(_) | Outcome::Unserved(_) => None,
     })
 }
+
+/// The trials of a case that are drawn by deflection: the first plant's greatest difference in length.
+#[must_use]
+pub fn example(case: Case, outcomes: &[Outcome]) -> Option<&Served> {
+    let apart = |one: &Served| (one.trial.length_mm - case.target_mm()).abs();
+    served_in(case, outcomes)
+        .filter(|one| one.trial.plant == 0)
+        .max_by(|one, other| apart(one).total_cmp(&apart(other)))
+}

@@ -12,7 +12,7 @@ use vibrissa_protocol::{
 use super::CheckOptions;
 use super::listener::Listener;
 use super::timings::Timings;
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::mqtt::Talk;
 
 /// How long a setpoint is valid.

@@ -12,7 +12,7 @@ use vibrissa_protocol::{
 use super::ledger::Ledger;
 use super::log::{Entry, whiskers};
 use super::report::Findings;
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::mqtt::Said;
 
 /// What came last on a topic in a boot.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, WhiskerStatus};
 
 use super::listener::Listener;
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 
 /// A message that could be read.
 #[derive(Debug, Clone)]

@@ -12,8 +12,8 @@ use vibrissa_protocol::{BootId, Name};
 use super::config::ConfigArgs;
 use super::serve::{log, runtime};
 use crate::check::{CheckOptions, Outcome, Report, Timings, check};
+use crate::ids::start_seed;
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState};
-use crate::service::start_seed;
 
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]

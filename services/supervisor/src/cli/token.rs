@@ -11,7 +11,7 @@ use vibrissa_protocol::Name;
 use super::config::DatabaseArgs;
 use super::serve::runtime;
 use super::table::Table;
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::http::access::token::{self, NewToken};
 use crate::http::access::{Role, Scope};
 use crate::store::Store;

@@ -8,8 +8,9 @@ use tracing::{info, warn};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
+use super::Engine;
 use super::committer::LeaseLost;
-use super::{Engine, wall_clock};
+use crate::clock::wall_clock;
 use crate::robots_file::RobotsFile;
 use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 

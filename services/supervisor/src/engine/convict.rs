@@ -7,14 +7,15 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Event;
 use vibrissa_protocol::{Name, RobotTopic};
 
+use super::Engine;
 use super::committer::{LeaseLost, Offender};
 use super::gathering::Sealed;
 use super::intake::Parcel;
-use super::publication::Publication;
 use super::shard::shard_of;
 use super::suspects::{Suspect, Turn, Verdict};
 use super::take_up::Journey;
-use super::{Engine, wall_clock};
+use crate::clock::wall_clock;
+use crate::outbox::Publication;
 use crate::store::batch::{Owner, Owners, QuarantineRow, Record};
 
 /// More suspects at once than this, and than a quarter of the robots: then the database is at fault rather than messages.

@@ -15,11 +15,11 @@ use super::allowed::{Allowed, TurnedAway};
 use super::intake::Parcel;
 use super::journal::Journal;
 use super::keep::Keep;
-use super::publication::Publication;
 use super::shard::{Known, Stored};
 use super::snapshot::Waiting;
 use super::survey;
 use crate::metrics::FleetMetrics;
+use crate::outbox::Publication;
 use crate::store::Batch;
 use crate::trace::{Lives, Step, Untold, is_told};
 

@@ -218,8 +218,9 @@ fn row_of(whisker_id: i64, rollup: &Rollup) -> RollupRow {
 
 #[cfg(test)]
 mod tests {
+    use crate::store::Resolution;
+
     use super::*;
-    use crate::engine::Resolution;
 
     const START: u64 = 1_795_248_000_000_000;
 

@@ -13,7 +13,8 @@ use super::commands::Plausibility;
 use super::committer::Committer;
 use super::gathering::{Gathering, Source};
 use super::shard::{Known, Shard};
-use super::{fingerprints, publication, survey};
+use super::{fingerprints, survey};
+use crate::ids::command_id;
 use crate::metrics::FleetMetrics;
 use crate::store::StoreError;
 use crate::store::batch::LayoutRow;
@@ -387,7 +388,7 @@ impl Gathering {
         let found = known
             .robot
             .commands_under_way()
-            .find(|command| publication::command_id(&self.fleet, &known.name, command.key) == told.command_id)
+            .find(|command| command_id(&self.fleet, &known.name, command.key) == told.command_id)
             .map(|command| (survey::Answering::to(command), command.pressure));
         match known.commands.judge(told, known.boot(boot_id), found.is_some()) {
             Plausibility::Fits => {}

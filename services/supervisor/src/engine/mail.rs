@@ -4,29 +4,27 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use tokio::time::Instant;
-use tracing::{error, info, warn};
-use vibrissa_core::mechanics::{Formulation, Model};
+use tracing::{info, warn};
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
-use vibrissa_edge::actions::{self, ActionKind, PolicyChange, Request, Subject};
+use vibrissa_edge::actions::{self, ActionKind, CALIBRATION, PolicyChange, Request, Subject};
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
+use super::Engine;
 use super::committer::LeaseLost;
 use super::shard::{Known, Shard, shard_of};
-use super::{Engine, wall_clock};
 use crate::calibration_file::CalibrationFile;
-use crate::store::actions::{Action, PolicyReading};
+use crate::clock::wall_clock;
+use crate::params::with_model;
+use crate::store::actions::Action;
 use crate::store::batch::{PolicyRow, Record};
-use crate::store::calibrations::{ActivationRow, ActiveCalibration};
+use crate::store::calibrations::ActivationRow;
 use crate::trace::Asked;
 
 /// Actions that are read at a time.
 const ACTIONS_MAX: i64 = 100;
-
-/// The kind of an action that puts a calibration in force.
-pub const CALIBRATION: &str = "CALIBRATION";
 
 /// Why an action is refused: a word for programs, a colon, and a text for people.
 type Problem = String;
@@ -142,7 +140,7 @@ impl Engine {
         let name = self.robot_of(action)?;
         let robot_id = self.known(&name).map_or(0, |known| known.robot_id);
         let number = compensation_id as u32;
-        let is_its = super::record::wide_id(robot_id, number) == compensation_id;
+        let is_its = crate::ids::wide_id(robot_id, number) == compensation_id;
         is_its.then_some(number).ok_or_else(|| refused(ActionProblem::NotProposed))
     }
 
@@ -231,55 +229,6 @@ struct Activation {
     calibration: CalibrationFile,
 }
 
-/// The parameters with another calibration of a model, or with one model more.
-fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {
-    let formulation = params.models.first().map_or_else(Formulation::default, |(_, model)| model.formulation());
-    let model = Model::new(file.geometry(), file.calibration(), formulation).map_err(|problem| problem.to_string())?;
-    let mut params = params.clone();
-    match params.models.iter_mut().find(|(name, _)| **name == file.name) {
-        Some((_, known)) => *known = model,
-        None => params.models.push((Arc::new(file.name.clone()), model)),
-    }
-    Ok(Arc::new(params))
-}
-
-/// The parameters with the calibrations that the fleet works with over the configuration's.
-pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
-    active.iter().fold(params, |params, one| {
-        let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
-        read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
-            error!(
-                calibration = one.calibration_id,
-                problem, "a calibration that cannot be used: the configuration's is taken"
-            );
-            params
-        })
-    })
-}
-
 fn refused(problem: ActionProblem) -> Problem {
     format!("{}: {problem}", problem.word())
-}
-
-/// The parameters with the policy that an operator has set over the configuration's.
-pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
-    let Some(set) = set else { return params };
-    let words = (
-        actions::mode(&set.mode),
-        actions::objective(&set.objective),
-        actions::longer_for_shorter(&set.longer_for_shorter),
-    );
-    let (Some(mode), Some(objective), Some(longer_for_shorter)) = words else {
-        error!(fleet = set.fleet, version = set.version, "a policy with unknown words: the configuration's is taken");
-        return params;
-    };
-    let policy = PolicyParams {
-        mode,
-        objective,
-        longer_for_shorter,
-        predicted_error_max: set.predicted_error_max,
-        own_role_cost: set.own_role_cost,
-        change_margin: set.change_margin,
-    };
-    Arc::new(Params { policy, ..(*params).clone() })
 }

@@ -32,15 +32,10 @@ mod take_up;
 
 pub use keep::Keep;
 pub use limits::Limits;
-pub(crate) use publication::{command_uuid, compensation_uuid};
-pub(crate) use record::wide_id;
-pub use rollup::Resolution;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use std::time::SystemTime;
 
-use bytes::Bytes;
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinHandle, yield_now};
@@ -50,15 +45,17 @@ use vibrissa_core::robot::Params;
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{BootId, Name};
 
+use crate::clock::wall_clock;
+use crate::ending::Ending;
 use crate::fault::{self, Fault};
+use crate::inbox::Inbox;
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::mqtt::Inbox;
+use crate::outbox::Publication;
+use crate::params;
 use crate::readiness::Readiness;
 use crate::store::{Lease, StoreError, Writer};
 use crate::trace::{Lives, Traces};
-
-pub use publication::{Publication, Stopwatch};
 
 use allowed::AllowedSource;
 use announced::Announced;
@@ -89,26 +86,6 @@ const TICKS_A_LOOK: u32 = 4;
 const SURVEY_SHARE: u32 = 50;
 /// Shards of one fleet at the most.
 const SHARDS_MAX: usize = 16;
-
-/// A message as it came from the broker.
-#[derive(Debug)]
-pub struct Incoming {
-    /// Its topic.
-    pub topic: Bytes,
-    /// Its payload.
-    pub payload: Bytes,
-    /// When, by the supervisor's clock.
-    pub received: Micros,
-}
-
-/// Why an engine has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ending {
-    /// It was told to, and everything that it had is committed.
-    Stopped,
-    /// The fleet is somebody else's.
-    LeaseLost,
-}
 
 /// A fleet's supervision: shards that own its robots, and one transaction after the other.
 pub struct Engine {
@@ -156,13 +133,6 @@ pub struct Engine {
     allowed: AllowedSource,
 }
 
-/// The time now, by the supervisor's clock.
-#[must_use]
-pub fn wall_clock() -> Micros {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    Micros(u64::try_from(since.as_micros()).unwrap_or(u64::MAX))
-}
-
 /// One shard for each core.
 fn shard_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
@@ -184,8 +154,8 @@ impl Engine {
     ) -> Result<Self, StoreError> {
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
         let policy = writer.policy(&lease).await?;
-        let params = mail::with_policy(params, policy.as_ref());
-        let params = mail::with_calibrations(params, &writer.calibrations(&lease).await?);
+        let params = params::with_policy(params, policy.as_ref());
+        let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
         let metrics = program.of_fleet(&fleet);
         let shard = || Shard {
             robots: Default::default(),

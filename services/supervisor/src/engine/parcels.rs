@@ -9,7 +9,8 @@ use vibrissa_protocol::{RobotTopic, Topic};
 use super::committer::{LeaseLost, Outage};
 use super::intake::Parcel;
 use super::shard::{Shard, shard_of};
-use super::{Engine, Incoming, suspects};
+use super::{Engine, suspects};
+use crate::inbox::Incoming;
 
 /// Parcels of one round that are worth several tasks.
 const WORTH_TASKS: usize = 128;

@@ -2,52 +2,20 @@
 
 use std::time::Instant;
 
-use prometheus::Histogram;
-use uuid::Uuid;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
-use vibrissa_core::robot::effect::{Command, CommandKey};
-use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, BootId, Name, QualityOfService, RequestKind, RobotTopic, Timestamp, encode};
+use vibrissa_core::robot::effect::Command;
+use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
 
+use super::Engine;
 use super::gathering::Gathering;
 use super::shard::{Known, Shard};
-use super::{Engine, wall_clock};
+use crate::clock::wall_clock;
+use crate::ids::command_uuid;
+use crate::outbox::{Publication, Stopwatch};
 use vibrissa_edge::words::{Word, setpoint_reason};
 
-/// Names of setpoints are made from this and (fleet, robot, epoch, version): the same setpoint has the same
-/// name whenever and wherever it is sent again.
-const COMMAND_NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_6c0e_41b0_5d83_9a1e_7769_6272_6973);
 /// `held` ranges that a receipt carries at most; the core keeps no more.
 const HELD_MAX: usize = 64;
-
-/// A message to publish.
-#[derive(Debug, Clone)]
-pub struct Publication {
-    /// Topic.
-    pub topic: String,
-    /// JSON.
-    pub payload: Vec<u8>,
-    /// Quality of service.
-    pub qos: QualityOfService,
-    /// Deadline for sending, for setpoints. The remaining time becomes the MQTT message expiry.
-    pub until: Option<Instant>,
-    /// What is stopped when it is on its way, for setpoints that were not sent before.
-    pub stopwatch: Option<Stopwatch>,
-}
-
-/// The time from what led to a setpoint, into a metric.
-#[derive(Debug, Clone)]
-pub struct Stopwatch {
-    pub(super) since: Micros,
-    pub(super) seconds: Histogram,
-}
-
-impl Stopwatch {
-    /// Writes down the time that it took.
-    pub fn stop(&self) {
-        self.seconds.observe(wall_clock().since(self.since).as_s());
-    }
-}
 
 /// Whether a setpoint was sent before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,24 +36,6 @@ fn next(seq: &mut u64) -> u64 {
     let now = *seq;
     *seq += 1;
     now
-}
-
-/// The name of a setpoint.
-#[must_use]
-pub(super) fn command_id(fleet: &Name, robot: &Name, key: CommandKey) -> String {
-    command_uuid(fleet, robot, key).to_string()
-}
-
-/// The same as a number, which its trace has, too.
-pub(crate) fn command_uuid(fleet: &Name, robot: &Name, key: CommandKey) -> Uuid {
-    let name = format!("{fleet}/{robot}/{}/{}", key.epoch, key.version);
-    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
-}
-
-/// The name of the trace of a decision from which no setpoint follows at once.
-pub(crate) fn compensation_uuid(fleet: &Name, robot: &Name, number: u32) -> Uuid {
-    let name = format!("{fleet}/{robot}/compensation/{number}");
-    Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
 }
 
 /// Residual gain as pairs of contact ratio and factor.

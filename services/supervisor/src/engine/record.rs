@@ -7,19 +7,15 @@ use vibrissa_protocol::{self as protocol, Name};
 
 use super::gathering::{Gathering, Source};
 use super::mpa;
-use super::publication::{Sent, command_id};
+use super::publication::Sent;
 use super::shard::Known;
+use crate::ids::{command_id, wide_id};
 use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use crate::store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
     Interval, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
 use vibrissa_edge::words::{Word, Z95};
-
-/// Numbers of a robot's trims and compensations are unique in the database: robot, then count.
-pub(crate) fn wide_id(robot_id: i64, number: u32) -> i64 {
-    (robot_id << 32) | i64::from(number)
-}
 
 impl Gathering {
     /// Puts one effect into the batch or among the publications.

@@ -10,10 +10,11 @@ use std::time::SystemTime;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
+use super::Engine;
 use super::committer::{BytesRefused, Committed, Committer, LeaseLost};
 use super::gathering::Sealed;
-use super::publication::Publication;
-use super::{Engine, wall_clock};
+use crate::clock::wall_clock;
+use crate::outbox::Publication;
 use crate::store::batch::JournalRow;
 
 /// Transactions that may be kept before the rows of the first must be written.

@@ -20,7 +20,8 @@ use super::gathering::Gathering;
 use super::history::History;
 use super::keep::Keep;
 use super::limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
-use super::{publication, survey, wall_clock};
+use super::{publication, survey};
+use crate::clock::wall_clock;
 use crate::store::StoredRobot;
 use crate::store::batch::Record;
 

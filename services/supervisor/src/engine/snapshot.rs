@@ -7,8 +7,9 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
+use super::mpa;
 use super::shard::{Known, Shard, Stored};
-use super::{mpa, wall_clock};
+use crate::clock::wall_clock;
 use crate::store::Batch;
 use crate::store::batch::{Interval, RobotRow, WhiskerRow};
 

@@ -1,5 +1,6 @@
-//! What is told of the fleet as a whole: counts of what there is, and how long things took. Prometheus asks for it; nothing
-//! that is decided rests on it.
+//! Metrics of the fleet as a whole: counts of robots, whiskers and alarms, and latencies. No decision rests on them.
+//!
+//! It also closes minutes and hours of whiskers that no contact closes.
 
 use std::collections::BTreeMap;
 
@@ -9,11 +10,12 @@ use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 
+use super::Engine;
 use super::gathering::Gathering;
 use super::shard::{Known, Shard};
-use super::{Engine, wall_clock};
+use crate::clock::wall_clock;
+use crate::inbox::Inbox;
 use crate::metrics::{INBOX, OUTBOX, RobotSample, WhiskerSample, Word as Label};
-use crate::mqtt::Inbox;
 
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;

@@ -21,7 +21,7 @@ use tokio::time::Instant;
 use vibrissa_protocol::{RobotTopic, envelope};
 
 use super::intake::Parcel;
-use super::wall_clock;
+use crate::clock::wall_clock;
 use crate::store::Rejection;
 use crate::store::batch::QuarantineRow;
 

@@ -17,11 +17,11 @@ use super::gathering::{Gathering, Sealed, Source};
 use super::intake::Parcel;
 use super::keep::Keep;
 use super::limits::{BOOTS_AT_ONCE, Bucket};
-use super::rollup::Resolution;
 use super::shard::{Known, Shard};
 use super::snapshot::Pace;
 use super::take_up::Journey;
 use crate::metrics::Metrics;
+use crate::store::Resolution;
 use crate::store::StoredRobot;
 
 const WHISKERS: u16 = 6;

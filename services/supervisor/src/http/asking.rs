@@ -14,7 +14,7 @@ use super::App;
 use super::access::Caller;
 use super::passage::RequestId;
 use super::problem::{Kind, Problem};
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::store::actions::{Asked, NewAction};
 use crate::store::list::{Filter, Value as Sql};
 use crate::store::lists::actions::{ACTIONS, ActionRow};

@@ -41,9 +41,9 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 use vibrissa_core::robot::Params;
 
-use crate::engine::mail;
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
+use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::store::{Store, StoreError};
@@ -120,8 +120,8 @@ impl App {
     /// The database cannot be read.
     pub async fn params_of(&self, fleet: &str) -> Result<Arc<Params>, StoreError> {
         let policy = self.store.policy(fleet).await?;
-        let params = mail::with_policy(self.params.clone(), policy.as_ref());
-        Ok(mail::with_calibrations(params, &self.store.active_calibrations(fleet).await?))
+        let params = params::with_policy(self.params.clone(), policy.as_ref());
+        Ok(params::with_calibrations(params, &self.store.active_calibrations(fleet).await?))
     }
 }
 

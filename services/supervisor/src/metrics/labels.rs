@@ -10,8 +10,8 @@ use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
-use crate::engine::mail::CALIBRATION;
 use crate::store::RejectionCause;
+use vibrissa_edge::actions::CALIBRATION;
 
 /// The case of a decision that found nobody.
 pub const NO_CASE: Word = "NONE";

@@ -10,9 +10,7 @@ mod tls;
 
 mod receive;
 
-mod fair;
 mod hearing;
-mod inbox;
 
 mod publish;
 
@@ -37,8 +35,6 @@ use tokio::sync::watch;
 use vibrissa_protocol::{BootId, Name};
 
 pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, TlsOptions};
-pub use fair::{Filling, Shed};
-pub use inbox::Inbox;
 pub use link::LinkState;
 pub use publish::publish;
 pub use receive::receive;

@@ -18,8 +18,8 @@ use super::identity::client_id;
 use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use crate::engine::Publication;
 use crate::metrics::FleetMetrics;
+use crate::outbox::Publication;
 
 /// Publications queued in the client: as many as one write takes. The client sends a queued publication however old it gets.
 const WAITING: usize = super::WRITE_BATCH;

@@ -12,13 +12,13 @@ use tokio::task::yield_now;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::hearing::{Hearing, Tick};
-use super::inbox::{Inbox, Intake, inbox};
 use super::link::{Backoff, Side};
 use super::pace::{PAUSE, Pace};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::{Connection, stopped};
+use crate::inbox::{Inbox, Intake, inbox};
 use crate::metrics::FleetMetrics;
 
 /// Publications of ours without an acknowledgement: probes, one a topic. The client goes through a table of this size with each

@@ -12,7 +12,8 @@ use super::hearing::is_probe_on;
 use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use crate::engine::{Incoming, wall_clock};
+use crate::clock::wall_clock;
+use crate::inbox::Incoming;
 
 /// Hears everything of the connection's fleet until the task is aborted, and connects again when the
 /// connection breaks: `breaks` counts that. A slow receiver makes the broker wait.

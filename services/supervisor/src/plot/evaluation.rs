@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use plotters::prelude::*;
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
-use vibrissa_evaluation::compensation::{CASES, Case, Outcome, Served, Truth, served_in};
+use vibrissa_evaluation::compensation::{CASES, Case, Outcome, Served, Truth, example, served_in};
 
 use super::paper::{Mark, marked};
 use super::{Axes, BLUE, GREEN, INK, PURPLE, Panel, VERMILION, chart, drawing, legend};
-use crate::cli::evaluate::compensation::example;
 
 /// The paper's greatest deflection.
 const DEFLECTION_MM: f64 = 6.0;

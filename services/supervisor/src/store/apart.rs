@@ -120,7 +120,7 @@ async fn write_range(
             append_journal(tx, lease.fleet().as_str(), &JournalRow { number, entries }).await?;
         }
     }
-    let now_us = crate::engine::wall_clock().0 as i64;
+    let now_us = crate::clock::wall_clock().0 as i64;
     changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("tell of changes"))
 }
 

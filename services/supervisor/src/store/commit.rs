@@ -7,13 +7,13 @@ use super::batch::{ContactRow, JournalRow, RollupRow, Rows};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo, sqlite};
-use crate::engine::Resolution;
 use crate::fault::{self, Fault};
+use crate::store::Resolution;
 
 /// Writes a batch in one transaction, unless it was written before although the answer was lost.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
     let asked = Instant::now();
-    let now_us = crate::engine::wall_clock().0 as i64;
+    let now_us = crate::clock::wall_clock().0 as i64;
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
         && let Some(whole) = Whole::of(batch)

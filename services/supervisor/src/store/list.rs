@@ -231,7 +231,7 @@ where
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
     // A number of ours: what lies ahead is told by the clock of the supervisor that is asked.
-    let now_us = crate::engine::wall_clock().0;
+    let now_us = crate::clock::wall_clock().0;
     sql.push(list.select.replace("{now_us}", &now_us.to_string())).push(") q WHERE true");
     push_filters(&mut sql, &selection.filters);
     let (sort, id) = (selection.sort.column, list.id);

@@ -29,6 +29,7 @@ pub mod read;
 pub mod readings;
 mod records;
 mod redo;
+mod resolution;
 pub mod retention;
 mod roll;
 pub mod series;
@@ -47,6 +48,7 @@ pub use batch::Batch;
 pub use error::{Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
+pub use resolution::Resolution;
 pub use roll::{FleetLease, FleetsHeard, Present, Roll, Supervisor};
 pub use writer::Writer;
 
@@ -105,7 +107,7 @@ impl Store {
             postgres::check_version(pool, &self.name).await?;
         }
         self.pool.migrate(&self.name).await?;
-        let made = self.make_partitions(crate::engine::wall_clock().0 as i64, &mut |_| {}).await;
+        let made = self.make_partitions(crate::clock::wall_clock().0 as i64, &mut |_| {}).await;
         if let Err(problem) = made {
             // The default partitions take what comes, and it is tried again.
             warn!(%problem, "partitions are missing");

@@ -1,4 +1,5 @@
-//! The rarer rows: the same statements for both databases.
+//! The rarer rows of a batch, one statement for each kind of row. SQLite writes all of them so; PostgreSQL only those of a batch that
+//! `postgres/whole.rs` cannot write as a single statement.
 
 use sqlx::QueryBuilder;
 

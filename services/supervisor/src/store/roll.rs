@@ -187,7 +187,7 @@ async fn raise_epoch(
     supervisor: &Supervisor,
     fleet: &Name,
 ) -> sqlx::Result<Option<i64>> {
-    let now_us = crate::engine::wall_clock().0 as i64;
+    let now_us = crate::clock::wall_clock().0 as i64;
     // What each statement has as its fourth value.
     let fourth =
         if matches!(tx, Either::Postgres(_)) { micros(supervisor.time_to_live) } else { (now_us / 1000).max(1) };

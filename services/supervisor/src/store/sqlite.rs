@@ -13,7 +13,7 @@ use super::batch::{ContactRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::lock::FileLock;
 use super::{StoreError, database};
-use crate::engine::Resolution;
+use crate::store::Resolution;
 
 /// Of a new database: for its owner only, since it holds the hashes of tokens, and what people have asked for.
 const MODE: u32 = 0o600;

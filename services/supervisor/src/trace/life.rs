@@ -18,7 +18,10 @@ use vibrissa_protocol::{Name, RobotTopic};
 use super::Traces;
 use super::span::{Draft, Place, time};
 use super::story::{self, Asked, Step, is_final, known_pressure};
-use crate::engine::{Ending, command_uuid, compensation_uuid, wide_id};
+use crate::ending::Ending;
+use crate::ids::command_uuid;
+use crate::ids::compensation_uuid;
+use crate::ids::wide_id;
 
 /// Setpoints under way that are followed at a time, and suspicions that are remembered.
 const OPEN_MAX: usize = 4096;

@@ -11,7 +11,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::span::{Draft, known, time};
-use crate::engine::wide_id;
+use crate::ids::wide_id;
 use crate::store::actions::Action;
 
 /// A step that the core has taken.

@@ -8,7 +8,7 @@ use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::Name;
 
 use super::*;
-use crate::engine::Ending;
+use crate::ending::Ending;
 
 /// Keeps what it is given.
 #[derive(Debug, Clone, Default)]

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_edge::words::Word;
 use vibrissa_evaluation::compensation::{
-    CASES, CONTACTS_AFTER, Case, Outcome, PLANT_ERROR, START_MPA, Served, Summary, WHOLE_CONTACTS, evaluate, served_in,
-    summary, trials,
+    CASES, CONTACTS_AFTER, Case, Outcome, PLANT_ERROR, START_MPA, Served, Summary, WHOLE_CONTACTS, evaluate, summary,
+    trials,
 };
 
 use crate::cli::stop;
@@ -182,14 +182,6 @@ fn served_json(one: &Served) -> Value {
         "with_gain": { "error": one.with_gain.mean, "error_by_ratio": one.with_gain.by_ratio, "gain": one.gain },
         "contact_ratios": CONTACT_RATIOS, "setpoints": one.setpoints, "looks": looks.collect::<Vec<_>>(),
     })
-}
-
-/// The trials of a case that are drawn by deflection: the first plant's greatest difference in length.
-pub(crate) fn example(case: Case, outcomes: &[Outcome]) -> Option<&Served> {
-    let apart = |one: &Served| (one.trial.length_mm - case.target_mm()).abs();
-    served_in(case, outcomes)
-        .filter(|one| one.trial.plant == 0)
-        .max_by(|one, other| apart(one).total_cmp(&apart(other)))
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ use vibrissa_protocol::Name;
 use self::oidc::{Oidc, OidcOptions};
 use super::document::Need;
 use super::problem::{Kind, Problem};
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::secret::Secret;
 use crate::store::Store;
 use crate::store::list::Filter;

@@ -1,15 +1,6 @@
 //! What people say to alarms.
 
-use axum::extract::State;
-use axum::http::StatusCode;
-use axum::response::Response;
-use serde::Deserialize;
-use serde_json::json;
-use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
-
-use crate::engine::wall_clock;
+use crate::clock::wall_clock;
 use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
@@ -18,6 +9,14 @@ use crate::http::problem::{Kind, Problem};
 use crate::store::alarms::{AlarmSubject, Said};
 use crate::store::lists::actions::ActionRow;
 use crate::store::time::Time;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::Response;
+use serde::Deserialize;
+use serde_json::json;
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(acknowledge)).routes(routes!(shelve)).routes(routes!(unshelve))

@@ -13,7 +13,6 @@ use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 use vibrissa_protocol::Name;
 
 use crate::calibration_file::{CalibrationFile, GeometrySection};
-use crate::engine::mail::CALIBRATION;
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
 use crate::http::asking::{Asker, Why, ask, number_of, reason};
@@ -28,6 +27,7 @@ use crate::store::lists::actions::ActionRow;
 use crate::store::lists::calibrations::{
     CALIBRATION_TEXTS, CALIBRATIONS, CalibrationRow, CalibrationSort, CalibrationText,
 };
+use vibrissa_edge::actions::CALIBRATION;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()

@@ -12,10 +12,10 @@ use vibrissa_core::units::Millimetre;
 use vibrissa_edge::words::Word;
 
 use super::paths::WhiskerPath;
-use crate::engine::wide_id;
 use crate::http::App;
 use crate::http::extract::{Path, Query};
 use crate::http::problem::{Kind, Problem};
+use crate::ids::wide_id;
 use crate::store::lists::compensations::{Candidate, Numbers};
 
 pub(super) fn routes() -> OpenApiRouter<App> {

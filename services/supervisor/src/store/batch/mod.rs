@@ -11,7 +11,7 @@ pub use record::*;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::engine::Resolution;
+use crate::store::Resolution;
 
 /// Everything that a batch of messages has led to.
 #[derive(Debug, Default, BorshSerialize, BorshDeserialize)]

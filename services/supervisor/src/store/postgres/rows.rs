@@ -6,7 +6,7 @@ use sqlx::postgres::{PgArguments, PgConnection};
 use sqlx::query::Query;
 use sqlx::{AssertSqlSafe, Postgres};
 
-use crate::engine::Resolution;
+use crate::store::Resolution;
 use crate::store::batch::{ContactRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 
 /// A statement whose values are being given.

@@ -10,7 +10,7 @@ use super::copy::{append_contacts, are_copied};
 use super::parts::{ORDINARY, WHOLE};
 use super::rows::{Statement, bind_contacts, bind_each, bind_responses, bind_robots, bind_rollups, bind_whiskers};
 use super::sorted::Sorted;
-use crate::engine::Resolution;
+use crate::store::Resolution;
 use crate::store::batch::{ContactRow, RollupRow};
 use crate::store::changes::NewChange;
 use crate::store::commit::tell_of_rollups;

@@ -1,7 +1,9 @@
 //! The queue of received messages: bounded in messages and bytes, whatever robots send, and shared fairly among them
-//! ([`super::fair`]).
+//! ([`fair`]).
 //!
 //! Messages that came together are handed over together: one lock, one wake-up and one allocation for all of them.
+
+mod fair;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,9 +14,23 @@ use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
-use super::fair::{Bounds, Fair, Filling, LeftOut, Shed};
-use crate::engine::{Incoming, wall_clock};
+use crate::clock::wall_clock;
+pub use fair::{Filling, Shed};
+
+use fair::{Bounds, Fair, LeftOut};
+
 use crate::metrics::FleetMetrics;
+
+/// A message as it came from the broker.
+#[derive(Debug)]
+pub struct Incoming {
+    /// Its topic.
+    pub topic: Bytes,
+    /// Its payload.
+    pub payload: Bytes,
+    /// When, by the supervisor's clock.
+    pub received: Micros,
+}
 
 /// The label under which messages other than contacts are counted as refused when there is no room for them.
 const INBOX_FULL: &str = "inbox_full";
@@ -156,7 +172,7 @@ impl Drop for Inbox {
 
 /// The end that fills an inbox.
 #[derive(Debug)]
-pub(super) struct Intake {
+pub(crate) struct Intake {
     shared: Arc<Shared>,
     bounds: Bounds,
     metrics: FleetMetrics,
@@ -174,7 +190,7 @@ pub(super) struct Intake {
 }
 
 /// An inbox and the end that fills it.
-pub(super) fn inbox(metrics: FleetMetrics) -> (Intake, Inbox) {
+pub(crate) fn inbox(metrics: FleetMetrics) -> (Intake, Inbox) {
     bounded(BOUNDS, metrics)
 }
 
@@ -197,7 +213,7 @@ impl Intake {
     /// Takes a message in, or counts it as left out. Robots send contacts again; setpoints are sent again
     /// until they are answered; what is retained is asked for again, see [`Self::take_missed`].
     /// It is in the inbox with the next [`Self::hand_over`], which must follow before anything is waited for.
-    pub(super) fn take(&mut self, topic: Bytes, payload: Bytes) {
+    pub(crate) fn take(&mut self, topic: Bytes, payload: Bytes) {
         if self.together.is_empty() {
             self.received = after(self.received, wall_clock());
         }
@@ -209,7 +225,7 @@ impl Intake {
     }
 
     /// Puts what was taken in into the inbox: so many messages.
-    pub(super) fn hand_over(&mut self) -> usize {
+    pub(crate) fn hand_over(&mut self) -> usize {
         if self.together.is_empty() {
             return 0;
         }
@@ -283,7 +299,7 @@ impl Intake {
 
     /// True once if the retained messages must be requested again: on demand, or when there is room again after one was
     /// left out.
-    pub(super) fn take_missed(&mut self) -> bool {
+    pub(crate) fn take_missed(&mut self) -> bool {
         if std::mem::take(&mut self.shared.waiting().wants_retained) {
             return true;
         }

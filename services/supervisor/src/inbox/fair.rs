@@ -11,7 +11,7 @@ use std::hash::{BuildHasher, RandomState};
 
 use vibrissa_core::units::Micros;
 
-use crate::engine::Incoming;
+use super::Incoming;
 
 /// Memory of a message beside its topic and payload, bytes, rounded up.
 pub(super) const MESSAGE_BYTES: usize = 256;

@@ -1,0 +1,62 @@
+//! The parameters in force: the configuration's, then the calibrations and the policy that operators have set.
+
+use std::sync::Arc;
+
+use tracing::error;
+use vibrissa_core::mechanics::{Formulation, Model};
+use vibrissa_core::policy::PolicyParams;
+use vibrissa_core::robot::Params;
+use vibrissa_edge::actions;
+
+use crate::calibration_file::CalibrationFile;
+use crate::store::actions::PolicyReading;
+use crate::store::calibrations::ActiveCalibration;
+
+/// The parameters with another calibration of a model, or with one model more.
+pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {
+    let formulation = params.models.first().map_or_else(Formulation::default, |(_, model)| model.formulation());
+    let model = Model::new(file.geometry(), file.calibration(), formulation).map_err(|problem| problem.to_string())?;
+    let mut params = params.clone();
+    match params.models.iter_mut().find(|(name, _)| **name == file.name) {
+        Some((_, known)) => *known = model,
+        None => params.models.push((Arc::new(file.name.clone()), model)),
+    }
+    Ok(Arc::new(params))
+}
+
+/// The parameters with the calibrations that the fleet works with over the configuration's.
+pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
+    active.iter().fold(params, |params, one| {
+        let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
+        read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
+            error!(
+                calibration = one.calibration_id,
+                problem, "a calibration that cannot be used: the configuration's is taken"
+            );
+            params
+        })
+    })
+}
+
+/// The parameters with the policy that an operator has set over the configuration's.
+pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
+    let Some(set) = set else { return params };
+    let words = (
+        actions::mode(&set.mode),
+        actions::objective(&set.objective),
+        actions::longer_for_shorter(&set.longer_for_shorter),
+    );
+    let (Some(mode), Some(objective), Some(longer_for_shorter)) = words else {
+        error!(fleet = set.fleet, version = set.version, "a policy with unknown words: the configuration's is taken");
+        return params;
+    };
+    let policy = PolicyParams {
+        mode,
+        objective,
+        longer_for_shorter,
+        predicted_error_max: set.predicted_error_max,
+        own_role_cost: set.own_role_cost,
+        change_margin: set.change_margin,
+    };
+    Arc::new(Params { policy, ..(*params).clone() })
+}
