@@ -24,7 +24,7 @@ const SUPERVISOR: &str = "supervisor";
 /// The shipped file that makes it.
 const SUPERVISOR_SQL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/postgres/supervisor.sql");
 /// The database that is there from the start, empty.
-const DATABASE: &str = "vibrissa";
+pub const DATABASE: &str = "vibrissa";
 /// How long an orderly end may take before it is a disorderly one.
 const END_PATIENCE: Duration = Duration::from_secs(5);
 

@@ -9,6 +9,7 @@ mod erosion;
 mod factsheet;
 mod false_alarms;
 mod faults;
+mod formats;
 mod health;
 mod leak;
 mod odd_values;

@@ -5,8 +5,10 @@
 mod actions;
 mod backup;
 mod contract;
+mod formats;
 mod history;
 mod leases;
+mod opened;
 mod redo;
 mod refused;
 mod restore;

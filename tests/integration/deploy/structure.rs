@@ -34,9 +34,8 @@ fn code(path: &Path) -> String {
 
 /// The modules that `crate::a`, `crate::{a, b::c}` and `crate::a::{b, c}` name.
 fn imported(code: &str) -> BTreeSet<String> {
-    let word = |text: &str| -> String {
-        text.trim().chars().take_while(|one| one.is_alphanumeric() || *one == '_').collect()
-    };
+    let word =
+        |text: &str| -> String { text.trim().chars().take_while(|one| one.is_alphanumeric() || *one == '_').collect() };
     let mut modules = BTreeSet::new();
     for after in code.split("crate::").skip(1) {
         match after.strip_prefix('{') {

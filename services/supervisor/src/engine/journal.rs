@@ -17,6 +17,9 @@ use super::gathering::Source;
 use super::shard::Known;
 use crate::store::batch::ContactRow;
 
+/// Version of the entries' layout. A negative number before entries is the version of what follows; entries begin with a robot's
+/// number, which is positive. Version 1 had the same layout and no such number.
+const VERSION: i64 = 2;
 /// Stands for an array that is not on the robot.
 const NO_ARRAY: u16 = u16::MAX;
 
@@ -31,7 +34,7 @@ pub(super) struct Journal {
 }
 
 /// What happened to one robot.
-#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(super) struct Entry {
     pub(super) robot_id: i64,
     pub(super) now: Micros,
@@ -39,7 +42,7 @@ pub(super) struct Entry {
 }
 
 /// What it was.
-#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(super) enum Told {
     Tick,
     Contacts { boot: i64, seq: u64, contacts: Vec<KeptContact> },
@@ -47,7 +50,7 @@ pub(super) enum Told {
 }
 
 /// A contact.
-#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(super) struct KeptContact {
     array: u16,
     whisker: u16,
@@ -61,7 +64,7 @@ pub(super) struct KeptContact {
 }
 
 /// A line of a status.
-#[derive(Debug, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(super) struct KeptStatus {
     array: u16,
     whisker: u16,
@@ -127,18 +130,47 @@ impl Journal {
     }
 
     fn write(&mut self, entry: &impl BorshSerialize) {
+        if self.bytes.is_empty() {
+            self.bytes.extend(version_mark());
+        }
         // Writing into memory cannot fail.
         let _ = entry.serialize(&mut self.bytes);
     }
 }
 
+fn version_mark() -> [u8; 8] {
+    (-VERSION).to_le_bytes()
+}
+
+/// Skips the versions before an entry.
+///
+/// # Errors
+/// The entries are of a version that this program cannot read.
+fn skip_versions(bytes: &mut &[u8]) -> std::io::Result<()> {
+    while let Some((first, rest)) = bytes.split_first_chunk() {
+        match i64::from_le_bytes(*first) {
+            0.. => break,
+            version if version == -VERSION => *bytes = rest,
+            version => {
+                let problem = format!(
+                    "entries of version {}, and this program reads versions 1 to {VERSION}",
+                    version.unsigned_abs()
+                );
+                return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, problem));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Reads the entries of one row.
 pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
     std::iter::from_fn(move || {
-        if bytes.is_empty() {
+        let skipped = skip_versions(&mut bytes);
+        if skipped.is_ok() && bytes.is_empty() {
             return None;
         }
-        let entry = Entry::deserialize(&mut bytes);
+        let entry = skipped.and_then(|()| Entry::deserialize(&mut bytes));
         if entry.is_err() {
             bytes = &[];
         }
@@ -146,13 +178,14 @@ pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Ent
     })
 }
 
-/// The entries of one row by robot, each robot's in their order, as bytes. What cannot be read is left out.
+/// The entries of one row by robot, as bytes with their version, each robot's in their order. Unreadable entries are left out.
 pub(super) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
-    while !bytes.is_empty() {
+    while skip_versions(&mut bytes).is_ok() && !bytes.is_empty() {
         let before = bytes;
         let Ok(entry) = Entry::deserialize(&mut bytes) else { break };
-        robots.entry(entry.robot_id).or_default().extend_from_slice(&before[..before.len() - bytes.len()]);
+        let own = robots.entry(entry.robot_id).or_insert_with(|| version_mark().to_vec());
+        own.extend_from_slice(&before[..before.len() - bytes.len()]);
     }
     robots.into_iter().collect()
 }
@@ -254,6 +287,22 @@ mod tests {
 
     use super::*;
 
+    /// The bytes of each version, as the program of that version wrote them. If this fails because the bytes change: raise the
+    /// version, keep a reader of the old one, and add a file for the new one.
+    #[test]
+    fn golden_entries_of_version_1_are_read_and_become_version_2() {
+        let of_version_1 = include_bytes!("../../../../tests/data/formats/journal-1.bin");
+        let of_version_2 = include_bytes!("../../../../tests/data/formats/journal-2.bin");
+        let entries: Vec<Entry> = read(of_version_1).map(Result::unwrap).collect();
+        let contacts = entries.iter().filter(|entry| matches!(entry.told, Told::Contacts { .. })).count();
+        let statuses = entries.iter().filter(|entry| matches!(entry.told, Told::Status { .. })).count();
+        assert!(contacts > 0 && statuses > 0, "{contacts} and {statuses}");
+        assert!(read(of_version_2).map(Result::unwrap).eq(entries.iter().cloned()));
+        let mut journal = Journal::default();
+        entries.iter().for_each(|entry| journal.write(entry));
+        assert_eq!(journal.take().0, of_version_2);
+    }
+
     #[test]
     fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         let mut known = Known::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()), Keep::All);
@@ -297,6 +346,14 @@ mod tests {
         let Told::Contacts { contacts, .. } = &entries[0].told else { panic!("contacts") };
         let arrays = ["a".to_owned()];
         assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an array that is not there");
+        // Rows that were put together, and rows of version 1, have the same entries.
+        let parts: Vec<u8> = by_robot(&bytes).into_iter().flat_map(|(_, entries)| entries).collect();
+        for row in [[&parts[..], &bytes].concat(), [&bytes[8..], &bytes[8..]].concat()] {
+            assert!(read(&row).map(Result::unwrap).eq(entries.iter().chain(&entries).cloned()));
+        }
+        let newer = [&(-VERSION - 1).to_le_bytes()[..], &bytes[8..]].concat();
+        let refused: Vec<_> = read(&newer).collect();
+        assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 3")), "{refused:?}");
         let cut: Vec<_> = read(&bytes[..bytes.len() - 1]).collect();
         assert_eq!(cut.iter().filter(|entry| entry.is_ok()).count(), 2);
         assert_eq!(cut.iter().filter(|entry| entry.is_err()).count(), 1);

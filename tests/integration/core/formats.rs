@@ -1,0 +1,42 @@
+//! The stored bytes of robots and whiskers, by version, as the programs of those versions wrote them.
+//!
+//! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the new one.
+
+use vibrissa_core::robot::{RestoreError, Robot};
+
+const ROBOT_5: &[u8] = include_bytes!("../../data/formats/robot-5.bin");
+const WHISKERS_5: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-5-0.bin"),
+    include_bytes!("../../data/formats/whisker-5-1.bin"),
+    include_bytes!("../../data/formats/whisker-5-2.bin"),
+];
+const WHISKERS_6: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-6-0.bin"),
+    include_bytes!("../../data/formats/whisker-6-1.bin"),
+    include_bytes!("../../data/formats/whisker-6-2.bin"),
+];
+
+fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
+    Robot::restore(ROBOT_5, &whiskers.map(<[u8]>::to_vec))
+}
+
+#[test]
+fn golden_whiskers_of_version_5_are_read_and_become_version_6() {
+    let robot = restored(WHISKERS_5).unwrap();
+    assert_eq!(robot, restored(WHISKERS_6).unwrap());
+    assert_eq!(robot.to_bytes().unwrap(), ROBOT_5);
+    for (index, bytes) in WHISKERS_6.into_iter().enumerate() {
+        assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
+    }
+    // A trimmed whisker in the middle of its compensation.
+    assert_eq!(robot.compensations().len(), 1);
+    assert!(robot.whisker(1).unwrap().contacts > 500);
+}
+
+#[test]
+fn a_whisker_of_a_later_version_is_refused() {
+    let mut later = WHISKERS_6[0].to_vec();
+    later[0] += 1;
+    let refused = restored([&later, WHISKERS_6[1], WHISKERS_6[2]]);
+    assert_eq!(refused.err(), Some(RestoreError::Whisker(0)));
+}

@@ -1,0 +1,23 @@
+//! The stored bytes of transactions that wait for their rows, and of minutes and hours under way, by version.
+//!
+//! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the new one.
+
+use vibrissa::engine::rollup::Open;
+use vibrissa::store::Batch;
+use vibrissa_core::units::Micros;
+
+#[test]
+fn golden_a_batch_of_version_1_is_read_and_written_as_it_was() {
+    let bytes = include_bytes!("../../data/formats/batch-1.bin");
+    let batch = Batch::from_bytes(bytes).unwrap();
+    assert!(!batch.records.is_empty() && !batch.whiskers.is_empty(), "{batch:?}");
+    assert_eq!(batch.to_bytes().unwrap(), bytes);
+}
+
+#[test]
+fn golden_a_minute_and_an_hour_of_version_1_are_read_and_written_as_they_were() {
+    let bytes = include_bytes!("../../data/formats/rollup-1.bin");
+    let open = Open::from_bytes(Some(bytes), Micros::default());
+    assert!(open.due().is_some());
+    assert_eq!(open.to_bytes().unwrap(), bytes);
+}

@@ -1,0 +1,121 @@
+//! Databases that earlier versions of the program left in the middle of their work: this version opens them, and nothing that was
+//! learned is lost.
+//!
+//! Each folder `tests/data/database-N` has a database whose last migration is N, and what the version that made it showed of it.
+//! `VIEWS=write` writes these views anew; do that for a new folder only.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use serde_json::{Map, Value};
+use tempfile::TempDir;
+use vibrissa_tests::mosquitto::free_port;
+use vibrissa_tests::postgres::{DATABASE, Postgres};
+use vibrissa_tests::process::{Launch, Process};
+use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::web::try_get;
+
+/// What was learned, decided and measured.
+const VIEWS: [&str; 7] =
+    ["/v1/arrays", "/v1/whiskers", "/v1/trims", "/v1/compensations", "/v1/setpoints", "/v1/errors", "/v1/calibrations"];
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data/database-16").join(name)
+}
+
+/// A running program that has taken up fleet `f` of a database.
+struct Opened {
+    process: Process,
+    http: SocketAddr,
+    folder: TempDir,
+}
+
+impl Opened {
+    async fn start(folder: TempDir, database: &str) -> Self {
+        let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
+        let mqtt = free_port().to_string();
+        let arguments =
+            ["run", "--fleet", "f", "--http", &http.to_string(), "--mqtt-port", &mqtt, "--database-url", database];
+        let launch = Launch {
+            program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
+            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+            environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
+            log: folder.path().join("log"),
+        };
+        let opened = Self { process: Process::start(launch), http, folder };
+        until_true("the fleet is taken up", async || {
+            try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)
+        })
+        .await;
+        opened
+    }
+
+    async fn views(&self) -> Map<String, Value> {
+        let mut views = Map::new();
+        for path in VIEWS {
+            let (status, body) = try_get(self.http, &format!("{path}?limit=500")).await.unwrap();
+            assert_eq!(status, 200, "{path}: {body}");
+            let mut view: Value = body.parse().unwrap();
+            views.insert(path.to_owned(), view["items"].take());
+        }
+        views
+    }
+
+    /// The views once nothing follows any more from the time that has passed since the database was left.
+    async fn settled(&self) -> Map<String, Value> {
+        let mut before = self.views().await;
+        until("the same views twice", async || {
+            tokio::time::sleep(Duration::from_millis(1500)).await;
+            let now = self.views().await;
+            let is_same = now == before;
+            before = now.clone();
+            is_same.then_some(now)
+        })
+        .await
+    }
+}
+
+async fn nothing_is_lost(opened: Opened, expected: &str) {
+    let views = opened.settled().await;
+    let log = std::fs::read_to_string(opened.folder.path().join("log")).unwrap();
+    assert!(!log.contains("ERROR"), "{log}");
+    let path = fixture(expected);
+    if std::env::var("VIEWS").is_ok_and(|what| what == "write") {
+        std::fs::write(&path, serde_json::to_string_pretty(&views).unwrap() + "\n").unwrap();
+    }
+    let recorded: Map<String, Value> =
+        std::fs::read_to_string(&path).unwrap().parse::<Value>().unwrap().as_object().unwrap().clone();
+    let trimmed = |views: &Map<String, Value>| {
+        let whiskers = views["/v1/whiskers"].as_array().unwrap();
+        whiskers.iter().filter(|one| one["condition"] == "TRIMMED").count()
+    };
+    assert_eq!((trimmed(&recorded), recorded["/v1/compensations"].as_array().unwrap().len()), (2, 2));
+    for path in VIEWS {
+        assert_eq!(views[path], recorded[path], "{path}");
+    }
+    assert!(opened.process.is_running());
+}
+
+#[tokio::test]
+async fn golden_a_sqlite_database_of_migration_16_goes_on_with_nothing_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("fleet.sqlite3");
+    std::fs::copy(fixture("fleet.sqlite3"), &copy).unwrap();
+    let url = format!("sqlite:{}", copy.display());
+    nothing_is_lost(Opened::start(folder, &url).await, "views-sqlite.json").await;
+}
+
+#[tokio::test]
+async fn golden_a_postgresql_database_of_migration_16_goes_on_with_nothing_lost() {
+    let server = Postgres::start().await;
+    let restored = server
+        .client("psql")
+        .args(["-X", "-q", "-d", DATABASE, "-v", "ON_ERROR_STOP=1", "-f"])
+        .arg(fixture("fleet.sql"))
+        .output();
+    let restored = restored.unwrap();
+    assert!(restored.status.success(), "psql: {}", String::from_utf8_lossy(&restored.stderr));
+    let opened = Opened::start(tempfile::tempdir().unwrap(), &Postgres::url(server.port())).await;
+    nothing_is_lost(opened, "views-postgres.json").await;
+}
