@@ -1,6 +1,6 @@
 //! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] (what runs), `ownership` and `fleet` (whose the fleets are), [`mqtt`] and
+//! Read in this order: [`service`] (all tasks), `ownership` and `fleet` (leases of fleets), [`mqtt`], [`inbox`], [`outbox`] and
 //! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`],
 //! [`trace`]; then [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
 

@@ -9,7 +9,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
 use super::Engine;
-use super::committer::LeaseLost;
+use super::commit::committer::LeaseLost;
 use crate::clock::wall_clock;
 use crate::robots_file::RobotsFile;
 use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};

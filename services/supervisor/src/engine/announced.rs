@@ -12,7 +12,7 @@ use vibrissa_core::robot::{Event, Numbers, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{Name, RequestKind};
 
-use super::gathering::Gathering;
+use super::commit::batch::Gathering;
 use super::publication::Seqs;
 
 /// Of one fleet at a time; beyond that the one is forgotten that was announced first.

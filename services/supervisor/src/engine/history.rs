@@ -7,7 +7,7 @@ use tracing::error;
 use vibrissa_core::robot::effect::ContactUse;
 use vibrissa_core::units::Micros;
 
-use super::keep::{Keep, Keeper};
+use super::retention::{Keep, Keeper};
 use super::rollup::{GRACE, Open, Rollup, Sample, Use};
 use crate::store::NumberedWhisker;
 use crate::store::batch::{Batch, ContactRow, RollupRow};

@@ -10,10 +10,11 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Refusal, RobotTopic, Topic};
 
 use super::commands::Plausibility;
-use super::committer::Committer;
-use super::gathering::{Gathering, Source};
+use super::commit::batch::{Gathering, Source};
+use super::commit::committer::Committer;
+use super::fingerprints;
+use super::fleet_metrics;
 use super::shard::{Known, Shard};
-use super::{fingerprints, survey};
 use crate::ids::command_id;
 use crate::metrics::FleetMetrics;
 use crate::store::StoreError;
@@ -367,7 +368,7 @@ impl Gathering {
                     self.metrics.messages_resent.inc();
                 }
                 let felt = told.contacts.last().map(|last| Micros(last.t_us));
-                self.taken.push(survey::Taken { felt, received: now });
+                self.taken.push(fleet_metrics::Taken { felt, received: now });
             }
             Outcome::BadTime | Outcome::Refused(_) => {}
         }
@@ -389,7 +390,7 @@ impl Gathering {
             .robot
             .commands_under_way()
             .find(|command| command_id(&self.fleet, &known.name, command.key) == told.command_id)
-            .map(|command| (survey::Answering::to(command), command.pressure));
+            .map(|command| (fleet_metrics::Answering::to(command), command.pressure));
         match known.commands.judge(told, known.boot(boot_id), found.is_some()) {
             Plausibility::Fits => {}
             Plausibility::UnknownCommand => {

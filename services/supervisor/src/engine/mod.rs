@@ -1,37 +1,30 @@
 //! One message's way: received, decoded, stepped through the core, committed, and only then answered.
 //!
 //! Each robot's state has one owner, a [`shard`]. What comes of some milliseconds of messages is gathered there, and
-//! becomes one transaction ([`committer`]), while the next messages are stepped already; then setpoints and receipts
+//! becomes one transaction ([`commit`]), while the next messages are stepped already; then setpoints and receipts
 //! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
 
+pub mod actions;
 mod allowed;
 mod announced;
 mod boots;
 mod commands;
-mod committer;
-mod convict;
+mod commit;
+mod dispatch;
 mod fingerprints;
-mod gathering;
+mod fleet_metrics;
 mod history;
 mod intake;
-mod journal;
-pub mod keep;
 mod limits;
-pub mod mail;
-mod parcels;
 mod publication;
+mod quarantine;
 mod record;
+pub mod retention;
 pub mod rollup;
-mod rounds;
-mod sealing;
 mod shard;
-mod snapshot;
-mod survey;
-mod suspects;
-mod take_up;
 
-pub use keep::Keep;
 pub use limits::Limits;
+pub use retention::Keep;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -59,14 +52,14 @@ use crate::trace::{Lives, Traces};
 
 use allowed::AllowedSource;
 use announced::Announced;
-use committer::{Committer, LeaseLost};
-use gathering::{Gathering, Sealed};
+use commit::batch::{Gathering, Sealed};
+use commit::checkpoint::Pace;
+use commit::committer::{Committer, LeaseLost};
+use commit::pipeline::{Done, done};
+use commit::schedule::{RECEIPTS, Rounds, TICK};
 use limits::Bucket;
-use rounds::{RECEIPTS, Rounds, TICK};
-use sealing::{Done, done};
+use quarantine::suspects::Suspect;
 use shard::{Shard, shard_of};
-use snapshot::Pace;
-use suspects::Suspect;
 
 /// Messages that are taken in at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
@@ -166,7 +159,7 @@ impl Engine {
         };
         let mut shards: Vec<Shard> = (0..shard_count()).map(|_| shard()).collect();
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = take_up::take_up(&mut writer, &lease, &mut shards).await?;
+        let last = commit::recovery::take_up(&mut writer, &lease, &mut shards).await?;
         let robots: usize = shards.iter().map(|shard| shard.robots.len()).sum();
         info!(%fleet, epoch, robots, "supervising");
         // As if heard: a fleet that stays silent is silent from here on.

@@ -7,7 +7,7 @@ use vibrissa_core::robot::effect::Command;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
 
 use super::Engine;
-use super::gathering::Gathering;
+use super::commit::batch::Gathering;
 use super::shard::{Known, Shard};
 use crate::clock::wall_clock;
 use crate::ids::command_uuid;

@@ -5,7 +5,7 @@ use vibrissa_core::robot::effect::{Command, CommandState, CompensationError, Dec
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
 
-use super::gathering::{Gathering, Source};
+use super::commit::batch::{Gathering, Source};
 use super::mpa;
 use super::publication::Sent;
 use super::shard::Known;

@@ -15,12 +15,13 @@ use vibrissa_protocol::{BootId, Name};
 use super::announced::Announced;
 use super::boots::Boots;
 use super::commands::Commands;
+use super::commit::batch::Gathering;
 use super::fingerprints::Fingerprints;
-use super::gathering::Gathering;
+use super::fleet_metrics;
 use super::history::History;
-use super::keep::Keep;
 use super::limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
-use super::{publication, survey};
+use super::publication;
+use super::retention::Keep;
 use crate::clock::wall_clock;
 use crate::store::StoredRobot;
 use crate::store::batch::Record;
@@ -46,7 +47,7 @@ pub(super) struct Known {
     /// Next `seq` of each topic to this robot.
     pub(super) seqs: publication::Seqs,
     /// What was measured last of each compensation.
-    pub(super) stated: survey::Stated,
+    pub(super) stated: fleet_metrics::Stated,
     /// What its whiskers felt, for the tables.
     pub(super) history: History,
     /// What of it is stored.
@@ -88,7 +89,7 @@ impl Known {
             listened_anew: None,
             refused_boot: None,
             seqs: publication::Seqs::default(),
-            stated: survey::Stated::default(),
+            stated: fleet_metrics::Stated::default(),
             history: History::new(keep),
             stored: Stored::State,
             commands: Commands::default(),
@@ -136,7 +137,7 @@ impl Known {
     /// From here on it is supervised under a new epoch.
     pub(super) fn begin(&mut self, epoch: u64, params: &Params) {
         self.robot.take_up(epoch, wall_clock());
-        self.stated = survey::Stated::of(&self.robot, params);
+        self.stated = fleet_metrics::Stated::of(&self.robot, params);
         self.stored = Stored::Before;
         self.commands = Commands::taken_up();
     }

@@ -13,13 +13,13 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use vibrissa_protocol::{self as protocol, BootId, Name, RobotTopic};
 
 use super::announced::Announced;
-use super::gathering::{Gathering, Sealed, Source};
+use super::commit::batch::{Gathering, Sealed, Source};
+use super::commit::checkpoint::Pace;
+use super::commit::recovery::Journey;
 use super::intake::Parcel;
-use super::keep::Keep;
 use super::limits::{BOOTS_AT_ONCE, Bucket};
+use super::retention::Keep;
 use super::shard::{Known, Shard};
-use super::snapshot::Pace;
-use super::take_up::Journey;
 use crate::metrics::Metrics;
 use crate::store::Resolution;
 use crate::store::StoredRobot;

@@ -7,14 +7,14 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Event;
 use vibrissa_protocol::{Name, RobotTopic};
 
-use super::Engine;
-use super::committer::{LeaseLost, Offender};
-use super::gathering::Sealed;
-use super::intake::Parcel;
-use super::shard::shard_of;
-use super::suspects::{Suspect, Turn, Verdict};
-use super::take_up::Journey;
 use crate::clock::wall_clock;
+use crate::engine::Engine;
+use crate::engine::commit::batch::Sealed;
+use crate::engine::commit::committer::{LeaseLost, Offender};
+use crate::engine::commit::recovery::Journey;
+use crate::engine::intake::Parcel;
+use crate::engine::quarantine::suspects::{Suspect, Turn, Verdict};
+use crate::engine::shard::shard_of;
 use crate::outbox::Publication;
 use crate::store::batch::{Owner, Owners, QuarantineRow, Record};
 
@@ -25,7 +25,7 @@ const PART: &str = "quarantine";
 
 impl Engine {
     /// Robots whose rows were left out of a transaction.
-    pub(super) fn convict(&mut self, offenders: Vec<Offender>, sealed: &mut Sealed) {
+    pub(in crate::engine) fn convict(&mut self, offenders: Vec<Offender>, sealed: &mut Sealed) {
         for offender in offenders {
             let found = self.shards.iter().flat_map(|shard| shard.robots.values());
             let known = found.filter(|known| known.robot_id == offender.robot_id);
@@ -73,8 +73,9 @@ impl Engine {
         for kept in &mut self.kept {
             kept.batch.retain(&owners, stays);
             if let Some(journal) = &mut kept.batch.journal {
-                let others =
-                    super::journal::by_robot(&journal.entries).into_iter().filter(|(other, _)| *other != robot_id);
+                let others = crate::engine::commit::journal::by_robot(&journal.entries)
+                    .into_iter()
+                    .filter(|(other, _)| *other != robot_id);
                 journal.entries = others.flat_map(|(_, entries)| entries).collect();
             }
             // Its entries before may be needed after all.
@@ -137,7 +138,7 @@ impl Engine {
     }
 
     /// Writes a message that the database refuses into the table for people to look at.
-    pub(super) fn quarantine(&mut self, row: QuarantineRow) {
+    pub(in crate::engine) fn quarantine(&mut self, row: QuarantineRow) {
         self.metrics.messages_quarantined.count([row.cause]);
         let (robot, topic, seq, cause, code) = (&row.robot, row.topic, row.seq, row.cause, &row.code);
         error!(fleet = %self.fleet, robot, topic, seq, cause, code, "message put into quarantine");
@@ -146,7 +147,7 @@ impl Engine {
     }
 
     /// The message, unless it must wait because its robot is a suspect.
-    pub(super) fn unless_suspect(&mut self, parcel: Parcel) -> Option<Parcel> {
+    pub(in crate::engine) fn unless_suspect(&mut self, parcel: Parcel) -> Option<Parcel> {
         if self.suspects.is_empty() {
             return Some(parcel);
         }
@@ -161,7 +162,7 @@ impl Engine {
     }
 
     /// Steps the next messages of suspects.
-    pub(super) async fn go_on_with_suspects(&mut self) -> Result<(), LeaseLost> {
+    pub(in crate::engine) async fn go_on_with_suspects(&mut self) -> Result<(), LeaseLost> {
         let now = Instant::now();
         let mut next: Vec<(Name, Vec<Turn>)> = Vec::new();
         for (name, suspect) in &mut self.suspects {
@@ -220,7 +221,7 @@ impl Engine {
     }
 
     /// The rows of a transaction are written, and so are those of suspects' messages that were stepped before it was closed.
-    pub(super) fn suspects_committed(&mut self, number: i64) {
+    pub(in crate::engine) fn suspects_committed(&mut self, number: i64) {
         for suspect in self.suspects.values_mut() {
             suspect.committed(number);
         }

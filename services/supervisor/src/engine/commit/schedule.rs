@@ -7,9 +7,9 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 /// How often time is told to the core.
-pub(super) const TICK: Duration = Duration::from_millis(250);
+pub(in crate::engine) const TICK: Duration = Duration::from_millis(250);
 /// How often receipts are looked at if there are more than a few messages.
-pub(super) const RECEIPTS: Duration = Duration::from_millis(100);
+pub(in crate::engine) const RECEIPTS: Duration = Duration::from_millis(100);
 /// How long messages are gathered for one commit, once they are more than a few.
 const GATHER: Duration = Duration::from_millis(20);
 /// Up to so many from one tick to the next are few.
@@ -19,7 +19,7 @@ const TICKS_A_ROUND: u32 = 2;
 
 /// Decides on the commits of one fleet.
 #[derive(Debug)]
-pub(super) struct Rounds {
+pub(in crate::engine) struct Rounds {
     /// When what is gathered must be committed.
     due: Option<Instant>,
     /// Since when there is anything.
@@ -40,7 +40,7 @@ pub(super) struct Rounds {
 
 impl Rounds {
     /// The first commit is due at once.
-    pub(super) fn new(now: Instant) -> Self {
+    pub(in crate::engine) fn new(now: Instant) -> Self {
         Self {
             due: Some(now),
             since: None,
@@ -54,7 +54,7 @@ impl Rounds {
     }
 
     /// The round that is gathered for: another one with each commit, and each time that there is nothing to commit.
-    pub(super) fn number(&mut self) -> u64 {
+    pub(in crate::engine) fn number(&mut self) -> u64 {
         if self.due.is_none() {
             self.number += 1;
         }
@@ -62,13 +62,13 @@ impl Rounds {
     }
 
     /// So many messages were handled.
-    pub(super) fn heard(&mut self, messages: usize) {
+    pub(in crate::engine) fn heard(&mut self, messages: usize) {
         self.messages[0] += messages;
         self.gathered += messages;
     }
 
     /// Shortens the wait: messages already wait for the next transaction, so there are more than a few.
-    pub(super) fn are_waited_for(&mut self) {
+    pub(in crate::engine) fn are_waited_for(&mut self) {
         if let Some(since) = self.since {
             self.due_by(since + GATHER);
         }
@@ -76,7 +76,7 @@ impl Rounds {
 
     /// There is something to commit: at the next round, or as soon as it comes of more messages than are few, after some
     /// milliseconds.
-    pub(super) fn has_gathered(&mut self, now: Instant) {
+    pub(in crate::engine) fn has_gathered(&mut self, now: Instant) {
         let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
         let window = if are_few { TICK * TICKS_A_ROUND } else { GATHER };
         let since = *self.since.get_or_insert(now);
@@ -84,22 +84,22 @@ impl Rounds {
     }
 
     /// What is gathered is committed by then.
-    pub(super) fn due_by(&mut self, due: Instant) {
+    pub(in crate::engine) fn due_by(&mut self, due: Instant) {
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
     }
 
     /// When the next commit is due, if there is one.
-    pub(super) fn due(&self) -> Option<Instant> {
+    pub(in crate::engine) fn due(&self) -> Option<Instant> {
         self.due
     }
 
     /// Whether few messages come, so that they wait for the next round.
-    pub(super) fn are_few(&self) -> bool {
+    pub(in crate::engine) fn are_few(&self) -> bool {
         self.messages.iter().all(|&messages| messages <= FEW)
     }
 
     /// A tick: its number, and whether receipts are to be looked at now.
-    pub(super) fn tick(&mut self) -> (u32, bool) {
+    pub(in crate::engine) fn tick(&mut self) -> (u32, bool) {
         let number = self.ticks;
         let is_round = number.is_multiple_of(TICKS_A_ROUND) || !self.are_few();
         self.messages = [0, self.messages[0]];
@@ -108,19 +108,19 @@ impl Rounds {
     }
 
     /// Receipts go with the next commit, which is due now.
-    pub(super) fn receipts_are_due(&mut self, now: Instant) {
+    pub(in crate::engine) fn receipts_are_due(&mut self, now: Instant) {
         self.receipts_due = true;
         self.due_by(now);
     }
 
     /// How often receipts were passed over, one time after the other.
-    pub(super) fn passed_over(&self) -> u32 {
+    pub(in crate::engine) fn passed_over(&self) -> u32 {
         self.passed_over
     }
 
     /// What was gathered is committed now: says whether receipts go with it. What `passes_over` them leaves them to the next commit,
     /// which is due at once.
-    pub(super) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
+    pub(in crate::engine) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
         (self.due, self.since, self.gathered) = (None, None, 0);
         self.number += 1;
         let receipts = self.receipts_due && !passes_over;

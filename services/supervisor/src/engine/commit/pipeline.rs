@@ -10,10 +10,10 @@ use std::time::SystemTime;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use super::Engine;
-use super::committer::{BytesRefused, Committed, Committer, LeaseLost};
-use super::gathering::Sealed;
 use crate::clock::wall_clock;
+use crate::engine::Engine;
+use crate::engine::commit::batch::Sealed;
+use crate::engine::commit::committer::{BytesRefused, Committed, Committer, LeaseLost};
 use crate::outbox::Publication;
 use crate::store::batch::JournalRow;
 
@@ -33,7 +33,7 @@ const PASSED_OVER_MAX: u32 = 8;
 
 /// What is being written of a transaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(in crate::engine) enum Part {
     /// Its bytes: what waits for it goes out then, and its rows follow.
     Bytes,
     /// Its rows: what still waits for it goes out then.
@@ -41,11 +41,11 @@ pub(super) enum Part {
 }
 
 /// What the commit under way gives back.
-pub(super) type Done = (Committer, Sealed, Part, Result<Committed, LeaseLost>);
+pub(in crate::engine) type Done = (Committer, Sealed, Part, Result<Committed, LeaseLost>);
 
 impl Engine {
     /// Closes what was gathered, or takes the next one whose rows are to be written, and has it committed while more is gathered.
-    pub(super) fn begin_commit(&mut self) {
+    pub(in crate::engine) fn begin_commit(&mut self) {
         let Some(mut committer) = self.committer.take() else { return };
         let Some((mut sealed, mut part)) = self.next_commit() else {
             self.committer = Some(committer);
@@ -94,7 +94,7 @@ impl Engine {
     }
 
     /// Whether a setpoint waits for what is gathered.
-    pub(super) fn is_urgent(&self) -> bool {
+    pub(in crate::engine) fn is_urgent(&self) -> bool {
         self.shards.iter().any(|shard| shard.gathering.is_urgent)
     }
 
@@ -157,14 +157,14 @@ impl Engine {
     }
 
     /// Tells the shards which transaction they gather for from now on.
-    pub(super) fn number_gatherings(&mut self) {
+    pub(in crate::engine) fn number_gatherings(&mut self) {
         for shard in &mut self.shards {
             shard.gathering.number = self.number + 1;
         }
     }
 
     /// Waits until nothing is being written, nor waits for its rows.
-    pub(super) async fn settle(&mut self) -> Result<(), LeaseLost> {
+    pub(in crate::engine) async fn settle(&mut self) -> Result<(), LeaseLost> {
         loop {
             if self.committing.is_some() {
                 let done = done(&mut self.committing).await;
@@ -178,7 +178,10 @@ impl Engine {
     }
 
     /// A commit has ended: now what waited for it goes out.
-    pub(super) fn committed(&mut self, (committer, mut sealed, part, committed): Done) -> Result<(), LeaseLost> {
+    pub(in crate::engine) fn committed(
+        &mut self,
+        (committer, mut sealed, part, committed): Done,
+    ) -> Result<(), LeaseLost> {
         let mut committed = committed?;
         self.committer = Some(committer);
         if committed.was_away {
@@ -226,7 +229,7 @@ impl Engine {
 
     /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
     /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
-    pub(super) fn publish(&self, publications: Vec<Publication>) -> bool {
+    pub(in crate::engine) fn publish(&self, publications: Vec<Publication>) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
         if self.lease.is_fresh() {
@@ -238,7 +241,7 @@ impl Engine {
 }
 
 /// What the commit under way gives back, when it has ended; never if there is none.
-pub(super) async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
+pub(in crate::engine) async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
     let Some(task) = committing else { return pending().await };
     let done = task.await;
     *committing = None;

@@ -20,8 +20,8 @@ use std::time::Duration;
 use tokio::time::Instant;
 use vibrissa_protocol::{RobotTopic, envelope};
 
-use super::intake::Parcel;
 use crate::clock::wall_clock;
+use crate::engine::intake::Parcel;
 use crate::store::Rejection;
 use crate::store::batch::QuarantineRow;
 
@@ -40,7 +40,7 @@ const WAITING_BYTES_MAX: usize = 4 * 1024 * 1024;
 
 /// One step of a suspect's queue.
 #[derive(Debug, Clone)]
-pub(super) enum Turn {
+pub(in crate::engine) enum Turn {
     /// A message as it came.
     Message(Parcel),
     /// A message in quarantine: only its number is taken, so that it is receipted.
@@ -57,7 +57,7 @@ impl Turn {
 
 /// A robot whose rows the database has refused.
 #[derive(Debug)]
-pub(super) struct Suspect {
+pub(in crate::engine) struct Suspect {
     waiting: VecDeque<Turn>,
     /// Those that are stepped, and are not known as committed.
     under_way: Vec<Turn>,
@@ -72,7 +72,7 @@ pub(super) struct Suspect {
 
 /// The consequence of a refusal.
 #[derive(Debug)]
-pub(super) enum Verdict {
+pub(in crate::engine) enum Verdict {
     /// It is not known yet which message is to blame.
     TryFewer,
     /// This message is.
@@ -81,7 +81,7 @@ pub(super) enum Verdict {
 
 impl Suspect {
     /// A robot whose rows were refused for the first time.
-    pub(super) fn new(now: Instant) -> Self {
+    pub(in crate::engine) fn new(now: Instant) -> Self {
         Self {
             waiting: VecDeque::new(),
             under_way: Vec::new(),
@@ -95,7 +95,7 @@ impl Suspect {
 
     /// The database has refused the rows of the messages under way, or of `messages`, which came before those waiting.
     /// If the fault is `widespread`, no message is blamed: then the database is the likely cause.
-    pub(super) fn refused(
+    pub(in crate::engine) fn refused(
         &mut self,
         now: Instant,
         messages: Vec<Parcel>,
@@ -137,7 +137,7 @@ impl Suspect {
     }
 
     /// Adds a message; false, and the message is lost, if there is no room.
-    pub(super) fn wait(&mut self, parcel: Parcel) -> bool {
+    pub(in crate::engine) fn wait(&mut self, parcel: Parcel) -> bool {
         let bytes: usize = self.waiting.iter().map(Turn::bytes).sum();
         if self.waiting.len() >= WAITING_MAX || bytes + parcel.payload.len() > WAITING_BYTES_MAX {
             return false;
@@ -147,12 +147,12 @@ impl Suspect {
     }
 
     /// True while the suspect rests: it then gets no events, not even ticks.
-    pub(super) fn rests(&self, now: Instant) -> bool {
+    pub(in crate::engine) fn rests(&self, now: Instant) -> bool {
         now < self.rests_until
     }
 
     /// Begins with the next messages, and gives them; none while others are under way, or while it rests.
-    pub(super) fn begin(&mut self, now: Instant) -> Vec<Turn> {
+    pub(in crate::engine) fn begin(&mut self, now: Instant) -> Vec<Turn> {
         if !self.under_way.is_empty() || self.rests(now) {
             return Vec::new();
         }
@@ -162,17 +162,17 @@ impl Suspect {
     }
 
     /// Whether the messages that were begun with are not refused.
-    pub(super) fn is_under_way(&self) -> bool {
+    pub(in crate::engine) fn is_under_way(&self) -> bool {
         !self.under_way.is_empty()
     }
 
     /// All of them were stepped, and will be committed by the transaction of this number.
-    pub(super) fn stepped(&mut self, number: i64) {
+    pub(in crate::engine) fn stepped(&mut self, number: i64) {
         self.number = Some(number);
     }
 
     /// The rows of a transaction were written.
-    pub(super) fn committed(&mut self, number: i64) {
+    pub(in crate::engine) fn committed(&mut self, number: i64) {
         if self.number.is_some_and(|last| number >= last) {
             (self.under_way, self.number) = (Vec::new(), None);
             self.most = self.most.saturating_mul(2).min(WAITING_MAX);
@@ -180,7 +180,7 @@ impl Suspect {
     }
 
     /// Whether it is an ordinary robot again.
-    pub(super) fn is_cleared(&self, now: Instant) -> bool {
+    pub(in crate::engine) fn is_cleared(&self, now: Instant) -> bool {
         self.waiting.is_empty()
             && self.under_way.is_empty()
             && now >= self.refused_last.max(self.rests_until) + PROBATION
@@ -188,7 +188,7 @@ impl Suspect {
 }
 
 /// The row of a message that the database refuses.
-pub(super) fn quarantined(parcel: &Parcel, rejection: &Rejection) -> QuarantineRow {
+pub(in crate::engine) fn quarantined(parcel: &Parcel, rejection: &Rejection) -> QuarantineRow {
     let envelope = envelope(&parcel.payload);
     let kept = parcel.payload.len().min(QuarantineRow::PAYLOAD_BYTES_MAX);
     QuarantineRow {

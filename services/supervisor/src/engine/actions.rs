@@ -13,7 +13,7 @@ use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
 use super::Engine;
-use super::committer::LeaseLost;
+use super::commit::committer::LeaseLost;
 use super::shard::{Known, Shard, shard_of};
 use crate::calibration_file::CalibrationFile;
 use crate::clock::wall_clock;

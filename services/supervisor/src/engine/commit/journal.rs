@@ -13,8 +13,8 @@ use vibrissa_core::robot::{Event, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 use vibrissa_edge::words::Word;
 
-use super::gathering::Source;
-use super::shard::Known;
+use crate::engine::commit::batch::Source;
+use crate::engine::shard::Known;
 use crate::store::batch::ContactRow;
 
 /// Version of the entries' layout. A negative number before entries is the version of what follows; entries begin with a robot's
@@ -28,22 +28,22 @@ const CONTACTS: u8 = 1;
 
 /// Entries of the transaction that is gathered for.
 #[derive(Debug, Default)]
-pub(super) struct Journal {
+pub(in crate::engine) struct Journal {
     bytes: Vec<u8>,
     contacts: usize,
 }
 
 /// What happened to one robot.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct Entry {
-    pub(super) robot_id: i64,
-    pub(super) now: Micros,
-    pub(super) told: Told,
+pub(in crate::engine) struct Entry {
+    pub(in crate::engine) robot_id: i64,
+    pub(in crate::engine) now: Micros,
+    pub(in crate::engine) told: Told,
 }
 
 /// What it was.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) enum Told {
+pub(in crate::engine) enum Told {
     Tick,
     Contacts { boot: i64, seq: u64, contacts: Vec<KeptContact> },
     Status { boot: i64, robot_time: Micros, whiskers: Vec<KeptStatus> },
@@ -51,7 +51,7 @@ pub(super) enum Told {
 
 /// A contact.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct KeptContact {
+pub(in crate::engine) struct KeptContact {
     array: u16,
     whisker: u16,
     robot_time: Micros,
@@ -65,7 +65,7 @@ pub(super) struct KeptContact {
 
 /// A line of a status.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct KeptStatus {
+pub(in crate::engine) struct KeptStatus {
     array: u16,
     whisker: u16,
     pressure_mpa: f64,
@@ -75,24 +75,24 @@ pub(super) struct KeptStatus {
 }
 
 impl Journal {
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::engine) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
     /// Their size.
-    pub(super) fn bytes(&self) -> usize {
+    pub(in crate::engine) fn bytes(&self) -> usize {
         self.bytes.len()
     }
 
     /// The entries, and how many contacts are in them.
-    pub(super) fn take(&mut self) -> (Vec<u8>, usize) {
+    pub(in crate::engine) fn take(&mut self) -> (Vec<u8>, usize) {
         let contacts = std::mem::take(&mut self.contacts);
         let kept = Vec::with_capacity(self.bytes.len());
         (std::mem::replace(&mut self.bytes, kept), contacts)
     }
 
     /// Removes one robot's entries.
-    pub(super) fn remove(&mut self, robot_id: i64) {
+    pub(in crate::engine) fn remove(&mut self, robot_id: i64) {
         let kept = by_robot(&self.bytes).into_iter().filter(|(other, _)| *other != robot_id);
         let bytes: Vec<u8> = kept.flat_map(|(_, entries)| entries).collect();
         let contacts = read(&bytes).filter_map(Result::ok).map(|entry| match entry.told {
@@ -103,12 +103,18 @@ impl Journal {
         self.bytes = bytes;
     }
 
-    pub(super) fn tick(&mut self, known: &Known, now: Micros) {
+    pub(in crate::engine) fn tick(&mut self, known: &Known, now: Micros) {
         self.write(&Entry { robot_id: known.robot_id, now, told: Told::Tick });
     }
 
     /// A contacts message with what it was made from; the contacts of one that was not taken do not matter.
-    pub(super) fn contacts(&mut self, known: &Known, now: Micros, event: &Event<'_>, taken: Option<Source<'_>>) {
+    pub(in crate::engine) fn contacts(
+        &mut self,
+        known: &Known,
+        now: Micros,
+        event: &Event<'_>,
+        taken: Option<Source<'_>>,
+    ) {
         let Event::Contacts { boot_id, seq, contacts } = event else { return };
         let temperatures = taken.map_or(&[][..], |source| &source.told.contacts);
         let contacts = if taken.is_some() { contacts } else { &[][..] };
@@ -122,7 +128,7 @@ impl Journal {
         }
     }
 
-    pub(super) fn status(&mut self, known: &Known, now: Micros, event: &Event<'_>) {
+    pub(in crate::engine) fn status(&mut self, known: &Known, now: Micros, event: &Event<'_>) {
         let Event::Status { boot_id, robot_time, whiskers } = event else { return };
         let kept = whiskers.iter().map(|one| KeptStatus::of(&known.robot, one)).collect();
         let told = Told::Status { boot: known.boot(boot_id), robot_time: *robot_time, whiskers: kept };
@@ -164,7 +170,7 @@ fn skip_versions(bytes: &mut &[u8]) -> std::io::Result<()> {
 }
 
 /// Reads the entries of one row.
-pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
+pub(in crate::engine) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
     std::iter::from_fn(move || {
         let skipped = skip_versions(&mut bytes);
         if skipped.is_ok() && bytes.is_empty() {
@@ -179,7 +185,7 @@ pub(super) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Ent
 }
 
 /// The entries of one row by robot, as bytes with their version, each robot's in their order. Unreadable entries are left out.
-pub(super) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
+pub(in crate::engine) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
     while skip_versions(&mut bytes).is_ok() && !bytes.is_empty() {
         let before = bytes;
@@ -213,7 +219,7 @@ impl KeptContact {
     }
 
     /// Its row, as it was written; `boot` and `seq` are the message's.
-    pub(super) fn row(
+    pub(in crate::engine) fn row(
         &self,
         record: &ContactRecord,
         whisker_id: i64,
@@ -240,7 +246,7 @@ impl KeptContact {
     }
 
     /// As it was, on a robot with these arrays; none if it is not in the core's ranges, which it was when it was written.
-    pub(super) fn contact<'a>(&self, arrays: &'a [String]) -> Option<Contact<'a>> {
+    pub(in crate::engine) fn contact<'a>(&self, arrays: &'a [String]) -> Option<Contact<'a>> {
         Some(Contact {
             array: array_name(arrays, self.array),
             whisker: self.whisker,
@@ -266,7 +272,7 @@ impl KeptStatus {
     }
 
     /// As it was, on a robot with these arrays.
-    pub(super) fn status<'a>(&self, arrays: &'a [String]) -> Option<WhiskerStatus<'a>> {
+    pub(in crate::engine) fn status<'a>(&self, arrays: &'a [String]) -> Option<WhiskerStatus<'a>> {
         Some(WhiskerStatus {
             array: array_name(arrays, self.array),
             whisker: self.whisker,
@@ -283,7 +289,7 @@ mod tests {
     use vibrissa_core::robot::Numbers;
     use vibrissa_protocol::{self as protocol, BootId, Name};
 
-    use crate::engine::keep::Keep;
+    use crate::engine::retention::Keep;
 
     use super::*;
 
@@ -291,8 +297,8 @@ mod tests {
     /// version, keep a reader of the old one, and add a file for the new one.
     #[test]
     fn golden_entries_of_version_1_are_read_and_become_version_2() {
-        let of_version_1 = include_bytes!("../../../../tests/data/formats/journal-1.bin");
-        let of_version_2 = include_bytes!("../../../../tests/data/formats/journal-2.bin");
+        let of_version_1 = include_bytes!("../../../../../tests/data/formats/journal-1.bin");
+        let of_version_2 = include_bytes!("../../../../../tests/data/formats/journal-2.bin");
         let entries: Vec<Entry> = read(of_version_1).map(Result::unwrap).collect();
         let contacts = entries.iter().filter(|entry| matches!(entry.told, Told::Contacts { .. })).count();
         let statuses = entries.iter().filter(|entry| matches!(entry.told, Told::Status { .. })).count();

@@ -7,9 +7,9 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
-use super::mpa;
-use super::shard::{Known, Shard, Stored};
 use crate::clock::wall_clock;
+use crate::engine::mpa;
+use crate::engine::shard::{Known, Shard, Stored};
 use crate::store::Batch;
 use crate::store::batch::{Interval, RobotRow, WhiskerRow};
 
@@ -27,7 +27,7 @@ const WHISKERS_AT_THE_END: f64 = 10_000.0;
 
 /// Robots whose states are to be written.
 #[derive(Debug, Default)]
-pub(super) struct Waiting {
+pub(in crate::engine) struct Waiting {
     /// By the next transaction.
     next: Vec<Name>,
     /// Their whiskers, of which those are written that have changed.
@@ -37,49 +37,49 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    pub(super) fn push_next(&mut self, name: &Name, whiskers: usize) {
+    pub(in crate::engine) fn push_next(&mut self, name: &Name, whiskers: usize) {
         self.next.push(name.clone());
         self.next_whiskers += whiskers;
     }
 
     /// A robot of the next transaction has got its whiskers.
-    pub(super) fn laid_out(&mut self, whiskers: usize) {
+    pub(in crate::engine) fn laid_out(&mut self, whiskers: usize) {
         self.next_whiskers += whiskers;
     }
 
-    pub(super) fn push(&mut self, number: i64, now: Micros, name: &Name) {
+    pub(in crate::engine) fn push(&mut self, number: i64, now: Micros, name: &Name) {
         self.queue.push_back((number, now, name.clone()));
     }
 
-    pub(super) fn is_next_empty(&self) -> bool {
+    pub(in crate::engine) fn is_next_empty(&self) -> bool {
         self.next.is_empty()
     }
 
     /// Whiskers whose states the next transaction writes, at the most.
-    pub(super) fn next_whiskers(&self) -> usize {
+    pub(in crate::engine) fn next_whiskers(&self) -> usize {
         self.next_whiskers
     }
 }
 
 /// How many whiskers' states may be written now.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(in crate::engine) struct Pace {
     tokens: f64,
     at: Micros,
 }
 
 impl Pace {
-    pub(super) fn new(now: Micros) -> Self {
+    pub(in crate::engine) fn new(now: Micros) -> Self {
         Self { tokens: BURST, at: now }
     }
 
     /// For the last transaction.
-    pub(super) fn at_the_end(now: Micros) -> Self {
+    pub(in crate::engine) fn at_the_end(now: Micros) -> Self {
         Self { tokens: WHISKERS_AT_THE_END, at: now }
     }
 
     /// Time has passed, and so many contacts wait in the journal.
-    pub(super) fn go_on(&mut self, now: Micros, contacts_in_journal: usize) {
+    pub(in crate::engine) fn go_on(&mut self, now: Micros, contacts_in_journal: usize) {
         let rate = WHISKERS_PER_S + WHISKERS_PER_S_A_CONTACT * contacts_in_journal as f64;
         self.tokens = (self.tokens + rate * now.since(self.at).as_s()).min(self.tokens.max(BURST));
         self.at = now;
@@ -96,19 +96,19 @@ impl Pace {
 
 impl Shard {
     /// Whether a state waits to be written that may be.
-    pub(super) fn is_state_due(&mut self, now: Micros) -> bool {
+    pub(in crate::engine) fn is_state_due(&mut self, now: Micros) -> bool {
         self.oldest_waiting().is_some_and(|(_, since)| now.since(since) >= AFTER)
     }
 
     /// States that wait are due.
-    pub(super) fn no_longer_wait(&mut self) {
+    pub(in crate::engine) fn no_longer_wait(&mut self) {
         for (_, since, _) in &mut self.gathering.waiting.queue {
             *since = Micros::default();
         }
     }
 
     /// The first entry of the journal that is needed to take this shard's robots up, and since when; none if none is.
-    pub(super) fn oldest_waiting(&mut self) -> Option<(i64, Micros)> {
+    pub(in crate::engine) fn oldest_waiting(&mut self) -> Option<(i64, Micros)> {
         let queue = &mut self.gathering.waiting.queue;
         while let Some((number, since, name)) = queue.front() {
             if self.robots.get(name).is_some_and(|known| known.stored == Stored::Journal(*number)) {
@@ -120,7 +120,7 @@ impl Shard {
     }
 
     /// The states that the transaction must write, because something was decided.
-    pub(super) fn snapshot_decided(&mut self, pace: &mut Pace) {
+    pub(in crate::engine) fn snapshot_decided(&mut self, pace: &mut Pace) {
         self.gathering.waiting.next_whiskers = 0;
         for name in std::mem::take(&mut self.gathering.waiting.next) {
             if let Some(known) = self.robots.get_mut(&name) {
@@ -130,7 +130,7 @@ impl Shard {
     }
 
     /// Those that it may write, because they have waited.
-    pub(super) fn snapshot_waiting(&mut self, now: Micros, pace: &mut Pace) {
+    pub(in crate::engine) fn snapshot_waiting(&mut self, now: Micros, pace: &mut Pace) {
         while pace.has_any() && self.is_state_due(now) {
             let Some((_, _, name)) = self.gathering.waiting.queue.pop_front() else { break };
             if let Some(known) = self.robots.get_mut(&name) {

@@ -11,60 +11,60 @@ use crate::readiness::Readiness;
 use crate::store::batch::Owner;
 use crate::store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
 
-use super::journal;
-use super::take_up::ROWS_AT_A_TIME;
+use crate::engine::commit::journal;
+use crate::engine::commit::recovery::ROWS_AT_A_TIME;
 
 /// The part of readiness that is kept here.
 const PART: &str = "database";
 
 /// Whoever writes for a fleet.
-pub(super) struct Committer {
-    pub(super) fleet: Name,
-    pub(super) lease: Lease,
-    pub(super) writer: Writer,
-    pub(super) program: Metrics,
-    pub(super) metrics: FleetMetrics,
-    pub(super) readiness: Readiness,
+pub(in crate::engine) struct Committer {
+    pub(in crate::engine) fleet: Name,
+    pub(in crate::engine) lease: Lease,
+    pub(in crate::engine) writer: Writer,
+    pub(in crate::engine) program: Metrics,
+    pub(in crate::engine) metrics: FleetMetrics,
+    pub(in crate::engine) readiness: Readiness,
 }
 
 /// What is known of a commit.
-pub(super) struct Committed {
+pub(in crate::engine) struct Committed {
     /// How long it took, with all attempts.
-    pub(super) took: Duration,
+    pub(in crate::engine) took: Duration,
     /// Whether the database was away.
-    pub(super) was_away: bool,
+    pub(in crate::engine) was_away: bool,
     /// Robots whose rows the database refuses for good: these rows were left out.
-    pub(super) offenders: Vec<Offender>,
+    pub(in crate::engine) offenders: Vec<Offender>,
 }
 
 /// A robot whose rows the database refuses, as it was committed last.
-pub(super) struct Offender {
-    pub(super) robot_id: i64,
-    pub(super) rejection: Rejection,
-    pub(super) stored: Option<StoredRobot>,
+pub(in crate::engine) struct Offender {
+    pub(in crate::engine) robot_id: i64,
+    pub(in crate::engine) rejection: Rejection,
+    pub(in crate::engine) stored: Option<StoredRobot>,
     /// Rows of the journal with its entries, with their numbers, in order.
-    pub(super) journal: Vec<(i64, Vec<u8>)>,
+    pub(in crate::engine) journal: Vec<(i64, Vec<u8>)>,
 }
 
 /// The database refuses bytes for good.
 #[derive(Debug)]
-pub(super) struct BytesRefused;
+pub(in crate::engine) struct BytesRefused;
 
 /// An outage of the database, if there is one.
 #[derive(Debug, Default)]
-pub(super) struct Outage {
+pub(in crate::engine) struct Outage {
     since: Option<Instant>,
     backoff: Backoff,
 }
 
 /// The fleet is somebody else's.
 #[derive(Debug)]
-pub(super) struct LeaseLost;
+pub(in crate::engine) struct LeaseLost;
 
 impl Committer {
     /// Writes a batch; a database that is away is waited for, while the inbox fills and then sheds. If the database refuses
     /// rows for good, the batch is written without the rows of the robots that they belong to.
-    pub(super) async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
+    pub(in crate::engine) async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
         let (mut refused, mut is_apart) = (Vec::new(), false);
@@ -94,7 +94,7 @@ impl Committer {
 
     /// Writes a batch's bytes under its number, which commits it; only its rows are still to be written. Waits until the
     /// database is available.
-    pub(super) async fn keep(
+    pub(in crate::engine) async fn keep(
         &mut self,
         number: i64,
         bytes: &[u8],
@@ -153,7 +153,7 @@ impl Committer {
     }
 
     /// Waits before the next attempt, and says why; a lost lease is not waited for.
-    pub(super) async fn wait_out(
+    pub(in crate::engine) async fn wait_out(
         &mut self,
         outage: &mut Outage,
         problem: StoreError,
@@ -172,7 +172,7 @@ impl Committer {
     }
 
     /// The database answers again; true if it did not before.
-    pub(super) fn end_of(&self, outage: &Outage) -> bool {
+    pub(in crate::engine) fn end_of(&self, outage: &Outage) -> bool {
         let Some(since) = outage.since else { return false };
         info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "the database takes what is written again");
         self.readiness.set_of(&self.fleet, PART, None);

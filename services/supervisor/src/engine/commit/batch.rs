@@ -11,13 +11,13 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name};
 
-use super::allowed::{Allowed, TurnedAway};
-use super::intake::Parcel;
-use super::journal::Journal;
-use super::keep::Keep;
-use super::shard::{Known, Stored};
-use super::snapshot::Waiting;
-use super::survey;
+use crate::engine::allowed::{Allowed, TurnedAway};
+use crate::engine::commit::checkpoint::Waiting;
+use crate::engine::commit::journal::Journal;
+use crate::engine::fleet_metrics;
+use crate::engine::intake::Parcel;
+use crate::engine::retention::Keep;
+use crate::engine::shard::{Known, Stored};
 use crate::metrics::FleetMetrics;
 use crate::outbox::Publication;
 use crate::store::Batch;
@@ -28,75 +28,75 @@ const WARNED_EVERY: Duration = Duration::from_secs(60);
 
 /// A contacts message with the number of its boot in the database.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub(super) told: &'a protocol::Contacts,
-    pub(super) boot: i64,
+pub(in crate::engine) struct Source<'a> {
+    pub(in crate::engine) told: &'a protocol::Contacts,
+    pub(in crate::engine) boot: i64,
 }
 
 /// What has come of a shard's robots since the last transaction was closed.
-pub(super) struct Gathering {
-    pub(super) fleet: Name,
-    pub(super) boot_id: BootId,
-    pub(super) params: Arc<Params>,
-    pub(super) metrics: FleetMetrics,
+pub(in crate::engine) struct Gathering {
+    pub(in crate::engine) fleet: Name,
+    pub(in crate::engine) boot_id: BootId,
+    pub(in crate::engine) params: Arc<Params>,
+    pub(in crate::engine) metrics: FleetMetrics,
     /// Which contacts are kept one by one.
-    pub(super) keep: Keep,
+    pub(in crate::engine) keep: Keep,
     /// The allow list of robots.
-    pub(super) allowed: Allowed,
+    pub(in crate::engine) allowed: Allowed,
     /// Those that were not.
-    pub(super) turned_away: TurnedAway,
+    pub(in crate::engine) turned_away: TurnedAway,
     /// The number of the transaction in the fleet's journal.
-    pub(super) number: i64,
-    pub(super) batch: Batch,
-    pub(super) journal: Journal,
-    pub(super) publications: Vec<Publication>,
+    pub(in crate::engine) number: i64,
+    pub(in crate::engine) batch: Batch,
+    pub(in crate::engine) journal: Journal,
+    pub(in crate::engine) publications: Vec<Publication>,
     /// A setpoint is among the publications: the transaction is not to wait for more.
-    pub(super) is_urgent: bool,
+    pub(in crate::engine) is_urgent: bool,
     /// The messages behind the gathered rows, in case the database refuses the rows.
-    pub(super) messages: Vec<Parcel>,
+    pub(in crate::engine) messages: Vec<Parcel>,
     /// The message in hand has changed a robot.
-    pub(super) has_stepped: bool,
+    pub(in crate::engine) has_stepped: bool,
     /// Times of the contacts messages in the batch.
-    pub(super) taken: Vec<survey::Taken>,
+    pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
     /// Robots whose states are to be written.
-    pub(super) waiting: Waiting,
+    pub(in crate::engine) waiting: Waiting,
     /// Robots with boots whose contacts are to be receipted.
-    pub(super) receipts_due: Vec<Name>,
+    pub(in crate::engine) receipts_due: Vec<Name>,
     /// The setpoint that the message in hand is an answer to.
-    pub(super) answering: Option<survey::Answering>,
-    pub(super) effects: Vec<Effect>,
+    pub(in crate::engine) answering: Option<fleet_metrics::Answering>,
+    pub(in crate::engine) effects: Vec<Effect>,
     /// Keys of the fingerprints of messages.
-    pub(super) hashers: RandomState,
+    pub(in crate::engine) hashers: RandomState,
     /// When something suspicious of each kind was logged last.
     warned: BTreeMap<&'static str, Instant>,
     /// The contacts of a message that is done with.
-    pub(super) list: Vec<protocol::Contact>,
+    pub(in crate::engine) list: Vec<protocol::Contact>,
     /// The traces of setpoints under way, if there is a collector.
-    pub(super) lives: Option<Lives>,
+    pub(in crate::engine) lives: Option<Lives>,
 }
 
 /// A gathering that is closed, to be committed.
 #[derive(Default)]
-pub(super) struct Sealed {
-    pub(super) batch: Batch,
-    pub(super) publications: Vec<Publication>,
+pub(in crate::engine) struct Sealed {
+    pub(in crate::engine) batch: Batch,
+    pub(in crate::engine) publications: Vec<Publication>,
     /// Messages that led to it.
-    pub(super) messages: Vec<Parcel>,
-    pub(super) taken: Vec<survey::Taken>,
+    pub(in crate::engine) messages: Vec<Parcel>,
+    pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
     /// By shard.
-    pub(super) untold: Vec<Untold>,
+    pub(in crate::engine) untold: Vec<Untold>,
     /// Actions whose answers are in the batch.
-    pub(super) answered: Vec<i64>,
+    pub(in crate::engine) answered: Vec<i64>,
     /// The number of the transaction in the fleet's journal.
-    pub(super) number: i64,
+    pub(in crate::engine) number: i64,
     /// The batch as bytes, while these are to be kept.
-    pub(super) bytes: Option<Vec<u8>>,
+    pub(in crate::engine) bytes: Option<Vec<u8>>,
     /// What waited for it has gone out.
-    pub(super) is_out: bool,
+    pub(in crate::engine) is_out: bool,
 }
 
 impl Gathering {
-    pub(super) fn new(fleet: Name, boot_id: BootId, params: Arc<Params>, metrics: FleetMetrics) -> Self {
+    pub(in crate::engine) fn new(fleet: Name, boot_id: BootId, params: Arc<Params>, metrics: FleetMetrics) -> Self {
         Self {
             fleet,
             boot_id,
@@ -125,7 +125,7 @@ impl Gathering {
     }
 
     /// The core's step, and what comes of it.
-    pub(super) fn step(
+    pub(in crate::engine) fn step(
         &mut self,
         known: &mut Known,
         now: Micros,
@@ -204,7 +204,7 @@ impl Gathering {
     }
 
     /// Counts what no robot that keeps the contract would send, and warns of it once a minute.
-    pub(super) fn suspect(&mut self, reason: &'static str, problem: &str, robot: &Name) {
+    pub(in crate::engine) fn suspect(&mut self, reason: &'static str, problem: &str, robot: &Name) {
         self.metrics.refuse(reason, problem, robot.as_str());
         let now = Instant::now();
         if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNED_EVERY) {
@@ -214,7 +214,7 @@ impl Gathering {
     }
 
     /// The robot's state is written by the next transaction.
-    pub(super) fn store_next(&mut self, known: &mut Known) {
+    pub(in crate::engine) fn store_next(&mut self, known: &mut Known) {
         if known.stored != Stored::Next {
             known.stored = Stored::Next;
             self.waiting.push_next(&known.name, known.whisker_ids.len());
@@ -222,7 +222,7 @@ impl Gathering {
     }
 
     /// Closes it: adds its rows to those of other shards; says how many contacts its journal entries have.
-    pub(super) fn seal_into(&mut self, sealed: &mut Sealed, entries: &mut Vec<u8>) -> usize {
+    pub(in crate::engine) fn seal_into(&mut self, sealed: &mut Sealed, entries: &mut Vec<u8>) -> usize {
         sealed.batch.append(&mut self.batch);
         sealed.publications.append(&mut self.publications);
         sealed.messages.append(&mut self.messages);
@@ -239,13 +239,13 @@ impl Gathering {
     }
 
     /// Whether there is anything to commit or to publish.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::engine) fn is_empty(&self) -> bool {
         self.batch.is_empty() && self.journal.is_empty() && self.publications.is_empty() && self.waiting.is_next_empty()
     }
 }
 
 /// Whether the same effect of the same event can be left out when the event is gone through again: it has become a row or a
 /// request, and nothing follows from it.
-pub(super) fn is_ordinary(effect: &Effect) -> bool {
+pub(in crate::engine) fn is_ordinary(effect: &Effect) -> bool {
     matches!(effect, Effect::Contact(_) | Effect::Response(_) | Effect::AskForFactsheet | Effect::BadTime { .. })
 }

@@ -11,7 +11,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 
 use super::Engine;
-use super::gathering::Gathering;
+use super::commit::batch::Gathering;
 use super::shard::{Known, Shard};
 use crate::clock::wall_clock;
 use crate::inbox::Inbox;

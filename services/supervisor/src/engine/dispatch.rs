@@ -6,10 +6,11 @@ use std::time::Instant;
 use tracing::error;
 use vibrissa_protocol::{RobotTopic, Topic};
 
-use super::committer::{LeaseLost, Outage};
+use super::Engine;
+use super::commit::committer::{LeaseLost, Outage};
 use super::intake::Parcel;
+use super::quarantine::suspects;
 use super::shard::{Shard, shard_of};
-use super::{Engine, suspects};
 use crate::inbox::Incoming;
 
 /// Parcels of one round that are worth several tasks.

@@ -9,15 +9,15 @@ use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_protocol::Name;
 
-use super::gathering::{Gathering, is_ordinary};
-use super::journal::{Entry, Told, by_robot, read};
-use super::shard::{Known, Shard, shard_of};
+use crate::engine::commit::batch::{Gathering, is_ordinary};
+use crate::engine::commit::journal::{Entry, Told, by_robot, read};
+use crate::engine::shard::{Known, Shard, shard_of};
 use crate::store::StoredRobot;
 use crate::store::batch::Batch;
 use crate::store::{Lease, Refused, StoreError, Writer};
 
 /// Rows of the journal that are read at a time.
-pub(super) const ROWS_AT_A_TIME: i64 = 256;
+pub(in crate::engine) const ROWS_AT_A_TIME: i64 = 256;
 
 /// What going through the journal needs to know of a robot.
 struct Follower {
@@ -60,7 +60,11 @@ async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Res
 }
 
 /// The robots of a fleet, each in its shard, and the number of the last entry of its journal.
-pub(super) async fn take_up(writer: &mut Writer, lease: &Lease, shards: &mut [Shard]) -> Result<i64, StoreError> {
+pub(in crate::engine) async fn take_up(
+    writer: &mut Writer,
+    lease: &Lease,
+    shards: &mut [Shard],
+) -> Result<i64, StoreError> {
     write_kept(writer, lease).await?;
     let (mut journey, mut last) = (Journey::default(), 0);
     for stored in writer.robots(lease).await? {
@@ -90,13 +94,13 @@ pub(super) async fn take_up(writer: &mut Writer, lease: &Lease, shards: &mut [Sh
 
 /// From the states that are stored to the last commit.
 #[derive(Default)]
-pub(super) struct Journey {
+pub(in crate::engine) struct Journey {
     followers: BTreeMap<i64, Follower>,
 }
 
 impl Journey {
     /// Puts a robot into its shard; whoever has whiskers can be given what is in the journal.
-    pub(super) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
+    pub(in crate::engine) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
         // It has only announced itself, to an earlier version of the program: see `announced`.
         if stored.boots.is_empty() && stored.whisker_ids.is_empty() && !stored.held {
             return;
@@ -121,7 +125,7 @@ impl Journey {
     }
 
     /// Gives the robots what one row says; says how many entries were for them.
-    pub(super) fn go_through(&mut self, number: i64, bytes: &[u8], shards: &mut [Shard]) -> usize {
+    pub(in crate::engine) fn go_through(&mut self, number: i64, bytes: &[u8], shards: &mut [Shard]) -> usize {
         let mut count = 0;
         for entry in read(bytes) {
             let entry = match entry {
@@ -149,7 +153,7 @@ impl Journey {
     }
 
     /// The same for one robot.
-    pub(super) fn arrive_at(&self, known: &mut Known, epoch: u64, gathering: &mut Gathering) {
+    pub(in crate::engine) fn arrive_at(&self, known: &mut Known, epoch: u64, gathering: &mut Gathering) {
         known.begin(epoch, &gathering.params);
         if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
             gathering.store_next(known);

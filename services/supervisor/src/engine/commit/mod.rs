@@ -1,0 +1,40 @@
+//! The write path, from the effects of a step to committed rows and back after a restart.
+//!
+//! - [`batch`]: the rows that the steps of a shard have led to since the last commit.
+//! - [`journal`]: an input log. A step that decides nothing writes its *event* here, and the robot's checkpoint may wait.
+//! - [`checkpoint`]: robots' states as rows, at once where something is decided, otherwise about two seconds later.
+//! - [`schedule`]: group commit, the time at which the open batches become a transaction.
+//! - [`pipeline`]: sealed transactions, one after the other, and the publications that wait for them.
+//! - [`committer`]: one transaction in the database, tried again while the database is away.
+//! - [`recovery`]: intents become rows, checkpoints are loaded, and the journal is stepped through the core again.
+//!
+//! A transaction:
+//!
+//! ```text
+//! open ──schedule──▶ sealed ──no setpoint in it────────────────────────▶ rows committed ──▶ all publications go out
+//!                      │                                                       ▲
+//!                      └─a setpoint in it──▶ intent committed (`redo`) ────────┘ in the order of sealing
+//!                                            └──▶ its publications go out now
+//! ```
+//!
+//! The durable state of a robot is its checkpoint, and the journal's entries after it. In the open batch it is one of
+//! [`super::shard::Stored`]:
+//!
+//! ```text
+//! State ──────ordinary message──────▶ Journal(n) ──ordinary message──▶ Journal(n)
+//! State, Journal(n), Before ──any other step──▶ Next ──checkpoint in this transaction──▶ State
+//! Journal(n) ──two seconds later, a checkpoint──▶ State
+//! take-up ──▶ Before: the checkpoint is older than the take-up, so that no entry may be added to it
+//! ```
+//!
+//! Each transaction advances the counter of commits in the lease's row, where owner, epoch and counter are those that this
+//! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, makes a repeated attempt
+//! write nothing twice, and renews the lease.
+
+pub(super) mod batch;
+pub(super) mod checkpoint;
+pub(super) mod committer;
+pub(super) mod journal;
+pub(super) mod pipeline;
+pub(super) mod recovery;
+pub(super) mod schedule;
