@@ -5,65 +5,47 @@
 //! waits, sends or stores: the caller commits the effects together with the state, and then carries them out.
 //! The same events give the same effects, byte for byte.
 //!
-//! Read on in [`whisker`] (how one whisker feels), `contact` (what a verdict makes of it), `health`,
-//! `clock` (the robot's clock), `shared` (changes common to an array), `layout` (the whiskers of a robot), `compensation`
-//! (who serves whom), `what_if`, `command` (setpoints), `measure` (Eq. 35), [`refinement`] (the closed loop), [`action`] and `operator` (what people may do),
-//! and `alarms` (what they are told).
+//! - [`event`], [`effect`], [`action`], [`params`], `view`, `what_if`: the interface.
+//! - [`state`]: clock, message numbers, layout, whiskers.
+//! - [`health`]: contacts and the detector's verdicts, faults, gauges, changes common to an array, alarms.
+//! - [`compensation`]: who serves whom, the error of Eq. 35, the closed loop.
+//! - `setpoints`: commands to the robot, and operators' actions.
+//! - `codec`: the stored bytes.
 
 pub mod action;
-pub mod alarms;
-mod bytes;
-mod clock;
-mod command;
-mod compensation;
-mod contact;
+mod codec;
+pub mod compensation;
 pub mod effect;
 pub mod event;
-mod felt;
-pub mod few;
-mod gauge;
-mod health;
-mod layout;
-mod measure;
-mod moment;
-mod operator;
+pub mod health;
 pub mod params;
-mod places;
-mod prediction;
-mod quiet;
-mod rare;
-mod rebaseline;
-pub mod refinement;
-pub mod sequence;
-mod shared;
-pub mod sheet;
-mod stored;
+mod setpoints;
+pub mod state;
 mod view;
 mod what_if;
-pub mod whisker;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use smallvec::SmallVec;
 
 pub use action::{ActionProblem, OperatorAction, Place, Scope};
+pub use codec::robot::RestoreError;
 pub use compensation::Compensation;
 pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;
-pub use sequence::{Admission, Sequence, Sequences};
-pub use sheet::Sheet;
-pub use stored::RestoreError;
+pub use state::sequence::{Admission, Sequence, Sequences};
+pub use state::sheet::Sheet;
+pub use state::whisker::Whisker;
 pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
-pub use whisker::Whisker;
 
 use crate::text::ShortText;
 use crate::units::Micros;
-use clock::{Clock, Told};
 use event::{ArrayKind, Factsheet, Link};
-use moment::Moment;
-use places::Places;
-use quiet::Quiet;
+use state::clock::{Clock, Told};
+use state::deadline::Quiet;
+use state::moment::Moment;
+use state::places::Places;
 
 /// One robot: its numbers, its whiskers, its compensations.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]

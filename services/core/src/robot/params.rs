@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::refinement::RefinementParams;
+use super::compensation::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
 use crate::estimation::{EvenCases, LeakParams, SensorNoise};

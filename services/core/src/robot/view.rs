@@ -1,8 +1,8 @@
 //! What can be seen of a robot from outside.
 
-use super::alarms::Standing;
 use super::effect::{Command, Condition, Fault, WhiskerIndex};
 use super::event::{ArrayKind, Link};
+use super::health::alarms::Standing;
 use super::{Compensation, Robot, Sequence, Sheet};
 use crate::estimation::{Erosion, Interval, LengthEstimate};
 use crate::mechanics::Offset;

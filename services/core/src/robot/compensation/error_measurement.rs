@@ -1,13 +1,13 @@
 //! The compensation error (Eq. 35) from what the compensator feels.
 
-use super::Robot;
-use super::compensation::Compensation;
-use super::effect::{CompensationError, Condition, Effect, ErrorBin, Origin, Response, WhiskerIndex};
-use super::event::Contact;
-use super::params::Params;
-use super::whisker::Whisker;
 use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
+use crate::robot::Robot;
+use crate::robot::compensation::Compensation;
+use crate::robot::effect::{CompensationError, Condition, Effect, ErrorBin, Origin, Response, WhiskerIndex};
+use crate::robot::event::Contact;
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
@@ -54,7 +54,7 @@ impl Reference<'_> {
 
 impl Robot {
     /// Takes a compensator's contact in, records its three responses, and from time to time the error.
-    pub(super) fn measure(
+    pub(in crate::robot) fn measure(
         &mut self,
         params: &Params,
         index: WhiskerIndex,

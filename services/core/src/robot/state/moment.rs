@@ -6,22 +6,22 @@ use crate::units::Micros;
 
 /// A time, or none.
 #[derive(Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
-pub(super) struct Moment(Micros);
+pub(in crate::robot) struct Moment(Micros);
 
 impl Moment {
     /// None: no clock comes so far.
-    pub(super) const NONE: Self = Self(Micros(u64::MAX));
+    pub(in crate::robot) const NONE: Self = Self(Micros(u64::MAX));
 
-    pub(super) fn at(time: Micros) -> Self {
+    pub(in crate::robot) fn at(time: Micros) -> Self {
         Self(time)
     }
 
-    pub(super) fn get(self) -> Option<Micros> {
+    pub(in crate::robot) fn get(self) -> Option<Micros> {
         (self != Self::NONE).then_some(self.0)
     }
 
     /// The time is this one if there was none.
-    pub(super) fn get_or_insert(&mut self, time: Micros) {
+    pub(in crate::robot) fn get_or_insert(&mut self, time: Micros) {
         if *self == Self::NONE {
             *self = Self(time);
         }

@@ -1,43 +1,48 @@
 //! Compensations: decided over a whole array, begun, ended.
 
+pub(in crate::robot) mod error_measurement;
+pub(in crate::robot) mod prediction;
+pub mod refinement;
+pub(in crate::robot) mod responses;
+
 use std::collections::BTreeMap;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::Robot;
-use super::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
-use super::event::ArrayKind;
-use super::params::Params;
-use super::prediction::cases_for_each;
-use super::refinement::Refining;
-use super::whisker::Whisker;
 use crate::estimation::{Belief, ResponseBins};
 use crate::policy::{Case, Fitness, Ineligible, Mode, Offer, Proposal, Refused, assign, propose};
+use crate::robot::Robot;
+use crate::robot::compensation::prediction::cases_for_each;
+use crate::robot::compensation::refinement::Refining;
+use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
+use crate::robot::event::ArrayKind;
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Micros, Millimetre};
 
 /// A compensation in force.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Compensation {
-    pub(super) id: u32,
-    pub(super) target: u32,
-    pub(super) compensator: u32,
-    pub(super) case: Case,
-    pub(super) predicted_error: f64,
+    pub(in crate::robot) id: u32,
+    pub(in crate::robot) target: u32,
+    pub(in crate::robot) compensator: u32,
+    pub(in crate::robot) case: Case,
+    pub(in crate::robot) predicted_error: f64,
     /// The compensator as it was decided on.
-    pub(super) length: Millimetre,
-    pub(super) pressure_before: Megapascal,
-    pub(super) pressure: Megapascal,
+    pub(in crate::robot) length: Millimetre,
+    pub(in crate::robot) pressure_before: Megapascal,
+    pub(in crate::robot) pressure: Megapascal,
     /// The compensator's own whole response, for a neighbour; its model serves for the trimmed one itself.
-    pub(super) before: Option<ResponseBins>,
+    pub(in crate::robot) before: Option<ResponseBins>,
     /// Its response at the setpoint, against the model at `length`.
-    pub(super) after: ResponseBins,
+    pub(in crate::robot) after: ResponseBins,
     /// The setpoint was applied.
-    pub(super) settled: bool,
+    pub(in crate::robot) settled: bool,
     /// Standard deviation of `length` as it was decided on, mm.
-    pub(super) length_sd_mm: f64,
-    pub(super) refining: Refining,
+    pub(in crate::robot) length_sd_mm: f64,
+    pub(in crate::robot) refining: Refining,
     /// It waits for an operator's approval: it holds its place in the assignment, and nothing was sent for it.
-    pub(super) proposed: bool,
+    pub(in crate::robot) proposed: bool,
 }
 
 impl Compensation {
@@ -106,7 +111,7 @@ impl Asked<'_> {
 
 impl Robot {
     /// The parameters are others.
-    pub(super) fn policy_changed(&mut self) {
+    pub(in crate::robot) fn policy_changed(&mut self) {
         for whisker in self.whiskers.iter_mut().filter(|one| !one.refused_servers.is_empty()) {
             whisker.refused_servers.clear();
             whisker.changed = true;
@@ -116,7 +121,7 @@ impl Robot {
     }
 
     /// Decides anew wherever something has changed that a decision rests on.
-    pub(super) fn decide(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn decide(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         if !std::mem::take(&mut self.undecided) {
             return;
         }
@@ -150,7 +155,7 @@ impl Robot {
     }
 
     /// Ends a compensation; its compensator returns to its nominal pressure unless it is wanted otherwise.
-    pub(super) fn end(&mut self, id: u32, reason: EndReason, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn end(&mut self, id: u32, reason: EndReason, effects: &mut Vec<Effect>) {
         let Some(at) = self.compensations.iter().position(|one| one.id == id) else { return };
         let ended = self.compensations.remove(at);
         self.changed = true;

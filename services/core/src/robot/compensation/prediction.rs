@@ -4,15 +4,15 @@
 //! how whole target and compensator differ from the model at their nominal pressures, and the compensator's
 //! length. All of it is gone through together; 95 % of the cases lie in the interval.
 
-use super::Robot;
-use super::effect::WhiskerIndex;
-use super::felt::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
-use super::params::Params;
 use crate::estimation::even::CASES;
 use crate::estimation::spread::{Curve, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
 use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
 use crate::policy::Fitness;
+use crate::robot::Robot;
+use crate::robot::compensation::responses::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
+use crate::robot::effect::WhiskerIndex;
+use crate::robot::params::Params;
 use crate::units::Megapascal;
 
 /// Cases that one decision goes through for all its candidates, and for each of them at least: a decision over a large
@@ -21,14 +21,14 @@ const CASES_A_DECISION: usize = 12_800;
 const CASES_MIN: u32 = 16;
 
 /// Cases for each of so many candidates.
-pub(super) fn cases_for_each(candidates: usize) -> u32 {
+pub(in crate::robot) fn cases_for_each(candidates: usize) -> u32 {
     let share = CASES_A_DECISION / candidates.max(1);
     u32::try_from(share).unwrap_or(CASES).clamp(CASES_MIN, CASES)
 }
 
 impl Robot {
     /// The 95 % interval of the mean error (Eq. 35) that a candidate will have at its setpoint, as ratios.
-    pub(super) fn predicted_interval(
+    pub(in crate::robot) fn predicted_interval(
         &self,
         params: &Params,
         (target, compensator): (WhiskerIndex, WhiskerIndex),

@@ -55,7 +55,7 @@ const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
 
 /// How a message's time relates to the moment at which the robot sent it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Told {
+pub(in crate::robot) enum Told {
     /// Sent at that time: `status` and `setpoint_state`.
     Live,
     /// Sent at that time or later: `contacts`.
@@ -64,7 +64,7 @@ pub(super) enum Told {
 
 /// The clock of one boot of a robot.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Clock {
+pub(in crate::robot) struct Clock {
     samples: SmallVec<[Sample; SAMPLES]>,
     /// When a message was received last, by the supervisor's clock.
     heard: Option<Micros>,
@@ -81,7 +81,7 @@ struct Sample {
 
 impl Clock {
     /// A message was received at `now`, and says that it was `robot_time`; 0 stands for a message without a time.
-    pub(super) fn hear(&mut self, now: Micros, robot_time: Micros, told: Told) {
+    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: Told) {
         self.heard = Some(now);
         if robot_time == Micros::default() {
             return;
@@ -130,19 +130,19 @@ impl Clock {
     }
 
     /// The current time by the robot's clock. `None` until that clock is known well enough to expire a setpoint by it.
-    pub(super) fn robot_time(&self, now: Micros) -> Option<Micros> {
+    pub(in crate::robot) fn robot_time(&self, now: Micros) -> Option<Micros> {
         let offset_us = self.offset_us()?;
         let is_known = self.samples.len() >= SETTLED || offset_us.abs() <= NEAR_US;
         Some(Micros(now.0.saturating_add_signed(offset_us))).filter(|robot_time| is_known && *robot_time < LATEST)
     }
 
     /// When a message was received last, by the supervisor's clock.
-    pub(super) fn heard(&self) -> Option<Micros> {
+    pub(in crate::robot) fn heard(&self) -> Option<Micros> {
         self.heard
     }
 
     /// Known and heard, for a question that rests on neither.
-    pub(super) fn assume_known(&mut self, now: Micros) {
+    pub(in crate::robot) fn assume_known(&mut self, now: Micros) {
         self.heard = Some(now);
         if self.robot_time(now).is_none() {
             self.samples.clear();
@@ -152,7 +152,7 @@ impl Clock {
 
     /// The times that can be right: neither further ahead than [`AHEAD_MAX_US`] of both clocks, nor further behind
     /// than [`BEHIND_MAX_US`]. Before the estimate has settled, no time is too far behind: the robot may believe it is 1970.
-    pub(super) fn plausible(&self, now: Micros) -> RangeInclusive<Micros> {
+    pub(in crate::robot) fn plausible(&self, now: Micros) -> RangeInclusive<Micros> {
         let earliest = self.settled_us().map_or(Micros::default(), |settled_us| {
             let offset_us = settled_us.min(0).saturating_sub(BEHIND_MAX_US);
             Micros(now.0.saturating_add_signed(offset_us))
@@ -161,7 +161,7 @@ impl Clock {
     }
 
     /// The same for an older boot, whose clock may have been further behind.
-    pub(super) fn plausible_of_older_boot(&self, now: Micros) -> RangeInclusive<Micros> {
+    pub(in crate::robot) fn plausible_of_older_boot(&self, now: Micros) -> RangeInclusive<Micros> {
         let offset_us = self.settled_us().unwrap_or(0).max(0).saturating_add(AHEAD_MAX_US);
         Micros::default()..=Micros(now.0.saturating_add_signed(offset_us))
     }

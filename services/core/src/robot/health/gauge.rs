@@ -11,9 +11,9 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::event::GaugeState;
 use crate::estimation::Innovation;
 use crate::estimation::filter::Observation;
+use crate::robot::event::GaugeState;
 
 /// Strains that differ by less than this part of themselves are the same.
 const SAME: f64 = 1e-6;
@@ -35,7 +35,7 @@ const STRAINS_ABOVE: u8 = 2;
 
 /// The state of one gauge's supervision.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-pub(super) struct GaugeWatch {
+pub(in crate::robot) struct GaugeWatch {
     /// As the robot says.
     pub reported: GaugeState,
     /// As the contacts show.
@@ -79,7 +79,7 @@ enum Reading {
 impl GaugeWatch {
     /// Takes one contact in; true if its strain is not to be used. `contacts` bad ones make a fault, twice as many
     /// good ones end it.
-    pub(super) fn watch(&mut self, contact: &Observation, seen: Option<&Innovation>, contacts: u8) -> bool {
+    pub(in crate::robot) fn watch(&mut self, contact: &Observation, seen: Option<&Innovation>, contacts: u8) -> bool {
         let expected = seen.map(|seen| seen.predicted_sensitivity_per_mm * contact.deflection_mm);
         let reading = self.reading(contact, expected);
         match reading {
@@ -152,7 +152,7 @@ impl GaugeWatch {
     }
 
     /// As the robot says, or else as the contacts show.
-    pub(super) fn state(&self) -> GaugeState {
+    pub(in crate::robot) fn state(&self) -> GaugeState {
         if self.reported == GaugeState::Ok { self.observed } else { self.reported }
     }
 }

@@ -12,17 +12,17 @@
 //! - One that only waits for approval was decided on what is not known any more, if this whisker would serve: it ends,
 //!   and is decided anew.
 
-use super::Robot;
-use super::effect::{Condition, Effect, EndReason, WhiskerIndex};
-use super::params::Params;
-use super::rare::Rares;
-use super::whisker::Whisker;
 use crate::detection::Detector;
 use crate::estimation::{NoiseScale, ResponseBins, Waiting};
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, Effect, EndReason, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::rare::Rares;
+use crate::robot::state::whisker::Whisker;
 
 impl Robot {
     /// The whisker is learned anew at its present length.
-    pub(super) fn rebaseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn rebaseline(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         self.call_trim(index, effects);
         self.end_as_compensator(index, EndReason::Operator, |one| one.is_proposed(), effects);
         let whisker = &mut self.whiskers[index];

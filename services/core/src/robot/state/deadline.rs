@@ -4,15 +4,15 @@
 //! expires. Where nothing is under way, a look at all whiskers tells when the first of these can be; it is told anew after
 //! anything that could bring it nearer.
 
-use super::Robot;
-use super::effect::{Effect, WhiskerIndex};
-use super::params::Params;
-use super::whisker::Whisker;
+use crate::robot::Robot;
+use crate::robot::effect::{Effect, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Whisker;
 use crate::units::Micros;
 
 /// From the last look at all whiskers until the first of them can have something to be done.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Quiet(Option<(Micros, Micros)>);
+pub(in crate::robot) struct Quiet(Option<(Micros, Micros)>);
 
 /// It follows from what a robot is, and makes none another.
 impl PartialEq for Quiet {
@@ -23,12 +23,12 @@ impl PartialEq for Quiet {
 
 impl Quiet {
     /// The next tick looks at all whiskers.
-    pub(super) fn end(&mut self) {
+    pub(in crate::robot) fn end(&mut self) {
         self.0 = None;
     }
 
     /// Something can have to be done after `until`.
-    pub(super) fn not_beyond(&mut self, until: Micros) {
+    pub(in crate::robot) fn not_beyond(&mut self, until: Micros) {
         if let Some((_, known)) = &mut self.0 {
             *known = until.min(*known);
         }
@@ -41,7 +41,7 @@ impl Quiet {
 
 impl Robot {
     /// Time has passed.
-    pub(super) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         self.await_factsheet(now, effects);
         if self.quiet.holds(now) {
             return;

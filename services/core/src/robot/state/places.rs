@@ -1,16 +1,16 @@
 //! Where a robot's whiskers are among its indices.
 
-use super::Robot;
-use super::effect::WhiskerIndex;
+use crate::robot::Robot;
+use crate::robot::effect::WhiskerIndex;
 
 /// The whiskers' arrays and numbers, by index: searched where numbers do not follow one another, without a look at the
 /// whiskers themselves.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Places(Vec<(u16, u16)>);
+pub(in crate::robot) struct Places(Vec<(u16, u16)>);
 
 impl Robot {
     /// Index of a whisker.
-    pub(super) fn place(&self, array: u16, number: u16) -> Option<WhiskerIndex> {
+    pub(in crate::robot) fn place(&self, array: u16, number: u16) -> Option<WhiskerIndex> {
         let (first, first_number) = self.arrays.get(usize::from(array))?.first;
         let first = first as usize;
         // Mostly they are numbered one after another. Then it is the whisker that is looked at next anyway.
@@ -23,7 +23,7 @@ impl Robot {
     }
 
     /// After the layout has become another.
-    pub(super) fn index_places(&mut self) {
+    pub(in crate::robot) fn index_places(&mut self) {
         self.places.0 = self.whiskers.iter().map(|one| (one.array, one.sheet.number)).collect();
         for (index, array) in self.arrays.iter_mut().enumerate() {
             let first = self.places.0.iter().position(|&(of, _)| usize::from(of) == index);

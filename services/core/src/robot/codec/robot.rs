@@ -2,15 +2,15 @@
 
 use borsh::BorshDeserialize;
 
-use super::clock::Clock;
-use super::compensation::Compensation;
-use super::effect::WhiskerIndex;
-use super::event::Link;
-use super::params::Params;
-use super::sequence::SequencesOfVersion4;
-use super::sheet::share_models;
-use super::whisker::{Holds, Whisker};
-use super::{Array, Numbers, Robot};
+use crate::robot::compensation::Compensation;
+use crate::robot::effect::WhiskerIndex;
+use crate::robot::event::Link;
+use crate::robot::params::Params;
+use crate::robot::state::clock::Clock;
+use crate::robot::state::sequence::SequencesOfVersion4;
+use crate::robot::state::sheet::share_models;
+use crate::robot::state::whisker::{Holds, Whisker};
+use crate::robot::{Array, Numbers, Robot};
 use crate::text::ShortText;
 use crate::units::Micros;
 

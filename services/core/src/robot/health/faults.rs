@@ -1,16 +1,16 @@
 //! Faults: what the robot says, what its pressures show, and silence.
 
-use super::Robot;
-use super::effect::{Effect, Fault, Reason, WhiskerIndex};
-use super::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
-use super::moment::Moment;
-use super::params::Params;
-use super::whisker::{Holds, Whisker};
 use crate::estimation::leak::Source;
+use crate::robot::Robot;
+use crate::robot::effect::{Effect, Fault, Reason, WhiskerIndex};
+use crate::robot::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
+use crate::robot::params::Params;
+use crate::robot::state::moment::Moment;
+use crate::robot::state::whisker::{Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
 impl Robot {
-    pub(super) fn status(
+    pub(in crate::robot) fn status(
         &mut self,
         params: &Params,
         now: Micros,
@@ -65,7 +65,7 @@ impl Robot {
     }
 
     /// Says what is new about a whisker's faults.
-    pub(super) fn refresh_fault(
+    pub(in crate::robot) fn refresh_fault(
         &mut self,
         params: &Params,
         now: Micros,

@@ -1,11 +1,11 @@
 //! Setpoints: one at a time per whisker, sent until answered, superseded or expired.
 
-use super::Robot;
-use super::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
-use super::event::{Link, Rejection, SetpointReport};
-use super::moment::Moment;
-use super::params::Params;
-use super::whisker::{Desired, Holds, InFlight};
+use crate::robot::Robot;
+use crate::robot::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
+use crate::robot::event::{Link, Rejection, SetpointReport};
+use crate::robot::params::Params;
+use crate::robot::state::moment::Moment;
+use crate::robot::state::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
 /// Pressures closer than this are the same setpoint, MPa.
@@ -14,7 +14,7 @@ const SAME_MPA: f64 = 1e-5;
 impl Robot {
     /// What a whisker shall hold from now on. One that is held has only an operator's wishes; what it shall hold
     /// otherwise follows from the compensations when it is released.
-    pub(super) fn desire(&mut self, index: WhiskerIndex, desired: Desired) {
+    pub(in crate::robot) fn desire(&mut self, index: WhiskerIndex, desired: Desired) {
         if self.holds(index) && desired.reason != Reason::Operator {
             return;
         }
@@ -30,13 +30,19 @@ impl Robot {
     }
 
     /// Back to the nominal pressure, because a compensation is over.
-    pub(super) fn release(&mut self, index: WhiskerIndex) {
+    pub(in crate::robot) fn release(&mut self, index: WhiskerIndex) {
         let pressure = self.whiskers[index].sheet.pressure;
         self.desire(index, Desired { pressure, reason: Reason::Release, compensation: None, gain: None });
     }
 
     /// Sends what is due: a new setpoint where the desired one is not held, or an unanswered one again.
-    pub(super) fn reconcile(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn reconcile(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        effects: &mut Vec<Effect>,
+    ) {
         self.expire(params, now, index, effects);
         let held = self.holds(index);
         let whisker = &mut self.whiskers[index];
@@ -75,13 +81,13 @@ impl Robot {
 
     /// Whether a setpoint can reach it: it is connected, its clock is known, by which setpoints expire, and it is heard. Each setpoint
     /// expires after its time to live: to one who is not heard they would go out in vain, one after the other.
-    pub(super) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
+    pub(in crate::robot) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
         let is_heard = self.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
         self.link == Link::Online && self.boot_id.is_some() && self.clock.robot_time(now).is_some() && is_heard
     }
 
     /// Manual setpoints that were not answered: they are not sent later.
-    pub(super) fn forget_manual(&mut self) {
+    pub(in crate::robot) fn forget_manual(&mut self) {
         for whisker in &mut self.whiskers {
             whisker.forget_manual();
         }
@@ -184,7 +190,7 @@ impl Robot {
     }
 
     /// What a robot says of a setpoint.
-    pub(super) fn setpoint_reported(
+    pub(in crate::robot) fn setpoint_reported(
         &mut self,
         params: &Params,
         now: Micros,
@@ -290,7 +296,7 @@ impl Robot {
     }
 
     /// Setpoints that were under way to a boot that is no more.
-    pub(super) fn abandon_commands(&mut self, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn abandon_commands(&mut self, effects: &mut Vec<Effect>) {
         self.forget_manual();
         for whisker in &mut self.whiskers {
             whisker.given_up = false;
@@ -303,7 +309,7 @@ impl Robot {
     }
 }
 
-impl super::Whisker {
+impl crate::robot::Whisker {
     /// The time to live of a setpoint, on top of the time that the pressure takes on its way.
     fn valid_for(&self, params: &Params, pressure: Megapascal) -> Micros {
         let way_mpa = (pressure.mpa() - self.air.setpoint.mpa()).abs();
@@ -324,6 +330,6 @@ fn is_ahead(now: Micros, time: Micros, by_at_most: Micros) -> bool {
     now < time && time.since(now) <= by_at_most
 }
 
-pub(super) fn state_of(command: CommandKey, state: CommandState) -> Effect {
+pub(in crate::robot) fn state_of(command: CommandKey, state: CommandState) -> Effect {
     Effect::CommandState { command, state, rejection: None, pressure: None }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::event::WhiskerSheet;
-use super::few::Few;
-use super::whisker::Whisker;
 use crate::counts;
+use crate::robot::event::WhiskerSheet;
+use crate::robot::state::few::Few;
+use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
 
 /// A longer name of a model is none.
@@ -67,20 +67,20 @@ impl From<&Sheet> for WhiskerSheet {
 
 impl Sheet {
     /// Whether it can be the same piece of rubber at the same place: who is beside it does not matter.
-    pub(super) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
+    pub(in crate::robot) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
         let place = (self.number, self.x_mm, self.y_mm) == (told.number, told.x_mm, told.y_mm);
         let pressures = (self.pressure, self.pressure_max) == (told.pressure, told.pressure_max);
         place && *self.model == told.model && self.length == told.length && pressures
     }
 
     /// Whether a factsheet says nothing new of it.
-    pub(super) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
+    pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
         self.is_same_whisker(told) && *self.neighbours == *told.neighbours
     }
 }
 
 /// Whiskers of the same model share its name, if it can be with `names`.
-pub(super) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Arc<String>>) {
+pub(in crate::robot) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Arc<String>>) {
     for model in whiskers.iter_mut().map(|one| &mut one.sheet.model) {
         match names.iter().find(|known| *known == model) {
             Some(known) => *model = Arc::clone(known),

@@ -5,13 +5,13 @@
 //! really cut, or never touched, moves nothing. It costs a trim the contacts that the others need to deny it: one or two for a
 //! large cut.
 
-use super::Robot;
-use super::effect::{Condition, Effect, WhiskerIndex};
-use super::params::Params;
-use super::whisker::Unsteady;
 use crate::detection::{Change, Fit, Others};
 use crate::estimation::filter::LENGTH;
 use crate::mechanics::Model;
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, Effect, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Unsteady;
 use crate::units::ContactRatio;
 
 /// With fewer others, nobody can say who is right.
@@ -22,7 +22,7 @@ const FEELS: f64 = 6.0;
 /// A shift may be the beginning of a longer one, as a room warms up. For so many contacts each whisker's offset
 /// follows, by a random walk of this share of the shift found; that costs sensitivity to small cuts meanwhile.
 const UNSTEADY_CONTACTS: u32 = 1000;
-pub(super) const UNSTEADY_SHARE: f64 = 0.02;
+pub(in crate::robot) const UNSTEADY_SHARE: f64 = 0.02;
 /// Up to this many times the shift, what one whisker feels meanwhile is put down to it.
 const REST_MAX: f64 = 1.5;
 /// Whiskers feel the same shift alike up to this share: their curves differ a little.
@@ -32,7 +32,7 @@ const DENIES: f64 = 8.0;
 
 impl Robot {
     /// Whether the other healthy whiskers of the array feel what this one suspects.
-    pub(super) fn others_feel(&self, index: WhiskerIndex) -> Others {
+    pub(in crate::robot) fn others_feel(&self, index: WhiskerIndex) -> Others {
         let Some(own) = self.whiskers[index].detector.suspected_shift() else {
             return Others::Not;
         };
@@ -68,7 +68,7 @@ impl Robot {
     }
 
     /// A whisker has raised an alarm: from now on the others' contacts count as answers to it.
-    pub(super) fn ask_others(&mut self, index: WhiskerIndex) {
+    pub(in crate::robot) fn ask_others(&mut self, index: WhiskerIndex) {
         let array = self.whiskers[index].array;
         for whisker in self.whiskers.iter_mut().filter(|whisker| whisker.array == array) {
             whisker.told_since_alarm = 0.0;
@@ -78,7 +78,7 @@ impl Robot {
 
     /// Takes a shift of the whole array out: every whisker's offset is learned anew around it, and what was
     /// measured before is brought to the same scale.
-    pub(super) fn shared_shift(
+    pub(in crate::robot) fn shared_shift(
         &mut self,
         params: &Params,
         index: WhiskerIndex,
@@ -126,7 +126,7 @@ fn feels(own: &Fit, other: &Fit) -> bool {
     other.gain >= FEELS && (other.size - own.size).abs() <= 2.0 * sd + ALIKE * own.size.abs()
 }
 
-impl super::Whisker {
+impl crate::robot::Whisker {
     /// d ln sensitivity / d ln length in the middle of the contact ratios; 0 where the model does not hold.
     fn log_slope_with_length(&self, model: &Model) -> f64 {
         let middle = ContactRatio::known(crate::mechanics::Offset::CENTRE);
@@ -138,7 +138,7 @@ impl super::Whisker {
     }
 
     /// Whether a change may be the rest of the array's shift: then it is no length either, and taken out. True if so.
-    pub(super) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
+    pub(in crate::robot) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
         let Some(unsteady) = self.rare.there().and_then(|rare| rare.unsteady.take()) else { return false };
         let lacking = change.lacking[LENGTH].abs().max(1.0);
         let log_shift = change.size * lacking * self.log_slope_with_length(model);

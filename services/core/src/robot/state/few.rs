@@ -53,23 +53,23 @@ impl Deref for Few {
 
 impl Few {
     /// One more, at the end.
-    pub(super) fn push(&mut self, number: u16) {
+    pub(in crate::robot) fn push(&mut self, number: u16) {
         *self = Self::from(&[&**self, &[number]].concat()[..]);
     }
 }
 
 /// Such numbers where mostly there are none.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Fewer(Option<Box<Few>>);
+pub(in crate::robot) struct Fewer(Option<Box<Few>>);
 
 impl Fewer {
     /// One more, at the end.
-    pub(super) fn push(&mut self, number: u16) {
+    pub(in crate::robot) fn push(&mut self, number: u16) {
         self.0.get_or_insert_default().push(number);
     }
 
     /// None any more.
-    pub(super) fn clear(&mut self) {
+    pub(in crate::robot) fn clear(&mut self) {
         self.0 = None;
     }
 }

@@ -3,13 +3,13 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::few::Few;
-use super::moment::Moment;
-use super::rare::{Rare, Rares};
-use super::sheet::Sheet;
-use super::whisker::{Air, Whisker};
 use crate::counts;
 use crate::estimation::ResponseBins;
+use crate::robot::state::few::Few;
+use crate::robot::state::moment::Moment;
+use crate::robot::state::rare::{Rare, Rares};
+use crate::robot::state::sheet::Sheet;
+use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.

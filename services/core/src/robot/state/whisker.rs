@@ -2,78 +2,78 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::alarms::Standing;
-use super::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
-use super::event::{Contact, RegulatorState};
-use super::few::Fewer;
-use super::gauge::GaugeWatch;
-use super::moment::Moment;
-use super::params::Params;
-use super::rare::Rares;
-use super::shared::UNSTEADY_SHARE;
-use super::sheet::Sheet;
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{FilterParams, LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
 use crate::estimation::{Bin, ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins, Waiting};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
+use crate::robot::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
+use crate::robot::event::{Contact, RegulatorState};
+use crate::robot::health::alarms::Standing;
+use crate::robot::health::array_shift::UNSTEADY_SHARE;
+use crate::robot::health::gauge::GaugeWatch;
+use crate::robot::params::Params;
+use crate::robot::state::few::Fewer;
+use crate::robot::state::moment::Moment;
+use crate::robot::state::rare::Rares;
+use crate::robot::state::sheet::Sheet;
 use crate::units::{Megapascal, Micros};
 
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whisker {
-    pub(super) array: u16,
-    pub(super) sheet: Sheet,
-    pub(super) filter: LengthFilter,
-    pub(super) noise: NoiseScale,
-    pub(super) detector: Detector,
+    pub(in crate::robot) array: u16,
+    pub(in crate::robot) sheet: Sheet,
+    pub(in crate::robot) filter: LengthFilter,
+    pub(in crate::robot) noise: NoiseScale,
+    pub(in crate::robot) detector: Detector,
     /// Contacts that were used.
-    pub(super) contacts: u64,
-    pub(super) condition: Condition,
+    pub(in crate::robot) contacts: u64,
+    pub(in crate::robot) condition: Condition,
     /// Its response while whole, against the model at whole length.
-    pub(super) whole: ResponseBins,
+    pub(in crate::robot) whole: ResponseBins,
     /// Contacts that are not counted in it yet, and never will be if the whisker is not whole any more.
-    pub(super) whole_waiting: Waiting,
-    pub(super) air: Air,
-    pub(super) leak: LeakWatch,
-    pub(super) gauge: GaugeWatch,
-    pub(super) rare: Rares,
-    pub(super) fault: Option<Fault>,
+    pub(in crate::robot) whole_waiting: Waiting,
+    pub(in crate::robot) air: Air,
+    pub(in crate::robot) leak: LeakWatch,
+    pub(in crate::robot) gauge: GaugeWatch,
+    pub(in crate::robot) rare: Rares,
+    pub(in crate::robot) fault: Option<Fault>,
     /// By the supervisor's clock.
-    pub(super) heard: Moment,
-    pub(super) desired: Option<Box<Desired>>,
-    pub(super) command: Option<Box<InFlight>>,
+    pub(in crate::robot) heard: Moment,
+    pub(in crate::robot) desired: Option<Box<Desired>>,
+    pub(in crate::robot) command: Option<Box<InFlight>>,
     /// The last setpoint failed for good, in this boot.
-    pub(super) given_up: bool,
+    pub(in crate::robot) given_up: bool,
     /// What its contacts have told of log length since any whisker of its array raised an alarm: the inverse of a
     /// variance.
-    pub(super) told_since_alarm: f32,
+    pub(in crate::robot) told_since_alarm: f32,
     /// Its gauge's baseline drifts.
-    pub(super) drifting: bool,
+    pub(in crate::robot) drifting: bool,
     /// People were told so.
-    pub(super) drift_told: bool,
+    pub(in crate::robot) drift_told: bool,
     /// A trim that no decision has been made about.
-    pub(super) undecided: bool,
+    pub(in crate::robot) undecided: bool,
     /// It is trimmed, and nobody can serve it.
-    pub(super) unserved: bool,
+    pub(in crate::robot) unserved: bool,
     /// People were told that its array has shifted, and it does not read steadily again.
-    pub(super) shift_told: bool,
+    pub(in crate::robot) shift_told: bool,
     /// An operator holds it.
-    pub(super) held: bool,
+    pub(in crate::robot) held: bool,
     /// Numbers of the whiskers that an operator has refused as its compensators.
-    pub(super) refused_servers: Fewer,
+    pub(in crate::robot) refused_servers: Fewer,
     /// What people were told and what is still so.
-    pub(super) standing: Standing,
-    pub(super) holds: Holds,
+    pub(in crate::robot) standing: Standing,
+    pub(in crate::robot) holds: Holds,
     /// Since it was stored.
-    pub(super) changed: bool,
+    pub(in crate::robot) changed: bool,
     /// What people are told of it is to be looked at, at the end of this step.
-    pub(super) touched: bool,
+    pub(in crate::robot) touched: bool,
 }
 
 /// Whether a pressure is one that this program knows of, since it has the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
-pub(super) enum Holds {
+pub(in crate::robot) enum Holds {
     /// No word of it yet.
     #[default]
     Unheard,
@@ -85,7 +85,7 @@ pub(super) enum Holds {
 
 /// A cut that is confirmed.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct PendingTrim {
+pub(in crate::robot) struct PendingTrim {
     pub length_before_mm: f64,
     pub contacts_since_change: u32,
     pub contacts_since_confirmed: u32,
@@ -93,7 +93,7 @@ pub(super) struct PendingTrim {
 
 /// An offset that follows a shift of the whole array.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct Unsteady {
+pub(in crate::robot) struct Unsteady {
     /// The shift that was found, log sensitivity, without its sign.
     pub log_shift: f64,
     /// Contacts for which it goes on.
@@ -109,7 +109,7 @@ impl Unsteady {
 
 /// The chamber's pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Air {
+pub(in crate::robot) struct Air {
     /// As last measured; below 0 before that.
     pub measured_mpa: f64,
     /// What the robot holds or moves to.
@@ -122,24 +122,24 @@ pub(super) struct Air {
 
 impl Air {
     /// What a robot holds where nothing was measured yet.
-    pub(super) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
+    pub(in crate::robot) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
         let regulator = RegulatorState::Ok;
         Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: Moment::NONE }
     }
 
     /// The pressure as last measured.
-    pub(super) fn measured(&self) -> Option<Megapascal> {
+    pub(in crate::robot) fn measured(&self) -> Option<Megapascal> {
         Megapascal::new(self.measured_mpa).ok()
     }
 
-    pub(super) fn measure(&mut self, pressure: Megapascal) {
+    pub(in crate::robot) fn measure(&mut self, pressure: Megapascal) {
         self.measured_mpa = pressure.mpa();
     }
 }
 
 /// A pressure that the whisker shall have.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct Desired {
+pub(in crate::robot) struct Desired {
     pub pressure: Megapascal,
     pub reason: Reason,
     pub compensation: Option<u32>,
@@ -148,21 +148,21 @@ pub(super) struct Desired {
 
 /// A setpoint under way.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct InFlight {
+pub(in crate::robot) struct InFlight {
     pub command: Command,
     pub state: CommandState,
     pub resend_at: Micros,
 }
 
 /// What came of one contact.
-pub(super) struct Felt {
+pub(in crate::robot) struct Felt {
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
     pub verdict: Verdict,
 }
 
 impl Whisker {
-    pub(super) fn new(array: u16, sheet: Sheet, params: &Params) -> Self {
+    pub(in crate::robot) fn new(array: u16, sheet: Sheet, params: &Params) -> Self {
         Self {
             array,
             filter: LengthFilter::new(sheet.length, &params.filter),
@@ -198,7 +198,7 @@ impl Whisker {
     }
 
     /// Of a whisker whose stored numbers are infinite (a version before this one could learn them), everything is learned anew.
-    pub(super) fn mend(&mut self) {
+    pub(in crate::robot) fn mend(&mut self) {
         let numbers = [self.noise.variance(), self.told_since_alarm.into(), self.detector.statistic(false)];
         let is_sound = |bin: Bin| bin.mean().is_finite() && bin.variance() > 0.0;
         if self.filter.is_sound() && numbers.iter().all(|one| one.is_finite()) && self.whole.felt().all(is_sound) {
@@ -222,12 +222,18 @@ impl Whisker {
     }
 
     /// Its offset from the model while whole at nominal pressure.
-    pub(super) fn whole_offset(&self) -> Offset {
+    pub(in crate::robot) fn whole_offset(&self) -> Offset {
         self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
     }
 
     /// One contact: is it fit for use, what does it say, and has anything changed?
-    pub(super) fn feel(&mut self, params: &Params, model: &Model, contact: &Contact<'_>, others: Others) -> Felt {
+    pub(in crate::robot) fn feel(
+        &mut self,
+        params: &Params,
+        model: &Model,
+        contact: &Contact<'_>,
+        others: Others,
+    ) -> Felt {
         self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
@@ -324,17 +330,17 @@ impl Whisker {
     }
 
     /// Moves the estimate by a confirmed change.
-    pub(super) fn jump(&mut self, change: &Change) {
+    pub(in crate::robot) fn jump(&mut self, change: &Change) {
         self.filter.jump(change.size, change.variance, change.lacking);
     }
 
     /// Whether it is held at the factsheet's pressure, where its reference response is taken.
-    pub(super) fn is_at_nominal_pressure(&self) -> bool {
+    pub(in crate::robot) fn is_at_nominal_pressure(&self) -> bool {
         (self.air.learned_at.mpa() - self.sheet.pressure.mpa()).abs() < 1e-3
     }
 
     /// The robot holds another pressure from now on: the model's error there is to be learned anew.
-    pub(super) fn pressure_set(&mut self, setpoint: Megapascal, params: &Params) {
+    pub(in crate::robot) fn pressure_set(&mut self, setpoint: Megapascal, params: &Params) {
         if setpoint == self.air.setpoint {
             return;
         }
@@ -352,13 +358,13 @@ impl Whisker {
     }
 
     /// The highest pressure that it may be told to hold: the factsheet's limit and the paper's.
-    pub(super) fn pressure_limit(&self) -> Megapascal {
+    pub(in crate::robot) fn pressure_limit(&self) -> Megapascal {
         let (own, examined) = (self.sheet.pressure_max, Megapascal::EXAMINED_MAX);
         if own < examined { own } else { examined }
     }
 
     /// The model of the factsheet; factsheets with unknown models are refused, so it is there.
-    pub(super) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
+    pub(in crate::robot) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
         // Where the name is the parameters' own, it need not be looked at.
         params.models.iter().find(|(name, _)| *name == self.sheet.model).map(|(_, model)| model)
     }

@@ -1,15 +1,15 @@
 //! Carries out what operators ask.
 
-use super::action::{ActionProblem, OperatorAction, Place, Scope};
-use super::effect::{Effect, EndReason, Reason, WhiskerIndex};
-use super::params::Params;
-use super::whisker::Desired;
-use super::{Outcome, Robot};
+use crate::robot::action::{ActionProblem, OperatorAction, Place, Scope};
+use crate::robot::effect::{Effect, EndReason, Reason, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Desired;
+use crate::robot::{Outcome, Robot};
 use crate::units::{Megapascal, Micros};
 
 impl Robot {
     /// Does it, or says why not; what is refused has changed nothing.
-    pub(super) fn operate(
+    pub(in crate::robot) fn operate(
         &mut self,
         params: &Params,
         now: Micros,
@@ -35,7 +35,7 @@ impl Robot {
     }
 
     /// Whether no automatic setpoint may go to a whisker.
-    pub(super) fn holds(&self, index: WhiskerIndex) -> bool {
+    pub(in crate::robot) fn holds(&self, index: WhiskerIndex) -> bool {
         self.held || self.whiskers[index].held
     }
 
@@ -154,11 +154,11 @@ impl Robot {
     }
 
     /// Ends the compensations that a whisker serves in, of those that `which` names.
-    pub(super) fn end_as_compensator(
+    pub(in crate::robot) fn end_as_compensator(
         &mut self,
         index: WhiskerIndex,
         reason: EndReason,
-        which: impl Fn(&super::Compensation) -> bool,
+        which: impl Fn(&crate::robot::Compensation) -> bool,
         effects: &mut Vec<Effect>,
     ) {
         let served = self.compensations.iter().filter(|one| one.compensator() == index && which(one));

@@ -4,10 +4,10 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::Robot;
-use super::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
-use super::whisker::Whisker;
 use crate::counts;
+use crate::robot::Robot;
+use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
+use crate::robot::state::whisker::Whisker;
 
 /// All kinds but for a fault, which is one of several; the cause before what follows from it.
 const KINDS: [AlarmKind; 7] = [
@@ -61,7 +61,7 @@ impl BorshDeserialize for Standing {
 impl Robot {
     /// Raises what is due and does not stand, and clears what stands and is not due: of the whiskers that the step has
     /// touched.
-    pub(super) fn tell_alarms(&mut self, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn tell_alarms(&mut self, effects: &mut Vec<Effect>) {
         // Few wait for approval, and none where nobody has to approve: then this is empty.
         let waiting: Vec<WhiskerIndex> =
             self.compensations.iter().filter(|one| one.proposed).map(|one| one.target()).collect();
@@ -87,7 +87,7 @@ impl Robot {
     }
 
     /// What people are told of a whisker is to be looked at, at the end of this step.
-    pub(super) fn touch(&mut self, index: WhiskerIndex) {
+    pub(in crate::robot) fn touch(&mut self, index: WhiskerIndex) {
         let touched = &mut self.whiskers[index].touched;
         if !std::mem::replace(touched, true) {
             self.touched.push(index as u32);
@@ -95,7 +95,7 @@ impl Robot {
     }
 
     /// The same of all whiskers.
-    pub(super) fn touch_all(&mut self) {
+    pub(in crate::robot) fn touch_all(&mut self) {
         (0..self.whiskers.len()).for_each(|index| self.touch(index));
     }
 }

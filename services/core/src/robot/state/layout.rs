@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::command::state_of;
-use super::effect::{AlarmKind, CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
-use super::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
-use super::params::Params;
-use super::sheet::{Sheet, share_models};
-use super::whisker::{Air, Desired, Whisker};
-use super::{Array, Compensation, Robot};
+use crate::robot::effect::{AlarmKind, CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
+use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
+use crate::robot::params::Params;
+use crate::robot::setpoints::command::state_of;
+use crate::robot::state::sheet::{Sheet, share_models};
+use crate::robot::state::whisker::{Air, Desired, Whisker};
+use crate::robot::{Array, Compensation, Robot};
 use crate::text::ShortText;
 
 /// Where the whiskers of a new layout come from, and where those of the old one go.
@@ -45,7 +45,7 @@ impl Robot {
 
     /// Another layout: whiskers that are as they were keep what is known of them, and the compensations between
     /// them go on. The others start anew.
-    pub(super) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
         let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
@@ -157,7 +157,7 @@ impl Robot {
 
     /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it
     /// served, is let go.
-    pub(super) fn replaced(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn replaced(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let concerned = self.compensations.iter().filter(|one| one.target() == index || one.compensator() == index);
         let over: Vec<u32> = concerned.map(|one| one.id).collect();
         for id in over {

@@ -172,7 +172,7 @@ pub struct Sequences {
 
 /// The sequences as version 4 of the state had them.
 #[derive(BorshDeserialize)]
-pub(super) struct SequencesOfVersion4 {
+pub(in crate::robot) struct SequencesOfVersion4 {
     boots: Vec<Sequence>,
 }
 
@@ -221,7 +221,7 @@ impl Sequences {
     }
 
     /// Nothing could be heard meanwhile: no gap was left open by the robot until now.
-    pub(super) fn wait_anew(&mut self) {
+    pub(in crate::robot) fn wait_anew(&mut self) {
         for sequence in &mut self.boots {
             sequence.standing_since = None;
         }

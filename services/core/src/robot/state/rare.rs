@@ -2,14 +2,14 @@
 
 use std::ops::{Deref, DerefMut};
 
-use super::whisker::{PendingTrim, Unsteady};
 use crate::estimation::{ErosionWatch, OwnCalibration};
 use crate::mechanics::Offset;
+use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::units::Micros;
 
 /// What is known of a whisker that was cut, erodes, serves, is sent setpoints, or is in an array that shifts.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Rare {
+pub(in crate::robot) struct Rare {
     /// A confirmed cut whose length is not certain enough yet to act on.
     pub pending_trim: Option<PendingTrim>,
     /// Its offset while whole at nominal pressure, once it is not any more.
@@ -38,23 +38,23 @@ static NONE: Rare = Rare {
 
 /// Room for it, once there is something.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rares(Option<Box<Rare>>);
+pub(in crate::robot) struct Rares(Option<Box<Rare>>);
 
 impl Rares {
     /// What there is, to be changed; looking for what is not there makes no room.
-    pub(super) fn there(&mut self) -> Option<&mut Rare> {
+    pub(in crate::robot) fn there(&mut self) -> Option<&mut Rare> {
         self.0.as_deref_mut()
     }
 
     /// The next setpoint is the first one.
-    pub(super) fn forget_attempts(&mut self) {
+    pub(in crate::robot) fn forget_attempts(&mut self) {
         if let Some(rare) = self.there() {
             rare.attempts = 0;
         }
     }
 
     /// The last setpoint does not count as an attempt.
-    pub(super) fn forget_attempt(&mut self) {
+    pub(in crate::robot) fn forget_attempt(&mut self) {
         if let Some(rare) = self.there() {
             rare.attempts = rare.attempts.saturating_sub(1);
         }

@@ -13,16 +13,16 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::Robot;
-use super::compensation::Compensation;
-use super::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
-use super::felt::{Felt, sum};
-use super::params::Params;
-use super::whisker::Desired;
 use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
 use crate::mechanics::{CONTACT_RATIOS, Compensator, Setpoint, least_error};
 use crate::policy::Case;
+use crate::robot::Robot;
+use crate::robot::compensation::Compensation;
+use crate::robot::compensation::responses::{Felt, sum};
+use crate::robot::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
 
 /// How a setpoint is refined.
@@ -57,7 +57,7 @@ impl Default for RefinementParams {
 
 /// How far the refinement of a compensation is.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(super) struct Refining {
+pub(in crate::robot) struct Refining {
     steps: u8,
     /// Contacts at the present pressure from which the next look is due; 0 for the first.
     due: u32,
@@ -70,12 +70,12 @@ pub(super) struct Refining {
 }
 
 impl Refining {
-    pub(super) fn new(gain: Curve) -> Self {
+    pub(in crate::robot) fn new(gain: Curve) -> Self {
         Self { steps: 0, due: 0, carried: Carried::default(), gain, since_gain: ResponseBins::default() }
     }
 
     /// As if nothing had been felt yet at the present pressure with the present gain.
-    pub(super) fn felt_anew(&self) -> Self {
+    pub(in crate::robot) fn felt_anew(&self) -> Self {
         Self { steps: self.steps, ..Self::new(self.gain) }
     }
 }
@@ -100,7 +100,7 @@ struct Look {
 
 impl Robot {
     /// Looks at a running compensation if that is due, and refines it.
-    pub(super) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
         let running = &self.compensations[at];
         let contacts = running.after.contacts();
         let due = running.refining.due.max(params.refinement.first_look_contacts);
@@ -183,12 +183,16 @@ impl Robot {
             pressure_min: Megapascal::ZERO,
             pressure_max: Megapascal::known(highest),
         };
-        let [before, target] = [super::felt::BEFORE, super::felt::TARGET].map(|response| felt.per_mm(response));
+        let [before, target] =
+            [crate::robot::compensation::responses::BEFORE, crate::robot::compensation::responses::TARGET]
+                .map(|response| felt.per_mm(response));
         let best = *least_error(model, compensator, &deviation, before, target)?.setpoint();
         let to = changes(best.pressure);
         let mut known = felt.known;
-        let there =
-            sum(&super::felt::log_curve(model, running.length, best.pressure, &mut known), &deviation(best.pressure));
+        let there = sum(
+            &crate::robot::compensation::responses::log_curve(model, running.length, best.pressure, &mut known),
+            &deviation(best.pressure),
+        );
         let [after, before, target] = felt.responses.mean;
         let mut both = Uncertain { mean: [after, before, target, there], causes: Vec::new() };
         // What moves the response here moves it there.
@@ -231,13 +235,13 @@ impl Robot {
 
 impl Compensation {
     /// What its compensator shall hold now.
-    pub(super) fn desired(&self, reason: Reason) -> Desired {
+    pub(in crate::robot) fn desired(&self, reason: Reason) -> Desired {
         Desired { pressure: self.pressure, reason, compensation: Some(self.id), gain: Some(self.refining.gain) }
     }
 
     /// Mean and standard deviation of Eq. 35 with the gain in force, by contacts since it was published; none
     /// while these are too few.
-    pub(super) fn error_with_gain(&self, robot: &Robot, params: &Params) -> Option<(f64, f64)> {
+    pub(in crate::robot) fn error_with_gain(&self, robot: &Robot, params: &Params) -> Option<(f64, f64)> {
         let since = &self.refining.since_gain;
         let enough = since.contacts() >= CONTACT_RATIOS.len() as u32 * params.measurement.bin_contacts_min;
         if !enough {

@@ -1,17 +1,17 @@
 //! A batch of contacts, and what the detector's verdicts make of a whisker.
 
-use super::Robot;
-use super::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
-use super::event::Contact;
-use super::moment::Moment;
-use super::params::Params;
-use super::whisker::PendingTrim;
 use crate::detection::{Change, Kind, Others, Verdict};
 use crate::estimation::{LengthEstimate, LengthFilter};
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
+use crate::robot::event::Contact;
+use crate::robot::params::Params;
+use crate::robot::state::moment::Moment;
+use crate::robot::state::whisker::PendingTrim;
 use crate::units::Micros;
 
 impl Robot {
-    pub(super) fn contact(
+    pub(in crate::robot) fn contact(
         &mut self,
         params: &Params,
         now: Micros,
@@ -156,7 +156,7 @@ impl Robot {
     }
 
     /// Calls a confirmed cut a trim, with the length as it is estimated now.
-    pub(super) fn call_trim(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn call_trim(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.take()) else { return };
         let length: LengthEstimate = whisker.filter.length();
@@ -178,7 +178,7 @@ impl Robot {
     }
 
     /// Changes a condition and says so.
-    pub(super) fn set_condition(&mut self, index: WhiskerIndex, to: Condition, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn set_condition(&mut self, index: WhiskerIndex, to: Condition, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         let from = std::mem::replace(&mut whisker.condition, to);
         if from != to {

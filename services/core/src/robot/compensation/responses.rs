@@ -1,22 +1,22 @@
 //! The responses of Eq. 35 as they were felt: smooth curves with what makes them uncertain.
 
-use super::Robot;
-use super::compensation::Compensation;
-use super::params::Params;
-use super::whisker::Whisker;
 use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, EvenCases, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset};
 use crate::policy::Case;
+use crate::robot::Robot;
+use crate::robot::compensation::Compensation;
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// Indices of the responses.
-pub(super) const AFTER: usize = 0;
-pub(super) const BEFORE: usize = 1;
-pub(super) const TARGET: usize = 2;
+pub(in crate::robot) const AFTER: usize = 0;
+pub(in crate::robot) const BEFORE: usize = 1;
+pub(in crate::robot) const TARGET: usize = 2;
 
 /// The three responses of Eq. 35, ln s by contact ratio.
-pub(super) struct Felt {
+pub(in crate::robot) struct Felt {
     pub responses: Uncertain<3>,
     /// The compensator's difference from the model.
     pub held: Smooth,
@@ -26,12 +26,12 @@ pub(super) struct Felt {
 
 impl Felt {
     /// Eq. 35 with the compensator's response multiplied by a gain: its mean over the contact ratios.
-    pub(super) fn error(&self, gain: Option<&Curve>) -> f64 {
+    pub(in crate::robot) fn error(&self, gain: Option<&Curve>) -> f64 {
         self.error_of(log_gain(gain))(&self.responses.mean)
     }
 
     /// The standard deviation of [`Self::error`].
-    pub(super) fn error_sd(&self, even: &EvenCases, gain: Option<&Curve>) -> f64 {
+    pub(in crate::robot) fn error_sd(&self, even: &EvenCases, gain: Option<&Curve>) -> f64 {
         moments(&self.responses.cases(even, self.error_of(log_gain(gain)))).1
     }
 
@@ -40,25 +40,25 @@ impl Felt {
     }
 
     /// What is left to correct: target / compensator.
-    pub(super) fn gain(&self) -> Curve {
+    pub(in crate::robot) fn gain(&self) -> Curve {
         let [after, _, target] = &self.responses.mean;
         std::array::from_fn(|k| (target[k] - after[k]).exp())
     }
 
     /// The error that a gain measured now would leave, for it is measured no better than the responses.
-    pub(super) fn error_of_own_gain(&self, even: &EvenCases) -> f64 {
+    pub(in crate::robot) fn error_of_own_gain(&self, even: &EvenCases) -> f64 {
         moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain()))))).0
     }
 
     /// A response as sensitivities, where all three are known.
-    pub(super) fn per_mm(&self, response: usize) -> ByRatio {
+    pub(in crate::robot) fn per_mm(&self, response: usize) -> ByRatio {
         std::array::from_fn(|k| self.known[k].then(|| self.responses.mean[response][k].exp()))
     }
 }
 
 impl Robot {
     /// The responses of a running compensation, the compensator's from `after` and what was believed before.
-    pub(super) fn felt(
+    pub(in crate::robot) fn felt(
         &self,
         params: &Params,
         running: &Compensation,
@@ -105,7 +105,7 @@ impl Robot {
 
 impl Whisker {
     /// What is believed of its own calibration.
-    pub(super) fn belief(&self, model: &Model) -> Belief {
+    pub(in crate::robot) fn belief(&self, model: &Model) -> Belief {
         let nominal = self.nominal();
         match &self.rare.own {
             Some(own) => own.belief(model, &nominal),
@@ -118,7 +118,7 @@ impl Whisker {
     }
 
     /// Something about the change between two pressures.
-    pub(super) fn change<T>(
+    pub(in crate::robot) fn change<T>(
         &self,
         model: &Model,
         length: Millimetre,
@@ -131,7 +131,7 @@ impl Whisker {
 }
 
 /// The model's ln s; where a contact would lie on the chamber it is 0 and no longer known.
-pub(super) fn log_curve(
+pub(in crate::robot) fn log_curve(
     model: &Model,
     length: Millimetre,
     pressure: Megapascal,
@@ -145,7 +145,7 @@ pub(super) fn log_curve(
 }
 
 /// By how much ln s moves if the length is one standard deviation more.
-pub(super) fn by_length(model: &Model, length: Millimetre, pressure: Megapascal, sd_mm: f64) -> Curve {
+pub(in crate::robot) fn by_length(model: &Model, length: Millimetre, pressure: Megapascal, sd_mm: f64) -> Curve {
     let morphology = model.morphology(pressure);
     CONTACT_RATIOS.map(|a| {
         let slope = model.sensitivity_and_slope(ContactRatio::known(a), length, &morphology);
@@ -158,10 +158,10 @@ fn log_gain(gain: Option<&Curve>) -> Curve {
 }
 
 /// A straight line's values.
-pub(super) fn curve(offset: Offset) -> Curve {
+pub(in crate::robot) fn curve(offset: Offset) -> Curve {
     CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)))
 }
 
-pub(super) fn sum(one: &Curve, other: &Curve) -> Curve {
+pub(in crate::robot) fn sum(one: &Curve, other: &Curve) -> Curve {
     std::array::from_fn(|k| one[k] + other[k])
 }

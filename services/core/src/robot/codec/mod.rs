@@ -1,0 +1,4 @@
+//! The stored bytes of robots and whiskers, with a version each.
+
+pub(in crate::robot) mod robot;
+mod whisker;

@@ -1,0 +1,4 @@
+//! Setpoints: their way to the robot, and those that operators ask for.
+
+pub(in crate::robot) mod command;
+pub(in crate::robot) mod operator;

@@ -1,0 +1,13 @@
+//! The state of a robot: its clock, its message numbers, its layout and its whiskers.
+
+pub(in crate::robot) mod clock;
+pub(in crate::robot) mod deadline;
+pub mod few;
+pub(in crate::robot) mod layout;
+pub(in crate::robot) mod moment;
+pub(in crate::robot) mod places;
+pub(in crate::robot) mod rare;
+pub(in crate::robot) mod rebaseline;
+pub mod sequence;
+pub mod sheet;
+pub mod whisker;
