@@ -174,7 +174,7 @@ struct PolicyParameters {
 /// # Errors
 /// It cannot be understood.
 pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result<Request<'a>, ActionError> {
-    let known = named(ActionKind::ALL, kind).ok_or_else(|| ActionError::UnknownKind(kind.to_owned()))?;
+    let known = named::<ActionKind>(kind).ok_or_else(|| ActionError::UnknownKind(kind.to_owned()))?;
     let kind = known.word();
     Ok(Request::Operator(match known {
         ActionKind::Setpoint => {
@@ -251,19 +251,19 @@ fn policy(kind: &'static str, parameters: &str, subject: Subject<'_>) -> Result<
 /// The mode of that name.
 #[must_use]
 pub fn mode(word: &str) -> Option<Mode> {
-    named([Mode::Automatic, Mode::Advise], word)
+    named(word)
 }
 
 /// The objective of that name.
 #[must_use]
 pub fn objective(word: &str) -> Option<Objective> {
-    named([Objective::Tip, Objective::Mean], word)
+    named(word)
 }
 
 /// That answer to when a longer whisker may stand in for a shorter one.
 #[must_use]
 pub fn longer_for_shorter(word: &str) -> Option<LongerForShorter> {
-    named([LongerForShorter::Never, LongerForShorter::LastResort, LongerForShorter::Allowed], word)
+    named(word)
 }
 
 #[cfg(test)]

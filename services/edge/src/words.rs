@@ -21,17 +21,35 @@ pub trait Word {
     fn word(self) -> &'static str;
 }
 
-/// The one of `all` that a word stands for.
-pub fn named<T: Word + Copy>(all: impl IntoIterator<Item = T>, word: &str) -> Option<T> {
-    all.into_iter().find(|one| one.word() == word)
+/// An enum whose values can be listed.
+pub trait Words: Word + Sized {
+    /// Every value.
+    fn all() -> Vec<Self>;
 }
 
-/// Spells out `Variant => "WORD"` for each enum.
+/// The value that a word stands for.
+pub fn named<T: Words + Copy>(word: &str) -> Option<T> {
+    T::all().into_iter().find(|one| one.word() == word)
+}
+
+/// Declares the word of each variant: `Variant => "WORD"`, and behind a semicolon the variant that has the words of another enum.
 macro_rules! words {
-    ($($enum:ident { $($pattern:pat => $word:expr),+ $(,)? })+) => {
+    ($($enum:ident {
+        $($variant:ident $(($inner:path))? => $word:literal),+ $(,)? $(; $other:ident($others:ident))?
+    })+) => {
         $(impl Word for $enum {
             fn word(self) -> &'static str {
-                match self { $($pattern => $word),+ }
+                match self {
+                    $($enum::$variant $(($inner))? => $word,)+
+                    $($enum::$other(other) => other.word(),)?
+                }
+            }
+        }
+
+        impl Words for $enum {
+            fn all() -> Vec<Self> {
+                let own = [$($enum::$variant $(($inner))?),+];
+                own.into_iter()$(.chain($others::all().into_iter().map($enum::$other)))?.collect()
             }
         })+
     };
@@ -39,153 +57,160 @@ macro_rules! words {
 
 words! {
     Condition {
-        Condition::Learning => "LEARNING",
-        Condition::Healthy => "HEALTHY",
-        Condition::Suspected => "SUSPECTED",
-        Condition::Trimmed => "TRIMMED",
-        Condition::Eroding => "ERODING",
-        Condition::SensitivityLoss => "SENSITIVITY_LOSS",
+        Learning => "LEARNING",
+        Healthy => "HEALTHY",
+        Suspected => "SUSPECTED",
+        Trimmed => "TRIMMED",
+        Eroding => "ERODING",
+        SensitivityLoss => "SENSITIVITY_LOSS",
     }
     Fault {
-        Fault::Stale => "STALE",
-        Fault::Gauge(GaugeState::Open) => "GAUGE_OPEN",
-        Fault::Gauge(GaugeState::Short) => "GAUGE_SHORT",
-        Fault::Gauge(GaugeState::Saturated) => "GAUGE_SATURATED",
-        Fault::Gauge(GaugeState::Ok) => "GAUGE",
-        Fault::Leak => "LEAK",
-        Fault::Regulator => "REGULATOR",
-        Fault::SupplyLow => "SUPPLY_LOW",
+        Stale => "STALE",
+        Gauge(GaugeState::Open) => "GAUGE_OPEN",
+        Gauge(GaugeState::Short) => "GAUGE_SHORT",
+        Gauge(GaugeState::Saturated) => "GAUGE_SATURATED",
+        Gauge(GaugeState::Ok) => "GAUGE",
+        Leak => "LEAK",
+        Regulator => "REGULATOR",
+        SupplyLow => "SUPPLY_LOW",
     }
     ContactUse {
-        ContactUse::Learning => "LEARNING",
-        ContactUse::Used => "USED",
-        ContactUse::Unsettled => "UNSETTLED",
-        ContactUse::TooWeak => "TOO_WEAK",
-        ContactUse::OnChamber => "ON_CHAMBER",
-        ContactUse::GaugeFault => "GAUGE_FAULT",
-        ContactUse::Implausible => "IMPLAUSIBLE",
+        Learning => "LEARNING",
+        Used => "USED",
+        Unsettled => "UNSETTLED",
+        TooWeak => "TOO_WEAK",
+        OnChamber => "ON_CHAMBER",
+        GaugeFault => "GAUGE_FAULT",
+        Implausible => "IMPLAUSIBLE",
     }
     Case {
-        Case::SelfCompensation => "SELF_COMPENSATION",
-        Case::ShorterForLonger => "SHORTER_FOR_LONGER",
-        Case::LongerForShorter => "LONGER_FOR_SHORTER",
+        SelfCompensation => "SELF_COMPENSATION",
+        ShorterForLonger => "SHORTER_FOR_LONGER",
+        LongerForShorter => "LONGER_FOR_SHORTER",
     }
     Ineligible {
-        Ineligible::Learning => "LEARNING",
-        Ineligible::Suspected => "SUSPECTED",
-        Ineligible::Trimmed => "TRIMMED",
-        Ineligible::Eroding => "ERODING",
-        Ineligible::SensitivityLoss => "SENSITIVITY_LOSS",
-        Ineligible::Stale => "STALE",
-        Ineligible::GaugeFault => "GAUGE_FAULT",
-        Ineligible::Leaking => "LEAKING",
-        Ineligible::SetpointFailed => "SETPOINT_FAILED",
-        Ineligible::Held => "HELD",
+        Learning => "LEARNING",
+        Suspected => "SUSPECTED",
+        Trimmed => "TRIMMED",
+        Eroding => "ERODING",
+        SensitivityLoss => "SENSITIVITY_LOSS",
+        Stale => "STALE",
+        GaugeFault => "GAUGE_FAULT",
+        Leaking => "LEAKING",
+        SetpointFailed => "SETPOINT_FAILED",
+        Held => "HELD",
     }
     Refused {
-        Refused::Ineligible(ineligible) => ineligible.word(),
-        Refused::CaseNotAllowed => "CASE_NOT_ALLOWED",
-        Refused::NeedsBelowRange => "NEEDS_BELOW_RANGE",
-        Refused::NeedsAboveRange => "NEEDS_ABOVE_RANGE",
-        Refused::ErrorAboveLimit => "ERROR_ABOVE_LIMIT",
-        Refused::CutIntoChamber => "CUT_INTO_CHAMBER",
-        Refused::CostsMore => "COSTS_MORE",
-        Refused::Operator => "OPERATOR_REFUSED",
+        CaseNotAllowed => "CASE_NOT_ALLOWED",
+        NeedsBelowRange => "NEEDS_BELOW_RANGE",
+        NeedsAboveRange => "NEEDS_ABOVE_RANGE",
+        ErrorAboveLimit => "ERROR_ABOVE_LIMIT",
+        CutIntoChamber => "CUT_INTO_CHAMBER",
+        CostsMore => "COSTS_MORE",
+        Operator => "OPERATOR_REFUSED";
+        Ineligible(Ineligible)
     }
     EndReason {
-        EndReason::LayoutChanged => "LAYOUT_CHANGED",
-        EndReason::TargetTrimmedAgain => "TARGET_TRIMMED_AGAIN",
-        EndReason::CompensatorBroken => "COMPENSATOR_BROKEN",
-        EndReason::Reassigned => "REASSIGNED",
-        EndReason::SetpointFailed => "SETPOINT_FAILED",
-        EndReason::Replaced => "REPLACED",
-        EndReason::Refused => "REFUSED",
-        EndReason::Operator => "OPERATOR",
+        LayoutChanged => "LAYOUT_CHANGED",
+        TargetTrimmedAgain => "TARGET_TRIMMED_AGAIN",
+        CompensatorBroken => "COMPENSATOR_BROKEN",
+        Reassigned => "REASSIGNED",
+        SetpointFailed => "SETPOINT_FAILED",
+        Replaced => "REPLACED",
+        Refused => "REFUSED",
+        Operator => "OPERATOR",
     }
     CommandState {
-        CommandState::Pending => "PENDING",
-        CommandState::Received => "RECEIVED",
-        CommandState::Applying => "APPLYING",
-        CommandState::Applied => "APPLIED",
-        CommandState::Rejected => "REJECTED",
-        CommandState::Failed => "FAILED",
-        CommandState::Superseded => "SUPERSEDED",
-        CommandState::Expired => "EXPIRED",
-        CommandState::Abandoned => "ABANDONED",
+        Pending => "PENDING",
+        Received => "RECEIVED",
+        Applying => "APPLYING",
+        Applied => "APPLIED",
+        Rejected => "REJECTED",
+        Failed => "FAILED",
+        Superseded => "SUPERSEDED",
+        Expired => "EXPIRED",
+        Abandoned => "ABANDONED",
     }
     Origin {
-        Origin::Measured => "MEASURED",
-        Origin::Model => "MODEL",
+        Measured => "MEASURED",
+        Model => "MODEL",
     }
     RefinementOutcome {
-        RefinementOutcome::Refined => "REFINED",
-        RefinementOutcome::HeldDither => "HELD_DITHER",
-        RefinementOutcome::HeldMargin => "HELD_MARGIN",
-        RefinementOutcome::HeldUncertain => "HELD_UNCERTAIN",
-        RefinementOutcome::HeldSteps => "HELD_STEPS",
-        RefinementOutcome::HeldUnpredictable => "HELD_UNPREDICTABLE",
+        Refined => "REFINED",
+        HeldDither => "HELD_DITHER",
+        HeldMargin => "HELD_MARGIN",
+        HeldUncertain => "HELD_UNCERTAIN",
+        HeldSteps => "HELD_STEPS",
+        HeldUnpredictable => "HELD_UNPREDICTABLE",
     }
     AlarmKind {
-        AlarmKind::Uncompensated => "UNCOMPENSATED",
-        AlarmKind::SetpointFailed => "SETPOINT_FAILED",
-        AlarmKind::SensitivityLoss => "SENSITIVITY_LOSS",
-        AlarmKind::Eroding => "ERODING",
-        AlarmKind::ArrayShift => "ARRAY_SHIFT",
-        AlarmKind::BaselineDrift => "BASELINE_DRIFT",
-        AlarmKind::Fault(fault) => fault.word(),
-        AlarmKind::Proposed => "PROPOSED",
+        Uncompensated => "UNCOMPENSATED",
+        SetpointFailed => "SETPOINT_FAILED",
+        SensitivityLoss => "SENSITIVITY_LOSS",
+        Eroding => "ERODING",
+        ArrayShift => "ARRAY_SHIFT",
+        BaselineDrift => "BASELINE_DRIFT",
+        Proposed => "PROPOSED";
+        Fault(Fault)
     }
     Mode {
-        Mode::Automatic => "AUTOMATIC",
-        Mode::Advise => "ADVISE",
+        Automatic => "AUTOMATIC",
+        Advise => "ADVISE",
     }
     Objective {
-        Objective::Tip => "TIP",
-        Objective::Mean => "MEAN",
+        Tip => "TIP",
+        Mean => "MEAN",
     }
     LongerForShorter {
-        LongerForShorter::Never => "NEVER",
-        LongerForShorter::LastResort => "LAST_RESORT",
-        LongerForShorter::Allowed => "ALLOWED",
+        Never => "NEVER",
+        LastResort => "LAST_RESORT",
+        Allowed => "ALLOWED",
     }
     ActionKind {
-        ActionKind::Approve => "APPROVE",
-        ActionKind::Refuse => "REFUSE",
-        ActionKind::Setpoint => "SETPOINT",
-        ActionKind::Hold => "HOLD",
-        ActionKind::Release => "RELEASE",
-        ActionKind::Replaced => "REPLACED",
-        ActionKind::Rebaseline => "REBASELINE",
-        ActionKind::Policy => "POLICY",
-    }
-    ActionProblem {
-        ActionProblem::UnknownWhisker => "UNKNOWN_WHISKER",
-        ActionProblem::NotProposed => "NOT_PROPOSED",
-        ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
-        ActionProblem::RobotOffline => "ROBOT_OFFLINE",
-        ActionProblem::Held => "HELD",
-        ActionProblem::RobotHeld => "ROBOT_HELD",
+        Approve => "APPROVE",
+        Refuse => "REFUSE",
+        Setpoint => "SETPOINT",
+        Hold => "HOLD",
+        Release => "RELEASE",
+        Replaced => "REPLACED",
+        Rebaseline => "REBASELINE",
+        Policy => "POLICY",
     }
     ArrayKind {
-        ArrayKind::Type1 => "TYPE_1",
-        ArrayKind::Type2 => "TYPE_2",
+        Type1 => "TYPE_1",
+        Type2 => "TYPE_2",
     }
     Link {
-        Link::Online => "ONLINE",
-        Link::Offline => "OFFLINE",
-        Link::Broken => "CONNECTION_BROKEN",
+        Online => "ONLINE",
+        Offline => "OFFLINE",
+        Broken => "CONNECTION_BROKEN",
+    }
+    Reason {
+        Release => "RELEASE",
+        Refinement => "REFINEMENT",
+        Operator => "OPERATOR";
+        Compensation(Case)
+    }
+    Rejection {
+        Stale => "STALE",
+        Expired => "EXPIRED",
+        OutOfRange => "OUT_OF_RANGE",
+        UnknownWhisker => "UNKNOWN_WHISKER",
+        WrongBoot => "WRONG_BOOT",
+        NotReady => "NOT_READY",
     }
 }
 
-impl Word for Reason {
+impl Word for ActionProblem {
     fn word(self) -> &'static str {
-        setpoint_reason(self).as_str()
-    }
-}
-
-impl Word for Rejection {
-    fn word(self) -> &'static str {
-        setpoint_error(self).as_str()
+        match self {
+            ActionProblem::UnknownWhisker => "UNKNOWN_WHISKER",
+            ActionProblem::NotProposed => "NOT_PROPOSED",
+            ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
+            ActionProblem::RobotOffline => "ROBOT_OFFLINE",
+            ActionProblem::Held => "HELD",
+            ActionProblem::RobotHeld => "ROBOT_HELD",
+        }
     }
 }
 
@@ -202,7 +227,9 @@ pub fn setpoint_reason(reason: Reason) -> SetpointReason {
     }
 }
 
-fn setpoint_error(rejection: Rejection) -> SetpointError {
+/// The contract's word for why a robot refuses a setpoint.
+#[must_use]
+pub fn setpoint_error(rejection: Rejection) -> SetpointError {
     match rejection {
         Rejection::Stale => SetpointError::Stale,
         Rejection::Expired => SetpointError::Expired,
@@ -221,4 +248,24 @@ pub const Z95: f64 = 1.959_963_985;
 pub fn length_interval_mm(estimate: &LengthEstimate) -> (f64, f64) {
     let half = Z95 * estimate.sd_mm;
     ((estimate.length.mm() - half).max(0.0), estimate.length.mm() + half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_setpoints_are_those_of_the_contract() {
+        assert!(Reason::all().into_iter().all(|one| one.word() == setpoint_reason(one).as_str()));
+        assert!(Rejection::all().into_iter().all(|one| one.word() == setpoint_error(one).as_str()));
+    }
+
+    #[test]
+    fn each_word_stands_for_one_value() {
+        for kind in AlarmKind::all() {
+            assert_eq!(named(kind.word()), Some(kind));
+        }
+        assert_eq!(AlarmKind::all().len(), 15);
+        assert_eq!(named::<Condition>("LONGER"), None);
+    }
 }

@@ -7,6 +7,7 @@ mod sbom;
 mod secrets;
 mod structure;
 mod systemd;
+mod words;
 
 use std::path::PathBuf;
 

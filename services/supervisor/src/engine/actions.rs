@@ -62,7 +62,7 @@ impl Engine {
                 Some(Err(problem)) => ("REFUSED", Some(problem)),
             };
             self.asked(None);
-            let kind = match named(ActionKind::ALL, &action.kind) {
+            let kind = match named::<ActionKind>(&action.kind) {
                 Some(kind) => kind.word(),
                 None if action.kind == CALIBRATION => CALIBRATION,
                 None => "UNKNOWN",

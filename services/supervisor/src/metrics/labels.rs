@@ -4,9 +4,9 @@ use vibrissa_core::policy::{Case, Mode};
 use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Reason, RefinementOutcome,
 };
-use vibrissa_core::robot::event::{GaugeState, Link, Rejection};
+use vibrissa_core::robot::event::{Link, Rejection};
 use vibrissa_edge::actions::ActionKind;
-use vibrissa_edge::words::Word as _;
+use vibrissa_edge::words::{Word as _, Words};
 use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
@@ -32,36 +32,13 @@ pub const INBOX: Word = "inbox";
 /// What waits to be published.
 pub const OUTBOX: Word = "outbox";
 
-/// Every case of the paper.
-pub const CASES: [Case; 3] = [Case::SelfCompensation, Case::ShorterForLonger, Case::LongerForShorter];
-
-const FAULTS: [Fault; 8] = [
-    Fault::Stale,
-    Fault::Gauge(GaugeState::Open),
-    Fault::Gauge(GaugeState::Short),
-    Fault::Gauge(GaugeState::Saturated),
-    Fault::Gauge(GaugeState::Ok),
-    Fault::Leak,
-    Fault::Regulator,
-    Fault::SupplyLow,
-];
-const ENDS: [EndReason; 8] = [
-    EndReason::LayoutChanged,
-    EndReason::TargetTrimmedAgain,
-    EndReason::CompensatorBroken,
-    EndReason::Reassigned,
-    EndReason::SetpointFailed,
-    EndReason::Replaced,
-    EndReason::Refused,
-    EndReason::Operator,
-];
-
 const fn by_one(name: &'static str, values: fn() -> Vec<[Word; 1]>) -> Labels<1> {
     Labels { names: [name], values }
 }
 
-macro_rules! words {
-    ($($one:expr),+ $(,)?) => { || vec![$([$one.word()]),+] };
+/// The words of a closed enum.
+fn all<T: Words>() -> Vec<[Word; 1]> {
+    T::all().into_iter().map(|one| [one.word()]).collect()
 }
 
 pub(super) const TOPIC: Labels<1> = by_one("topic", || {
@@ -100,93 +77,27 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
     .map(|reason| [reason])
     .to_vec()
 });
-pub(super) const USED: Labels<1> = by_one(
-    "used",
-    words!(
-        ContactUse::Learning,
-        ContactUse::Used,
-        ContactUse::Unsettled,
-        ContactUse::TooWeak,
-        ContactUse::OnChamber,
-        ContactUse::GaugeFault,
-        ContactUse::Implausible
-    ),
-);
-pub(super) const CONNECTION: Labels<1> = by_one("connection", words!(Link::Online, Link::Offline, Link::Broken));
-pub(super) const HEALTH: Labels<1> = by_one("health", || {
-    let conditions = [
-        Condition::Learning,
-        Condition::Healthy,
-        Condition::Suspected,
-        Condition::Trimmed,
-        Condition::Eroding,
-        Condition::SensitivityLoss,
-    ];
-    conditions.map(|one| [one.word()]).into_iter().chain(FAULTS.map(|one| [one.word()])).collect()
-});
-pub(super) const CASE: Labels<1> = by_one("case", || CASES.map(|case| [case.word()]).to_vec());
+pub(super) const USED: Labels<1> = by_one("used", all::<ContactUse>);
+pub(super) const CONNECTION: Labels<1> = by_one("connection", all::<Link>);
+pub(super) const HEALTH: Labels<1> =
+    by_one("health", || all::<Condition>().into_iter().chain(all::<Fault>()).collect());
+pub(super) const CASE: Labels<1> = by_one("case", all::<Case>);
 pub(super) const CASE_AND_OUTCOME: Labels<2> = Labels {
     names: ["case", "outcome"],
     values: || {
-        let outcomes = || [STARTED, PROPOSED, APPROVED].into_iter().chain(ENDS.map(EndReason::word));
-        let served = CASES.into_iter().flat_map(|case| outcomes().map(move |outcome| [case.word(), outcome]));
+        let outcomes =
+            || [STARTED, PROPOSED, APPROVED].into_iter().chain(EndReason::all().into_iter().map(EndReason::word));
+        let served = Case::all().into_iter().flat_map(|case| outcomes().map(move |outcome| [case.word(), outcome]));
         served.chain([[NO_CASE, UNSERVED]]).collect()
     },
 };
-pub(super) const REFINEMENT: Labels<1> = by_one(
-    "outcome",
-    words!(
-        RefinementOutcome::Refined,
-        RefinementOutcome::HeldDither,
-        RefinementOutcome::HeldMargin,
-        RefinementOutcome::HeldUncertain,
-        RefinementOutcome::HeldSteps,
-        RefinementOutcome::HeldUnpredictable
-    ),
-);
-pub(super) const STATE: Labels<1> = by_one(
-    "state",
-    words!(
-        CommandState::Pending,
-        CommandState::Received,
-        CommandState::Applying,
-        CommandState::Applied,
-        CommandState::Rejected,
-        CommandState::Failed,
-        CommandState::Superseded,
-        CommandState::Expired,
-        CommandState::Abandoned
-    ),
-);
+pub(super) const REFINEMENT: Labels<1> = by_one("outcome", all::<RefinementOutcome>);
+pub(super) const STATE: Labels<1> = by_one("state", all::<CommandState>);
 pub(super) const REJECTION_CAUSE: Labels<1> =
     by_one("cause", || RejectionCause::ALL.map(|cause| [cause.word()]).to_vec());
-pub(super) const REJECTION: Labels<1> = by_one(
-    "error",
-    words!(
-        Rejection::Stale,
-        Rejection::Expired,
-        Rejection::OutOfRange,
-        Rejection::UnknownWhisker,
-        Rejection::WrongBoot,
-        Rejection::NotReady
-    ),
-);
-pub(super) const SETPOINT_REASON: Labels<1> = by_one("reason", || {
-    let others = [Reason::Release, Reason::Refinement, Reason::Operator];
-    CASES.map(Reason::Compensation).into_iter().chain(others).map(|reason| [reason.word()]).collect()
-});
-pub(super) const ALARM: Labels<1> = by_one("kind", || {
-    let others = [
-        AlarmKind::Uncompensated,
-        AlarmKind::SetpointFailed,
-        AlarmKind::SensitivityLoss,
-        AlarmKind::Eroding,
-        AlarmKind::ArrayShift,
-        AlarmKind::BaselineDrift,
-        AlarmKind::Proposed,
-    ];
-    others.into_iter().chain(FAULTS.map(AlarmKind::Fault)).map(|kind| [kind.word()]).collect()
-});
+pub(super) const REJECTION: Labels<1> = by_one("error", all::<Rejection>);
+pub(super) const SETPOINT_REASON: Labels<1> = by_one("reason", all::<Reason>);
+pub(super) const ALARM: Labels<1> = by_one("kind", all::<AlarmKind>);
 pub(super) const ACTION: Labels<2> = Labels {
     names: ["kind", "state"],
     values: || {
@@ -194,6 +105,6 @@ pub(super) const ACTION: Labels<2> = Labels {
         kinds.flat_map(|kind| ["DONE", "REFUSED", "EXPIRED"].map(|state| [kind, state])).collect()
     },
 };
-pub(super) const MODE: Labels<1> = by_one("mode", words!(Mode::Automatic, Mode::Advise));
+pub(super) const MODE: Labels<1> = by_one("mode", all::<Mode>);
 pub(super) const CHANGE: Labels<1> = by_one("change", || vec![[TAKEN], [LOST]]);
 pub(super) const QUEUE: Labels<1> = by_one("queue", || vec![[INBOX], [OUTBOX]]);

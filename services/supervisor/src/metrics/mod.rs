@@ -20,7 +20,7 @@ pub use document::document;
 pub use fleet::FleetMetrics;
 pub use http::{ConnectionMetrics, HttpMetrics};
 pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
-pub use labels::{APPROVED, CASES, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
+pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
 pub use whiskers::{RobotSample, WhiskerMetrics, WhiskerSample};
 
 /// Every metric.
