@@ -86,6 +86,7 @@ async fn honest(to: SocketAddr, requests: usize) -> Vec<f64> {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_little() {
+    let _turn = crate::turn().await;
     raise_descriptors();
     let program =
         HttpProgram::start(&["--http-connections-max", "12000", "--http-connections-per-address-max", "12000"]);
@@ -146,6 +147,7 @@ async fn answered(to: SocketAddr) {
 /// The limit closes whoever has waited longest: not an honest client, and no live stream.
 #[tokio::test(flavor = "multi_thread")]
 async fn regress_connections_without_end_leave_honest_requests_and_streams_alone() {
+    let _turn = crate::turn().await;
     let program = HttpProgram::start(&["--http-connections-max", "200", "--http-connections-per-address-max", "100"]);
     let http = program.http;
     let (status, mut events) = open(http, "/v1/events", &[]).await.unwrap();
@@ -183,6 +185,7 @@ async fn regress_connections_without_end_leave_honest_requests_and_streams_alone
 
 #[tokio::test(flavor = "multi_thread")]
 async fn regress_connections_never_take_the_last_file_descriptor() {
+    let _turn = crate::turn().await;
     let program = HttpProgram::with_descriptors(100);
     let mut silent = Vec::new();
     for _ in 0..300 {

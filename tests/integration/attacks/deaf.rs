@@ -128,6 +128,7 @@ async fn a_broker_that_does_not_take_probes_is_named_and_robots_are_heard_all_th
 /// Contacts as fast as they go: probes wait behind them, and nobody is called deaf for it.
 #[tokio::test]
 async fn a_burst_does_not_pass_for_deafness() {
+    let _turn = crate::turn().await;
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
     let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);

@@ -101,6 +101,7 @@ fn flood(port: u16) -> LoadPlan {
 }
 
 async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
+    let _turn = crate::turn().await;
     let supervised = Supervised::start(kind, &[]).await;
     let mut robots = Vec::new();
     for number in 0..ROBOTS {

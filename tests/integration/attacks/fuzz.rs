@@ -168,6 +168,7 @@ async fn receipted(robot: &mut HandRobot, lag_us: &AtomicU64) -> Option<Duration
 
 /// The whole run on a database.
 async fn fuzz(database: &str) {
+    let _turn = crate::turn().await;
     let seed = std::env::var("FUZZ_SEED").ok().map_or(SEED, |text| text.parse().expect("a number"));
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("log");

@@ -33,3 +33,11 @@ mod supervised;
 mod takeover;
 mod unheard_owner;
 mod with_limits;
+
+use tokio::sync::{Mutex, MutexGuard};
+
+/// The turn of a test that loads all processors or measures times: one at a time, beside tests that mostly wait.
+pub(crate) async fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::const_new(());
+    TURN.lock().await
+}
