@@ -23,7 +23,7 @@ pub trait Word {
 
 /// An enum whose values can be listed.
 pub trait Words: Word + Sized {
-    /// Every value.
+    /// Every value of the enum, once.
     fn all() -> Vec<Self>;
 }
 

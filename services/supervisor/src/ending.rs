@@ -3,7 +3,7 @@
 /// Why an engine has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// It was told to, and everything that it had is committed.
+    /// The service stops or gives the fleet back; every message that was taken is committed.
     Stopped,
     /// The fleet is somebody else's.
     LeaseLost,

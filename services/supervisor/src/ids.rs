@@ -33,7 +33,7 @@ pub(crate) fn wide_id(robot_id: i64, number: u32) -> i64 {
     (robot_id << 32) | i64::from(number)
 }
 
-/// What makes the name of a start its own: the time, the process, and where.
+/// Bytes that differ at each start of a program: the time, the process, and random bytes of the kernel.
 pub(crate) fn start_seed() -> Vec<u8> {
     let mut seed = wall_clock().0.to_le_bytes().to_vec();
     seed.extend(std::process::id().to_le_bytes());

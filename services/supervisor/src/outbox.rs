@@ -11,15 +11,15 @@ use crate::clock::wall_clock;
 /// A message to publish.
 #[derive(Debug, Clone)]
 pub struct Publication {
-    /// Topic.
+    /// The MQTT topic.
     pub topic: String,
-    /// JSON.
+    /// The message as JSON.
     pub payload: Vec<u8>,
     /// Quality of service.
     pub qos: QualityOfService,
     /// Deadline for sending, for setpoints. The remaining time becomes the MQTT message expiry.
     pub until: Option<Instant>,
-    /// What is stopped when it is on its way, for setpoints that were not sent before.
+    /// Measures the time until the setpoint is published; none for other messages, and for setpoints that are sent again.
     pub stopwatch: Option<Stopwatch>,
 }
 

@@ -16,7 +16,7 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::{until, until_true};
 use vibrissa_tests::web::try_get;
 
-/// What was learned, decided and measured.
+/// Lists of everything that was learned, decided and measured.
 const VIEWS: [&str; 7] =
     ["/v1/arrays", "/v1/whiskers", "/v1/trims", "/v1/compensations", "/v1/setpoints", "/v1/errors", "/v1/calibrations"];
 

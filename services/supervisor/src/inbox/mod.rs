@@ -24,9 +24,9 @@ use crate::metrics::FleetMetrics;
 /// A message as it came from the broker.
 #[derive(Debug)]
 pub struct Incoming {
-    /// Its topic.
+    /// The MQTT topic.
     pub topic: Bytes,
-    /// Its payload.
+    /// The message itself: JSON if the robot keeps the contract.
     pub payload: Bytes,
     /// When, by the supervisor's clock.
     pub received: Micros,

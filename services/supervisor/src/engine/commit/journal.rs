@@ -17,7 +17,7 @@ use crate::engine::commit::batch::Source;
 use crate::engine::shard::Known;
 use crate::store::batch::ContactRow;
 
-/// Version of the entries' layout. A negative number before entries is the version of what follows; entries begin with a robot's
+/// Version of the entries' layout. A negative number is the version of the entries after it; entries begin with a robot's
 /// number, which is positive. Version 1 had the same layout and no such number.
 const VERSION: i64 = 2;
 /// Stands for an array that is not on the robot.
