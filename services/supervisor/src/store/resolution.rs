@@ -13,7 +13,7 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// Both resolutions.
+    /// Every resolution, the shortest spans first.
     pub const ALL: [Self; 2] = [Self::Minute, Self::Hour];
 
     /// Length of the spans.
