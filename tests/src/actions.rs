@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use vibrissa::mailroom::Mailroom;
-use vibrissa::store::Store;
-use vibrissa::store::actions::{Action, Asked, NewAction};
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_store::Store;
+use vibrissa_store::actions::{Action, Asked, NewAction};
+use vibrissa_supervisor::mailroom::Mailroom;
 
 use crate::wait::PATIENCE;
 

@@ -1,6 +1,10 @@
 //! The edge: checked messages become the core's events, once. Nothing behind it sees MQTT or JSON.
+//!
+//! Here are also the wall clock, which the core must not read, and the identifiers that several parts derive alike.
 
 pub mod actions;
+pub mod clock;
+pub mod ids;
 pub mod words;
 
 use vibrissa_core::robot::event::{

@@ -14,7 +14,7 @@ use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;
 use crate::mqtt::{Connection, LinkState, try_hearing};
-use crate::store::{FleetsHeard, Roll};
+use vibrissa_store::{FleetsHeard, Roll};
 
 /// From one trial to the next.
 const TRIAL_PAUSE: Duration = Duration::from_secs(2);

@@ -16,9 +16,9 @@ use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
-use crate::store::{Lease, Store, StoreError};
 use crate::thread;
 use crate::trace::Traces;
+use vibrissa_store::{Lease, Store, StoreError};
 
 /// Publications that wait for the broker; beyond it they are dropped and made again.
 const OUTBOX_MESSAGES: usize = 10_000;

@@ -1,8 +1,8 @@
-//! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
+//! The service of the supervisor: contacts in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] (all tasks), `ownership` and `fleet` (leases of fleets), [`mqtt`], [`inbox`], [`outbox`] and
-//! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`],
-//! [`trace`]; then [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
+//! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
+//! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
+//! commits its effects to [`vibrissa_store`]. [`http`] serves people, [`metrics`] and [`trace`] serve monitoring.
 
 pub mod service;
 
@@ -17,36 +17,18 @@ mod thread;
 mod upkeep;
 
 pub mod broker;
+pub mod inbox;
 pub mod mqtt;
+pub mod outbox;
 
 pub mod engine;
-
-pub mod check;
-pub mod record;
-pub mod replay;
-
-pub mod store;
-
-mod backoff;
-pub mod clock;
-pub mod exposure;
-pub mod fault;
-mod ids;
-pub mod inbox;
-pub mod outbox;
-mod params;
-pub mod robots_file;
-pub mod secret;
 
 pub mod http;
 pub mod metrics;
 pub mod trace;
 
+mod backoff;
 pub mod calibration_file;
+mod params;
 pub mod plot;
-
-pub mod demo;
-
-pub mod config;
-
-pub mod cli;
+pub mod robots_file;

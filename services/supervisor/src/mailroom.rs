@@ -8,8 +8,8 @@ use tokio::sync::{Notify, broadcast, watch};
 use tokio::time::{Duration, Instant, sleep_until};
 use vibrissa_protocol::Name;
 
-use crate::store::actions::Action;
-use crate::store::{Store, StoreError};
+use vibrissa_store::actions::Action;
+use vibrissa_store::{Store, StoreError};
 
 /// How often an answer is looked for that another supervisor may give.
 const POLL: Duration = Duration::from_millis(250);

@@ -6,7 +6,7 @@ use prometheus::Histogram;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::QualityOfService;
 
-use crate::clock::wall_clock;
+use vibrissa_edge::clock::wall_clock;
 
 /// A message to publish.
 #[derive(Debug, Clone)]

@@ -14,7 +14,7 @@ use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
 use crate::readiness::Standing;
 use crate::sharing::shares;
-use crate::store::{Roll, StoreError, Supervisor, Writer};
+use vibrissa_store::{Roll, StoreError, Supervisor, Writer};
 
 /// Turns in a time to live: each renews the leases and looks for free ones.
 const TURNS_A_TIME_TO_LIVE: u32 = 8;

@@ -9,8 +9,8 @@ use vibrissa_core::robot::Params;
 use vibrissa_edge::actions;
 
 use crate::calibration_file::CalibrationFile;
-use crate::store::actions::PolicyReading;
-use crate::store::calibrations::ActiveCalibration;
+use vibrissa_store::actions::PolicyReading;
+use vibrissa_store::calibrations::ActiveCalibration;
 
 /// The parameters with another calibration of a model, or with one model more.
 pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {

@@ -14,22 +14,22 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::broker::Broker;
-use crate::clock::wall_clock;
 use crate::engine::{Keep, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, HttpOptions, Serving};
-use crate::ids::start_seed;
 use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
 use crate::robots_file;
-use crate::store::retention::Retention;
-use crate::store::{DatabaseAddress, Store, Supervisor};
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::ids::start_seed;
+use vibrissa_store::retention::Retention;
+use vibrissa_store::{DatabaseAddress, Store, Supervisor};
 
 /// How long everything that is not a fleet may take to end in good order.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use vibrissa_protocol::Name;
 
-use crate::store::{Present, Roll};
+use vibrissa_store::{Present, Roll};
 
 /// The best owner of each fleet. A present owner keeps its fleets, except to even out the numbers, and except a fleet that it does
 /// not hear and another supervisor has proved to hear. Fleets without an owner go to the supervisor with the fewest.
@@ -72,7 +72,7 @@ fn step_towards_even(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::{FleetLease, FleetsHeard};
+    use vibrissa_store::{FleetLease, FleetsHeard};
 
     fn fleets(count: usize) -> Vec<Name> {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()

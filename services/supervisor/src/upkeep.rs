@@ -1,12 +1,12 @@
 //! Keeps the tables in order while a service runs: partitions are made ahead, what is too old is removed.
 
-use crate::clock::wall_clock;
 use crate::metrics::Metrics;
-use crate::store::retention::{Done, Retention};
-use crate::store::{Store, StoreError};
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{debug, info, warn};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::retention::{Done, Retention};
+use vibrissa_store::{Store, StoreError};
 
 /// How often it is looked whether anything is to be done.
 const EVERY: Duration = Duration::from_secs(3600);

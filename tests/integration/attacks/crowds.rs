@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use sqlx::ConnectOptions;
 use tokio::task::JoinSet;
-use vibrissa::store::{DatabaseAddress, Store};
 use vibrissa_protocol::{ArrayType, BootId, Connection, ConnectionState, Message, RobotTopic, Timestamp, encode};
+use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::observer::Observer;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::robot::{HandRobot, array};

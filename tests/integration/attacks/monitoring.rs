@@ -4,17 +4,17 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
 use tokio::sync::watch;
-use vibrissa::http::access::token::{NewToken, create};
-use vibrissa::http::access::{Access, AccessOptions, Role, Scope};
-use vibrissa::http::{App, serve};
-use vibrissa::mailroom::Mailroom;
-use vibrissa::metrics::Metrics;
-use vibrissa::readiness::Readiness;
-use vibrissa::store::{DatabaseAddress, Store};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_store::{DatabaseAddress, Store};
+use vibrissa_supervisor::http::access::token::{NewToken, create};
+use vibrissa_supervisor::http::access::{Access, AccessOptions, Role, Scope};
+use vibrissa_supervisor::http::{App, serve};
+use vibrissa_supervisor::mailroom::Mailroom;
+use vibrissa_supervisor::metrics::Metrics;
+use vibrissa_supervisor::readiness::Readiness;
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{ask, try_get};
 

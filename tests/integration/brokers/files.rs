@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrissa::mqtt::{BrokerAddress, ClientCertificate, PrepareError, TlsOptions, prepare};
+use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate, PrepareError, TlsOptions, prepare};
 use vibrissa_tests::certificates::{Authority, write};
 
 fn with_ca(path: PathBuf) -> BrokerAddress {

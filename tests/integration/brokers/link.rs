@@ -2,15 +2,17 @@
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
-use vibrissa::metrics::{FleetMetrics, Metrics};
-use vibrissa::mqtt::{self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, TlsOptions};
-use vibrissa::secret::Secret;
 use vibrissa_protocol::{BootId, Name};
+use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::metrics::{FleetMetrics, Metrics};
+use vibrissa_supervisor::mqtt::{
+    self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, TlsOptions,
+};
 use vibrissa_tests::wait::{until, until_true};
 
-use vibrissa::outbox::Publication;
+use vibrissa_supervisor::outbox::Publication;
 
-use vibrissa::inbox::Inbox;
+use vibrissa_supervisor::inbox::Inbox;
 
 /// The password that must never get out.
 pub(crate) const PASSWORD: &str = "correct-horse-battery-staple";

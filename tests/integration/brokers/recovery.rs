@@ -1,7 +1,7 @@
 //! Brokers that come and go, and services that share one.
 
 use tempfile::TempDir;
-use vibrissa::mqtt::{BrokerAddress, ClientCertificate};
+use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate};
 use vibrissa_tests::certificates::{Authority, Validity, write};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::wait::until_true;

@@ -4,8 +4,8 @@ use std::net::TcpListener;
 
 use tempfile::TempDir;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use vibrissa::mqtt::{BrokerAddress, ClientCertificate};
 use vibrissa_protocol::RobotTopic;
+use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate};
 use vibrissa_tests::certificates::{Authority, Identity, Validity, write};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 

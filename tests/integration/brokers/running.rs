@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use tempfile::TempDir;
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::wait::until_true;
 
 use crate::link::PASSWORD;
@@ -40,13 +40,13 @@ impl Running {
     pub(crate) async fn start(broker: BrokerAddress) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let service = Service::start(ServiceOptions {
-            access: vibrissa::http::access::AccessOptions::default(),
+            access: vibrissa_supervisor::http::access::AccessOptions::default(),
             name: "s".to_owned(),
             fleets: vec![Name::new("lab").unwrap()],
             database: DatabaseAddress::Sqlite(database(&folder)),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
-            limits: vibrissa::service::LimitOptions::default(),
-            history: vibrissa::service::HistoryOptions::default(),
+            limits: vibrissa_supervisor::service::LimitOptions::default(),
+            history: vibrissa_supervisor::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: Some(broker),
             mqtt_port: 0,

@@ -14,13 +14,13 @@ mod program;
 use std::time::Duration;
 
 use vibrissa::check::{CheckOptions, Progress, Report, Timings, check};
-use vibrissa::mqtt::{BrokerAddress, Connection, LinkState, prepare};
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
 };
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
+use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, LinkState, prepare};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::Observer;
 use vibrissa_tests::wait;

@@ -1,8 +1,8 @@
 //! A service that asks for a token.
 
 use serde_json::json;
-use vibrissa::http::access::token::{self, NewToken};
-use vibrissa::http::access::{Role, Scope};
+use vibrissa_supervisor::http::access::token::{self, NewToken};
+use vibrissa_supervisor::http::access::{Role, Scope};
 
 use crate::stage::Stage;
 

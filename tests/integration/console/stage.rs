@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrissa::http::access::AccessOptions;
-use vibrissa::secret::Secret;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::{ArrayType, Name};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
@@ -55,8 +55,8 @@ impl Stage {
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
-            limits: vibrissa::service::LimitOptions::default(),
-            history: vibrissa::service::HistoryOptions::default(),
+            limits: vibrissa_supervisor::service::LimitOptions::default(),
+            history: vibrissa_supervisor::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: None,
             mqtt_port: 0,

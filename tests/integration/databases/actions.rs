@@ -2,13 +2,13 @@
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::readiness::Standing;
-use vibrissa::service::{Service, ServiceOptions};
-use vibrissa::store::actions::{Asked, NewAction};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::ArrayType;
+use vibrissa_store::actions::{Asked, NewAction};
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::readiness::Standing;
+use vibrissa_supervisor::service::{Service, ServiceOptions};
 use vibrissa_tests::actions::{answered, asks, asks_of};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
@@ -21,13 +21,13 @@ use crate::fleet;
 /// A supervisor of fleet `f` in this process.
 async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
-        access: vibrissa::http::access::AccessOptions::default(),
+        access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: name.to_owned(),
         fleets: vec![fleet()],
         database: Postgres::url(database_port).parse().unwrap(),
         lease_time_to_live: std::time::Duration::from_secs(2),
-        limits: vibrissa::service::LimitOptions::default(),
-        history: vibrissa::service::HistoryOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
@@ -98,7 +98,7 @@ async fn brute_force_connections_that_break_lose_no_action_and_do_none_twice() {
     let proxy = Proxy::to(server.port()).await;
     let service = supervisor("a", proxy.port(), &broker).await;
     until_true("an owner", async || owns(&service)).await;
-    let asker = vibrissa::store::Store::open(&Postgres::url(server.port()).parse().unwrap(), "asker").await.unwrap();
+    let asker = vibrissa_store::Store::open(&Postgres::url(server.port()).parse().unwrap(), "asker").await.unwrap();
     let mut link = server.connect().connect().await.unwrap();
     for at in 0..ACTIONS {
         assert_eq!(asker.ask(&policy(at)).await.unwrap(), Asked::New(at + 1));

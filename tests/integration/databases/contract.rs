@@ -1,19 +1,19 @@
 //! What is written is read back, the same from both databases.
 
 use serde_json::{Value, json};
-use vibrissa::store::actions::{Asked, NewAction};
-use vibrissa::store::batch::{
+use vibrissa_store::actions::{Asked, NewAction};
+use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Interval,
     PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
-use vibrissa::store::changes::Mark;
-use vibrissa::store::list::{Filter, Value as FilterValue};
-use vibrissa::store::lists::compensations::{
+use vibrissa_store::changes::Mark;
+use vibrissa_store::list::{Filter, Value as FilterValue};
+use vibrissa_store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
 };
-use vibrissa::store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
-use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
-use vibrissa::store::{Batch, Lease, Store, Writer};
+use vibrissa_store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::{Batch, Lease, Store, Writer};
 use vibrissa_tests::actions::{asks, asks_of};
 
 use crate::rows::{self, Numbered, contacts};

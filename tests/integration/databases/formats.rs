@@ -2,9 +2,9 @@
 //!
 //! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the new one.
 
-use vibrissa::engine::rollup::Open;
-use vibrissa::store::Batch;
 use vibrissa_core::units::Micros;
+use vibrissa_store::Batch;
+use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
 fn golden_a_batch_of_version_1_is_read_and_written_as_it_was() {

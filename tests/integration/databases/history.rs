@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use sqlx::ConnectOptions;
-use vibrissa::engine::Keep;
-use vibrissa::engine::rollup::{Open, Rollup};
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
-use vibrissa::store::Resolution;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{ArrayType, SetpointOutcome};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::Resolution;
+use vibrissa_supervisor::engine::Keep;
+use vibrissa_supervisor::engine::rollup::{Open, Rollup};
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::robot::{HandRobot, array};
@@ -241,12 +241,12 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Keep) -
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
     Service::start(ServiceOptions {
-        access: vibrissa::http::access::AccessOptions::default(),
+        access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
-        limits: vibrissa::service::LimitOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: HistoryOptions { keep, ..HistoryOptions::default() },
         metrics_per_whisker: false,
         traces: None,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use vibrissa::store::StoreError;
+use vibrissa_store::StoreError;
 use vibrissa_tests::wait::{until, until_true};
 
 use crate::rows::{self, contacts};
@@ -91,7 +91,7 @@ async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
     let server = database.server.as_ref().unwrap();
     let proxy = vibrissa_tests::proxy::Proxy::to(server.port()).await;
     let address = vibrissa_tests::postgres::Postgres::url(proxy.port()).parse().unwrap();
-    let through = vibrissa::store::Store::open(&address, "through").await.unwrap();
+    let through = vibrissa_store::Store::open(&address, "through").await.unwrap();
     let mut a = supervisor("a");
     a.time_to_live = Duration::from_secs(60);
     let mut writer = through.writer();
@@ -123,7 +123,7 @@ async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     let server = database.server.as_ref().unwrap();
     let proxy = vibrissa_tests::proxy::Proxy::to(server.port()).await;
     let address = vibrissa_tests::postgres::Postgres::url(proxy.port()).parse().unwrap();
-    let through = vibrissa::store::Store::open(&address, "through").await.unwrap();
+    let through = vibrissa_store::Store::open(&address, "through").await.unwrap();
     let (a, b) = (supervisor("a"), supervisor("b"));
     let mut writer_a = through.writer();
     writer_a.sign_in(&a, &[]).await.unwrap();

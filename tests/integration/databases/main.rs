@@ -19,8 +19,8 @@ mod schema;
 mod supervisors;
 
 use tempfile::TempDir;
-use vibrissa::store::{DatabaseAddress, Store, Supervisor};
 use vibrissa_protocol::Name;
+use vibrissa_store::{DatabaseAddress, Store, Supervisor};
 use vibrissa_tests::postgres::Postgres;
 
 /// A database of the test's own, with its tables; it goes when this is dropped.

@@ -1,7 +1,7 @@
 //! What is kept as bytes is committed: its rows are written later, by whoever has the fleet then.
 
-use vibrissa::store::batch::Batch;
-use vibrissa::store::{Lease, StoreError, Writer};
+use vibrissa_store::batch::Batch;
+use vibrissa_store::{Lease, StoreError, Writer};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::until;

@@ -5,9 +5,9 @@
 use std::collections::BTreeSet;
 
 use sqlx::{AssertSqlSafe, ConnectOptions};
-use vibrissa::store::Resolution;
-use vibrissa::store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
-use vibrissa::store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
+use vibrissa_store::Resolution;
+use vibrissa_store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
+use vibrissa_store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
 use vibrissa_tests::actions::asks_of;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
@@ -221,7 +221,7 @@ async fn begin(database: &Fresh) -> (Writer, Lease) {
 async fn subject(database: &Fresh, writer: &mut Writer, lease: &Lease, name: &str) -> Subject {
     let numbered = rows::numbered(writer, lease, name).await;
     let asked = database.store.ask(&asks_of("HOLD", "{}", Some(1))).await.unwrap();
-    let vibrissa::store::actions::Asked::New(action_id) = asked else { panic!("{asked:?}") };
+    let vibrissa_store::actions::Asked::New(action_id) = asked else { panic!("{asked:?}") };
     let mut admin = Admin::of(database).await;
     run!(&mut admin, format!("UPDATE actions SET robot = '{name}' WHERE action_id = {action_id}")).unwrap();
     Subject { numbered, action_id }

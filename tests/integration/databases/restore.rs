@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sqlx::{ConnectOptions, Row};
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
-use vibrissa::store::lists::setpoints::{SETPOINTS, Setpoint as Recorded};
-use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{ArrayType, Setpoint, SetpointError, SetpointOutcome, SetpointReason};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::lists::setpoints::{SETPOINTS, Setpoint as Recorded};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::robot::{HandRobot, array};
@@ -31,13 +31,13 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
     params.detection.cold_start_contacts = LEARNED as u32;
     params.command.resend_after = Micros::from_s(0.3);
     Service::start(ServiceOptions {
-        access: vibrissa::http::access::AccessOptions::default(),
+        access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
-        limits: vibrissa::service::LimitOptions::default(),
-        history: vibrissa::service::HistoryOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         traces: None,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),

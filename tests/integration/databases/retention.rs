@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Connection, Executor, Row};
-use vibrissa::store::retention::{Done, Retention};
-use vibrissa::store::series::Span;
-use vibrissa::store::time::Time;
-use vibrissa::store::{Lease, Store, Writer};
+use vibrissa_store::retention::{Done, Retention};
+use vibrissa_store::series::Span;
+use vibrissa_store::time::Time;
+use vibrissa_store::{Lease, Store, Writer};
 
 use crate::rows::{self, Numbered};
 use crate::{Fresh, fleet, supervisor};

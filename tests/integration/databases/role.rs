@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sqlx::{ConnectOptions, Connection, Executor};
-use vibrissa::store::DatabaseAddress;
+use vibrissa_store::DatabaseAddress;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::until_true;

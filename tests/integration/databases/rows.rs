@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use vibrissa::store::batch::{ContactRow, Interval, LayoutRow, RobotRow, WhiskerRow};
-use vibrissa::store::{Batch, Lease, Writer};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
+use vibrissa_store::batch::{ContactRow, Interval, LayoutRow, RobotRow, WhiskerRow};
+use vibrissa_store::{Batch, Lease, Writer};
 
 /// A robot with its numbers in the database.
 pub(crate) struct Numbered {

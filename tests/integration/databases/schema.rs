@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use sqlx::{ConnectOptions, Row};
-use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
-use vibrissa::store::{DatabaseAddress, StoreError};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::{DatabaseAddress, StoreError};
 use vibrissa_tests::postgres::Postgres;
 
 use crate::Fresh;
@@ -148,7 +148,7 @@ async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
     )
     .await;
 
-    let store = vibrissa::store::Store::open(address, "test").await.unwrap();
+    let store = vibrissa_store::Store::open(address, "test").await.unwrap();
     store.prepare().await.unwrap();
     let mut writer = store.writer();
     writer.sign_in(&crate::supervisor("s"), &[]).await.unwrap();

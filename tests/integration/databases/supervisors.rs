@@ -7,15 +7,15 @@ use nix::sys::signal::Signal;
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::readiness::Standing;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
-use vibrissa::store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::readiness::Standing;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
@@ -340,13 +340,13 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     let address: DatabaseAddress = format!("sqlite:{}", folder.path().join("v.sqlite3").display()).parse().unwrap();
     let fleets = ["f1", "f2"].map(|fleet| Name::new(fleet).unwrap());
     let service = Service::start(ServiceOptions {
-        access: vibrissa::http::access::AccessOptions::default(),
+        access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: fleets.to_vec(),
         database: address,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
-        limits: vibrissa::service::LimitOptions::default(),
-        history: vibrissa::service::HistoryOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

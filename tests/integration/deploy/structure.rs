@@ -1,4 +1,4 @@
-//! The direction of imports: between crates, between modules of the supervisor, and around SQL.
+//! The direction of imports: between crates, between modules of a crate, and around heavy libraries.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{read_dir, read_to_string};
@@ -7,9 +7,14 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest: a crate depends only on those before it.
-const CRATES: [&str; 6] = ["core", "protocol", "edge", "simulator", "evaluation", "supervisor"];
-/// The modules of the supervisor that may use sqlx.
-const WITH_SQL: &str = "store";
+const CRATES: [&str; 8] = ["core", "protocol", "edge", "simulator", "evaluation", "store", "supervisor", "vibrissa"];
+/// Crates that must not reach a library, and those libraries: directly, or by way of another crate.
+const KEPT_OUT: [(&str, &[&str]); 4] = [
+    ("vibrissa-core", &["serde", "tokio", "rand"]),
+    ("vibrissa-core-tests", &["sqlx", "axum", "utoipa", "rumqttc-next"]),
+    ("vibrissa-store", &["axum", "rumqttc-next"]),
+    ("vibrissa-supervisor", &["vibrissa-simulator", "vibrissa-evaluation", "plotters", "clap", "indicatif"]),
+];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -51,9 +56,9 @@ fn imported(code: &str) -> BTreeSet<String> {
     modules
 }
 
-/// Each module of the supervisor with the modules that it imports.
-fn supervisor_modules() -> BTreeMap<String, BTreeSet<String>> {
-    let root = project().join("services/supervisor/src");
+/// Each module of a crate with the modules of the same crate that it imports.
+fn modules_of(name: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let root = project().join("services").join(name).join("src");
     let mut modules: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for path in rust_files(&root) {
         let top = path.strip_prefix(&root).unwrap().iter().next().unwrap();
@@ -69,10 +74,8 @@ fn supervisor_modules() -> BTreeMap<String, BTreeSet<String>> {
     modules
 }
 
-#[test]
-fn no_module_of_the_supervisor_imports_one_that_depends_on_it() {
-    let mut modules = supervisor_modules();
-    assert!(modules["engine"].contains("store") && modules.len() > 20, "{modules:?}");
+fn no_circle(name: &str) {
+    let mut modules = modules_of(name);
     // Modules that import nothing that is left are removed until none is left; those of a circle stay.
     loop {
         let free: Vec<String> =
@@ -87,7 +90,20 @@ fn no_module_of_the_supervisor_imports_one_that_depends_on_it() {
             }
         }
     }
-    assert!(modules.is_empty(), "modules in a circle of imports, or above one: {modules:#?}");
+    assert!(modules.is_empty(), "{name}: modules in a circle of imports, or above one: {modules:#?}");
+}
+
+#[test]
+fn no_module_of_the_supervisor_imports_one_that_depends_on_it() {
+    let modules = modules_of("supervisor");
+    assert!(modules["engine"].contains("inbox") && modules.len() > 15, "{modules:?}");
+    no_circle("supervisor");
+}
+
+#[test]
+fn no_module_of_the_program_imports_one_that_depends_on_it() {
+    assert!(modules_of("vibrissa")["cli"].contains("config"));
+    no_circle("vibrissa");
 }
 
 #[test]
@@ -104,15 +120,43 @@ fn crates_depend_on_lower_crates_only() {
     assert_eq!(folders, CRATES.len(), "each crate has a place in the order");
 }
 
-#[test]
-fn only_the_store_knows_sql() {
-    let root = project().join("services");
-    let store = root.join("supervisor/src").join(WITH_SQL);
-    let mut with_sql = 0;
-    for path in rust_files(&root) {
-        let is_used = code(&path).contains("sqlx::");
-        assert!(!is_used || path.starts_with(&store), "{} uses sqlx", path.display());
-        with_sql += usize::from(is_used);
+/// The packages of Cargo.lock with the packages that each depends on, development dependencies included.
+fn packages() -> BTreeMap<String, Vec<String>> {
+    let lock = read_to_string(project().join("Cargo.lock")).unwrap();
+    let quoted = |text: &str| text.split('"').nth(1).unwrap_or_default().split(' ').next().unwrap().to_owned();
+    let mut packages: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for package in lock.split("[[package]]").skip(1) {
+        let name = package.lines().find(|line| line.starts_with("name = ")).map(quoted).unwrap();
+        let dependencies = package.split("dependencies = [").nth(1).unwrap_or_default();
+        packages.entry(name).or_default().extend(dependencies.lines().map(quoted).filter(|name| !name.is_empty()));
     }
-    assert!(with_sql > 10, "{with_sql}");
+    packages
+}
+
+#[test]
+fn crates_do_not_reach_the_libraries_that_are_kept_out_of_them() {
+    let packages = packages();
+    for (name, kept_out) in KEPT_OUT {
+        let mut reached = BTreeSet::from([name.to_owned()]);
+        let mut to_visit = vec![name.to_owned()];
+        while let Some(next) = to_visit.pop() {
+            for other in packages.get(&next).unwrap_or_else(|| panic!("no package {next}")) {
+                if reached.insert(other.clone()) {
+                    to_visit.push(other.clone());
+                }
+            }
+        }
+        for library in kept_out {
+            assert!(packages.contains_key(*library), "no package {library}");
+            assert!(!reached.contains(*library), "{name} depends on {library}");
+        }
+    }
+}
+
+#[test]
+fn only_the_store_and_the_tests_depend_on_sqlx() {
+    let packages = packages();
+    let users = packages.iter().filter(|(_, dependencies)| dependencies.iter().any(|one| one == "sqlx"));
+    let users: Vec<&str> = users.map(|(name, _)| name.as_str()).collect();
+    assert_eq!(users, ["vibrissa-store", "vibrissa-tests"]);
 }

@@ -1,11 +1,11 @@
 //! Who is let in, and for what.
 
 use serde_json::{Value, json};
-use vibrissa::http::access::token::{NewToken, create};
-use vibrissa::http::access::{AccessOptions, Role, Scope};
-use vibrissa::secret::Secret;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::http::access::token::{NewToken, create};
+use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
 use vibrissa_tests::web::{Answer, open, send};
 
 use crate::served::Served;

@@ -71,7 +71,7 @@ async fn groups_are_those_of_the_rows(served: &Served) {
         let spans = grouped(newest(errors, bucket_us), |one| one.row.recorded_us / bucket_us);
         assert_eq!(items.len(), spans.len());
         for (item, (span, group)) in items.iter().zip(&spans) {
-            assert_eq!(item["at"], vibrissa::store::time::Time(span * bucket_us).to_string());
+            assert_eq!(item["at"], vibrissa_store::time::Time(span * bucket_us).to_string());
             check(item, group);
         }
     }

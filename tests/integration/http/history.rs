@@ -1,9 +1,9 @@
 //! Minutes and hours of a whisker.
 
 use serde_json::Value;
-use vibrissa::store::Resolution;
-use vibrissa::store::batch::RollupRow;
-use vibrissa::store::time::Time;
+use vibrissa_store::Resolution;
+use vibrissa_store::batch::RollupRow;
+use vibrissa_store::time::Time;
 use vibrissa_tests::web::ask;
 
 use crate::rows::{HOURS, MINUTES, START_US, rollups};

@@ -10,9 +10,9 @@ use rcgen::KeyPair;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
-use vibrissa::http::access::AccessOptions;
-use vibrissa::http::access::oidc::OidcOptions;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::http::access::oidc::OidcOptions;
 use vibrissa_tests::web::{Answer, ask, open};
 
 use crate::served::Served;

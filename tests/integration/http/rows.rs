@@ -2,18 +2,18 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vibrissa::store::Resolution;
-use vibrissa::store::batch::{
-    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
-    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow, TrimRow,
-    WhiskerRow,
-};
-use vibrissa::store::{Batch, Lease, Store, Supervisor, Writer};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
 use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 use vibrissa_protocol::Name;
+use vibrissa_store::Resolution;
+use vibrissa_store::batch::{
+    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
+    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow, TrimRow,
+    WhiskerRow,
+};
+use vibrissa_store::{Batch, Lease, Store, Supervisor, Writer};
 
 /// When things begin.
 pub(crate) const START_US: i64 = 1_795_248_000_000_000;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use vibrissa::http::access::token::{NewToken, create};
-use vibrissa::http::access::{Role, Scope};
 use vibrissa_protocol::Name;
+use vibrissa_supervisor::http::access::token::{NewToken, create};
+use vibrissa_supervisor::http::access::{Role, Scope};
 use vibrissa_tests::web::ask;
 
 use crate::document::{Document, get_operations};

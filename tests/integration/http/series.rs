@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use vibrissa::store::batch::ContactRow;
+use vibrissa_store::batch::ContactRow;
 
 use crate::rows::{CONTACTS, START_US};
 use crate::served::Served;
@@ -42,7 +42,7 @@ async fn means_are_those_of_the_rows(served: &Served) {
         assert_eq!(items.len(), spans.len(), "{points} points");
         assert!(items.len() as i64 <= points && answer["bucket_s"].as_f64().unwrap() > 0.0);
         for (item, (at_us, rows)) in items.iter().zip(&spans) {
-            assert_eq!(item["at"], vibrissa::store::time::Time(*at_us).to_string());
+            assert_eq!(item["at"], vibrissa_store::time::Time(*at_us).to_string());
             assert_eq!(item["contacts"], rows.len());
             close(&item["ratio"], mean(rows.iter().map(|row| row.ratio)), "ratio");
             close(&item["strain"], mean(rows.iter().map(|row| row.strain)), "strain");

@@ -6,18 +6,18 @@ use std::sync::Arc;
 use serde_json::Value;
 use tempfile::TempDir;
 use tokio::sync::watch;
-use vibrissa::http::{
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_store::{DatabaseAddress, Store};
+use vibrissa_supervisor::http::{
     App,
     access::{Access, AccessOptions},
     serve,
     streams::StreamOptions,
 };
-use vibrissa::mailroom::Mailroom;
-use vibrissa::metrics::Metrics;
-use vibrissa::readiness::Readiness;
-use vibrissa::store::{DatabaseAddress, Store};
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
+use vibrissa_supervisor::mailroom::Mailroom;
+use vibrissa_supervisor::metrics::Metrics;
+use vibrissa_supervisor::readiness::Readiness;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::until;
 use vibrissa_tests::web::{Answer, ask};

@@ -5,11 +5,11 @@ use std::time::Duration;
 use serde_json::Value;
 use sqlx::{Connection as _, PgConnection};
 use tokio::time::timeout;
-use vibrissa::http::access::token::{NewToken, create};
-use vibrissa::http::access::{AccessOptions, Role, Scope};
-use vibrissa::http::streams::StreamOptions;
-use vibrissa::secret::Secret;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::http::access::token::{NewToken, create};
+use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
+use vibrissa_supervisor::http::streams::StreamOptions;
 use vibrissa_tests::wait::PATIENCE;
 use vibrissa_tests::web::{Events, open, send};
 

@@ -77,7 +77,7 @@ fn property_calibrate_finds_the_parameters_and_its_file_can_be_used() {
         let arguments =
             ["calibrate", "front.csv", "--youngs-modulus-mpa", "1.2", "--out", "front.toml", "--svg", "front.svg"];
         out(&vibrissa(&arguments, folder.path()));
-        let (name, model) = vibrissa::calibration_file::load(
+        let (name, model) = vibrissa_supervisor::calibration_file::load(
             &folder.path().join("front.toml"),
             vibrissa_core::mechanics::Formulation::Published,
         )

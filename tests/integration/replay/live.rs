@@ -9,13 +9,13 @@ use sqlx::Row;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions, SqliteRow};
 use tempfile::TempDir;
 use tokio::sync::OnceCell;
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until_true;
@@ -131,13 +131,13 @@ async fn service(folder: &TempDir, port: u16) -> Service {
     params.detection.cold_start_contacts = COLD_START;
     let fleet = Name::new("f").unwrap();
     let service = Service::start(ServiceOptions {
-        access: vibrissa::http::access::AccessOptions::default(),
+        access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet.clone()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
-        limits: vibrissa::service::LimitOptions::default(),
-        history: vibrissa::service::HistoryOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", port)),
         mqtt_port: 0,

@@ -1,7 +1,7 @@
 //! What operators ask, from the mailbox in the database to the robot.
 
-use vibrissa::store::actions::{Action, Asked, NewAction};
 use vibrissa_protocol::{ArrayType, SetpointOutcome, SetpointReason};
+use vibrissa_store::actions::{Action, Asked, NewAction};
 use vibrissa_tests::actions::{answered, asks, asks_of};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;

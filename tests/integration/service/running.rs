@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrissa::http::access::AccessOptions;
-use vibrissa::mqtt::BrokerAddress;
-use vibrissa::secret::Secret;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
-use vibrissa::trace::TraceOptions;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa_supervisor::trace::TraceOptions;
 use vibrissa_tests::wait::until_true;
 
 use crate::database::Database;
@@ -84,8 +84,8 @@ impl Running {
             fleets: vec![fleet.clone()],
             database: DatabaseAddress::Sqlite(path.clone()),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
-            limits: vibrissa::service::LimitOptions::default(),
-            history: vibrissa::service::HistoryOptions::default(),
+            limits: vibrissa_supervisor::service::LimitOptions::default(),
+            history: vibrissa_supervisor::service::HistoryOptions::default(),
             metrics_per_whisker: false,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
             mqtt_port: 0,

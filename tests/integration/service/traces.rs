@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use opentelemetry_proto::tonic::trace::v1::span::SpanKind;
 use serde_json::json;
-use vibrissa::trace::TraceOptions;
 use vibrissa_protocol::{ArrayType, Setpoint, SetpointError, SetpointOutcome};
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_supervisor::trace::TraceOptions;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::{until, until_true};

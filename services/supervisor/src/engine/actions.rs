@@ -16,12 +16,12 @@ use super::Engine;
 use super::commit::committer::LeaseLost;
 use super::shard::{Known, Shard, shard_of};
 use crate::calibration_file::CalibrationFile;
-use crate::clock::wall_clock;
 use crate::params::with_model;
-use crate::store::actions::Action;
-use crate::store::batch::{PolicyRow, Record};
-use crate::store::calibrations::ActivationRow;
 use crate::trace::Asked;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::actions::Action;
+use vibrissa_store::batch::{PolicyRow, Record};
+use vibrissa_store::calibrations::ActivationRow;
 
 /// Actions that are read at a time.
 const ACTIONS_MAX: i64 = 100;
@@ -140,7 +140,7 @@ impl Engine {
         let name = self.robot_of(action)?;
         let robot_id = self.known(&name).map_or(0, |known| known.robot_id);
         let number = compensation_id as u32;
-        let is_its = crate::ids::wide_id(robot_id, number) == compensation_id;
+        let is_its = vibrissa_edge::ids::wide_id(robot_id, number) == compensation_id;
         is_its.then_some(number).ok_or_else(|| refused(ActionProblem::NotProposed))
     }
 

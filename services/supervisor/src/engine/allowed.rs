@@ -10,9 +10,9 @@ use vibrissa_protocol::Name;
 
 use super::Engine;
 use super::commit::committer::LeaseLost;
-use crate::clock::wall_clock;
 use crate::robots_file::RobotsFile;
-use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 
 /// Robots of a shard that were turned away and are remembered; beyond that the one is forgotten that tried longest ago.
 const TURNED_AWAY_MAX: usize = 64;

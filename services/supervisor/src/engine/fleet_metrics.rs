@@ -13,9 +13,9 @@ use vibrissa_edge::words::Word;
 use super::Engine;
 use super::commit::batch::Gathering;
 use super::shard::{Known, Shard};
-use crate::clock::wall_clock;
 use crate::inbox::Inbox;
 use crate::metrics::{INBOX, OUTBOX, RobotSample, WhiskerSample, Word as Label};
+use vibrissa_edge::clock::wall_clock;
 
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;

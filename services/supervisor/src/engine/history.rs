@@ -9,8 +9,8 @@ use vibrissa_core::units::Micros;
 
 use super::retention::{Keep, Keeper};
 use super::rollup::{GRACE, Open, Rollup, Sample, Use};
-use crate::store::NumberedWhisker;
-use crate::store::batch::{Batch, ContactRow, RollupRow};
+use vibrissa_store::NumberedWhisker;
+use vibrissa_store::batch::{Batch, ContactRow, RollupRow};
 
 /// The history of a robot's whiskers, by their index.
 #[derive(Debug)]
@@ -218,7 +218,7 @@ fn row_of(whisker_id: i64, rollup: &Rollup) -> RollupRow {
 
 #[cfg(test)]
 mod tests {
-    use crate::store::Resolution;
+    use vibrissa_store::Resolution;
 
     use super::*;
 

@@ -15,11 +15,11 @@ use super::commit::committer::Committer;
 use super::fingerprints;
 use super::fleet_metrics;
 use super::shard::{Known, Shard};
-use crate::ids::command_id;
 use crate::metrics::FleetMetrics;
-use crate::store::StoreError;
-use crate::store::batch::LayoutRow;
 use vibrissa_edge as edge;
+use vibrissa_edge::ids::command_id;
+use vibrissa_store::StoreError;
+use vibrissa_store::batch::LayoutRow;
 
 const OLD_BIRTH: &str = "a birth of a boot that another one has followed";
 const OLD_FACTSHEET: &str = "a factsheet of a boot that another one has followed";

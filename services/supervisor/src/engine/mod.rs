@@ -38,17 +38,17 @@ use vibrissa_core::robot::Params;
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{BootId, Name};
 
-use crate::clock::wall_clock;
 use crate::ending::Ending;
-use crate::fault::{self, Fault};
 use crate::inbox::Inbox;
 use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::Publication;
 use crate::params;
 use crate::readiness::Readiness;
-use crate::store::{Lease, StoreError, Writer};
 use crate::trace::{Lives, Traces};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::fault::{self, Fault};
+use vibrissa_store::{Lease, StoreError, Writer};
 
 use allowed::AllowedSource;
 use announced::Announced;

@@ -9,9 +9,9 @@ use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic,
 use super::Engine;
 use super::commit::batch::Gathering;
 use super::shard::{Known, Shard};
-use crate::clock::wall_clock;
-use crate::ids::command_uuid;
 use crate::outbox::{Publication, Stopwatch};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::ids::command_uuid;
 use vibrissa_edge::words::{Word, setpoint_reason};
 
 /// `held` ranges that a receipt carries at most; the core keeps no more.

@@ -9,13 +9,13 @@ use super::commit::batch::{Gathering, Source};
 use super::mpa;
 use super::publication::Sent;
 use super::shard::Known;
-use crate::ids::{command_id, wide_id};
 use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
-use crate::store::batch::{
+use vibrissa_edge::ids::{command_id, wide_id};
+use vibrissa_edge::words::{Word, Z95};
+use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
     Interval, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
-use vibrissa_edge::words::{Word, Z95};
 
 impl Gathering {
     /// Puts one effect into the batch or among the publications.

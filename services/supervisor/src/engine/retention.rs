@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use crate::store::batch::ContactRow;
+use vibrissa_store::batch::ContactRow;
 
 /// Which contacts are kept one by one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -6,7 +6,7 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::units::Micros;
 
-use crate::store::Resolution;
+use vibrissa_store::Resolution;
 
 /// How long a span stays open beyond its end when nothing comes: what was received in it may still wait.
 pub const GRACE: Micros = Micros(2_000_000);

@@ -22,9 +22,9 @@ use super::history::History;
 use super::limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
 use super::publication;
 use super::retention::Keep;
-use crate::clock::wall_clock;
-use crate::store::StoredRobot;
-use crate::store::batch::Record;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::StoredRobot;
+use vibrissa_store::batch::Record;
 
 /// How often a robot is excused whose messages are left out: a third of the time after which it counts as silent.
 const LISTEN_EVERY: Duration = Duration::from_secs(5);

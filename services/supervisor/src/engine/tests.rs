@@ -21,8 +21,8 @@ use super::limits::{BOOTS_AT_ONCE, Bucket};
 use super::retention::Keep;
 use super::shard::{Known, Shard};
 use crate::metrics::Metrics;
-use crate::store::Resolution;
-use crate::store::StoredRobot;
+use vibrissa_store::Resolution;
+use vibrissa_store::StoredRobot;
 
 const WHISKERS: u16 = 6;
 const PRESSURE_MPA: f64 = 0.1;
@@ -238,7 +238,7 @@ fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
     shard.snapshot_waiting(now, pace);
     let (mut sealed, mut entries) = (Sealed::default(), Vec::new());
     shard.gathering.seal_into(&mut sealed, &mut entries);
-    sealed.batch.journal = Some(crate::store::batch::JournalRow { number, entries });
+    sealed.batch.journal = Some(vibrissa_store::batch::JournalRow { number, entries });
     let oldest = shard.oldest_waiting().map_or(number + 1, |(number, _)| number);
     sealed.batch.journal_done = Some(oldest - 1);
     shard.gathering.number += 1;

@@ -14,10 +14,10 @@ use super::App;
 use super::access::Caller;
 use super::passage::RequestId;
 use super::problem::{Kind, Problem};
-use crate::clock::wall_clock;
-use crate::store::actions::{Asked, NewAction};
-use crate::store::list::{Filter, Value as Sql};
-use crate::store::lists::actions::{ACTIONS, ActionRow};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::actions::{Asked, NewAction};
+use vibrissa_store::list::{Filter, Value as Sql};
+use vibrissa_store::lists::actions::{ACTIONS, ActionRow};
 
 /// An action that was not carried out by then is not carried out any more: what was right when it was asked may be
 /// wrong later.

@@ -46,11 +46,11 @@ use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
-use crate::store::{Store, StoreError};
 use crate::trace::Traces;
 use access::{Access, Gate, origin};
 use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
+use vibrissa_store::{Store, StoreError};
 
 /// What the handlers share.
 #[derive(Debug, Clone)]

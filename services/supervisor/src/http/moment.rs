@@ -3,8 +3,8 @@
 use serde::{Deserialize, Deserializer};
 use vibrissa_protocol::Timestamp;
 
-use crate::store::list::{Filter, Value};
-use crate::store::time::Time;
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::time::Time;
 
 /// A moment: RFC 3339 with any offset and any number of decimals, in the years 0000 to 9999.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

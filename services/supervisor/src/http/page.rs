@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::problem::Problem;
-use crate::store::list::{Place, Rows, Selection, Sort};
+use vibrissa_store::list::{Place, Rows, Selection, Sort};
 
 /// Rows of a page unless it is asked for otherwise.
 pub const LIMIT: u32 = 100;
@@ -122,7 +122,7 @@ macro_rules! list_query {
             ///
             /// # Errors
             /// The limit or the cursor is wrong.
-            pub fn page(&self) -> Result<$crate::store::list::Selection, $crate::http::problem::Problem> {
+            pub fn page(&self) -> Result<vibrissa_store::list::Selection, $crate::http::problem::Problem> {
                 let sort = self.sort.map_or(<$sort>::SORTS[0], <$sort>::sort);
                 let (limit, cursor, order) = (self.limit, self.cursor.as_deref(), self.order);
                 $crate::http::page::Paging { limit, cursor, sort, order }.selection()

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::json;
 use utoipa::ToSchema;
 
-use crate::store::StoreError;
+use vibrissa_store::StoreError;
 
 /// The media type of problems.
 pub const MEDIA_TYPE: &str = "application/problem+json";

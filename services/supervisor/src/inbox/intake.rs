@@ -10,8 +10,8 @@ use vibrissa_protocol::RobotTopic;
 
 use super::fair::{Bounds, LeftOut};
 use super::{BOUNDS, Inbox, Incoming, Shared};
-use crate::clock::wall_clock;
 use crate::metrics::FleetMetrics;
+use vibrissa_edge::clock::wall_clock;
 
 /// The label under which messages other than contacts are counted as refused when there is no room for them.
 const INBOX_FULL: &str = "inbox_full";

@@ -10,8 +10,8 @@ use vibrissa_edge::words::{Word as _, Words};
 use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
-use crate::store::RejectionCause;
 use vibrissa_edge::actions::CALIBRATION;
+use vibrissa_store::RejectionCause;
 
 /// The case of a decision that found nobody.
 pub const NO_CASE: Word = "NONE";

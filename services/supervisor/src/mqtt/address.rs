@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use url::{Host, Url};
 
-use crate::secret::Secret;
+use vibrissa_store::secret::Secret;
 
 /// Where the broker is.
 #[derive(Debug, Clone, PartialEq, Eq)]

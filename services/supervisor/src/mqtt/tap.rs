@@ -12,8 +12,8 @@ use super::hearing::is_probe_on;
 use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use crate::clock::wall_clock;
 use crate::inbox::Incoming;
+use vibrissa_edge::clock::wall_clock;
 
 /// Hears everything of the connection's fleet until the task is aborted, and connects again when the
 /// connection breaks: `breaks` counts that. A slow receiver makes the broker wait.

@@ -1,7 +1,7 @@
 //! An array drawn to scale, seen from the side: a row for each line of whiskers, tips upwards.
 
 use super::svg::{Anchor, Svg};
-use crate::store::lists::whiskers::Whisker;
+use vibrissa_store::lists::whiskers::Whisker;
 
 /// Room above the longest whisker of a row, for arrows.
 const ABOVE: f64 = 46.0;

@@ -1,13 +1,13 @@
 //! Charts of what the database has of whiskers and compensations.
 
 use super::lines::{Across, Lines, Mark, Point, Shape};
-use crate::store::lists::compensations::{CompensationSummary, Numbers, RatioError};
-use crate::store::lists::errors::ErrorStatement;
-use crate::store::lists::setpoints::Setpoint;
-use crate::store::lists::whiskers::Whisker;
-use crate::store::series::{ContactMean, Series};
-use crate::store::time::Time;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_store::lists::compensations::{CompensationSummary, Numbers, RatioError};
+use vibrissa_store::lists::errors::ErrorStatement;
+use vibrissa_store::lists::setpoints::Setpoint;
+use vibrissa_store::lists::whiskers::Whisker;
+use vibrissa_store::series::{ContactMean, Series};
+use vibrissa_store::time::Time;
 
 /// The paper's measured mean error of case 1 and self-compensation.
 const PAPER_ERROR: f64 = 0.203_85;
@@ -221,7 +221,7 @@ pub(crate) fn by_ratio(one: &CompensationSummary, predicted: Option<&Numbers>, m
             told("measured", one.measured_error),
             each.join(", ")
         ),
-        across: Across::Number("contact ratio"),
+        across: Across::Number("contact ratio", 0.425, 1.025),
         up: "error (Eq. 35), %",
         up_at_least: (0.0, 25.0),
         marks: vec![

@@ -4,12 +4,12 @@ use super::svg::{Anchor, Svg, text_width};
 use super::ticks::{numbers, times};
 
 /// What the horizontal axis is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Across {
     /// Microseconds since 1970.
     Time,
-    /// Numbers of that name.
-    Number(&'static str),
+    /// Numbers of that name, from the first to the second.
+    Number(&'static str, f64, f64),
 }
 
 /// A shape of points.
@@ -110,8 +110,23 @@ impl Frame {
 }
 
 impl Lines {
-    /// The picture.
+    /// The chart as a document of its own.
     pub(crate) fn draw(&self) -> String {
+        self.svg().document(&self.title, &self.desc)
+    }
+
+    /// Several charts in one document, from top to bottom. The first chart's title is the document's.
+    pub(crate) fn draw_stacked(charts: &[Self]) -> String {
+        let mut all = Svg::new(WIDTH, 0.0);
+        for chart in charts {
+            all.append_below(chart.svg());
+        }
+        let title = charts.first().map_or("", |chart| &chart.title);
+        let descriptions: Vec<&str> = charts.iter().map(|chart| chart.desc.as_str()).collect();
+        all.document(title, &descriptions.join(" "))
+    }
+
+    fn svg(&self) -> Svg {
         let legend = self.legend();
         let rows = legend.last().map_or(0.0, |one| one.1 + 1.0);
         let (low, high) = self.reach();
@@ -131,7 +146,7 @@ impl Lines {
         for mark in &self.marks {
             put(&mut svg, mark, &frame);
         }
-        svg.document(&self.title, &self.desc)
+        svg
     }
 
     fn is_empty(&self) -> bool {
@@ -161,7 +176,7 @@ impl Lines {
         let all = self.marks.iter().flat_map(Mark::points).map(|point| point.x);
         let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         match self.across {
-            Across::Number(_) => (0.425, 1.025),
+            Across::Number(_, from, to) => (from, to),
             Across::Time if low < high => (low, high),
             Across::Time if low == high => (low - 5e5, low + 5e5),
             Across::Time => (0.0, 1e6),
@@ -197,7 +212,7 @@ impl Lines {
         let (ticks, name) = match self.across {
             Across::Time if self.is_empty() => (Vec::new(), "time, UTC".to_owned()),
             Across::Time => times(frame.x.0 as i64, frame.x.1 as i64),
-            Across::Number(name) => (numbers(frame.x.0, frame.x.1, 8), name.to_owned()),
+            Across::Number(name, ..) => (numbers(frame.x.0, frame.x.1, 8), name.to_owned()),
         };
         let bottom = frame.bottom();
         for (x, label) in ticks {

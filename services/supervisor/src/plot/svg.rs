@@ -79,6 +79,13 @@ impl Svg {
         let _ = writeln!(self.body, "{element}");
     }
 
+    /// Adds another picture of the same width at the bottom.
+    pub(crate) fn append_below(&mut self, other: Self) {
+        let top = self.height;
+        self.raw(format_args!("<g transform=\"translate(0 {top:.0})\">\n{}</g>", other.body));
+        self.height += other.height;
+    }
+
     /// A straight line.
     pub(crate) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64), dash: &str) {
         let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };

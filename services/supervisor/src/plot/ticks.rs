@@ -1,6 +1,6 @@
 //! Marks of axes: round numbers, and round times in UTC.
 
-use crate::store::time::Time;
+use vibrissa_store::time::Time;
 
 /// A mark with its label.
 pub(crate) type Tick = (f64, String);

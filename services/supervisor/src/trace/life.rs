@@ -19,9 +19,9 @@ use super::Traces;
 use super::span::{Draft, Place, time};
 use super::story::{self, Asked, Step, is_final, known_pressure};
 use crate::ending::Ending;
-use crate::ids::command_uuid;
-use crate::ids::compensation_uuid;
-use crate::ids::wide_id;
+use vibrissa_edge::ids::command_uuid;
+use vibrissa_edge::ids::compensation_uuid;
+use vibrissa_edge::ids::wide_id;
 
 /// Setpoints under way that are followed at a time, and suspicions that are remembered.
 const OPEN_MAX: usize = 4096;

@@ -11,8 +11,8 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::span::{Draft, known, time};
-use crate::ids::wide_id;
-use crate::store::actions::Action;
+use vibrissa_edge::ids::wide_id;
+use vibrissa_store::actions::Action;
 
 /// A step that the core has taken.
 pub(crate) struct Step<'a> {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 use sqlx::postgres::{PgConnection, PgRow};
 use sqlx::{AssertSqlSafe, Column, ConnectOptions, Row, TypeInfo};
-use vibrissa::store::{DatabaseAddress, Store};
+use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::postgres::Postgres;
 
 use super::{list, named_alerts, text};

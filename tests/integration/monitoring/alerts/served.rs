@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 
 use serde_json::Value;
-use vibrissa::http::access::AccessOptions;
-use vibrissa::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
-use vibrissa::store::DatabaseAddress;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
 
@@ -72,8 +72,8 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         fleets: vec![Name::new("f").unwrap()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
-        limits: vibrissa::service::LimitOptions::default(),
-        history: vibrissa::service::HistoryOptions::default(),
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
         traces: None,
         broker: None,

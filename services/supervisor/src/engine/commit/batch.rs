@@ -20,8 +20,8 @@ use crate::engine::retention::Keep;
 use crate::engine::shard::{Known, Stored};
 use crate::metrics::FleetMetrics;
 use crate::outbox::Publication;
-use crate::store::Batch;
 use crate::trace::{Lives, Step, Untold, is_told};
+use vibrissa_store::Batch;
 
 /// How often something suspicious of one kind is logged.
 const WARNED_EVERY: Duration = Duration::from_secs(60);

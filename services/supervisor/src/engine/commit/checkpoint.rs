@@ -7,11 +7,11 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
-use crate::clock::wall_clock;
 use crate::engine::mpa;
 use crate::engine::shard::{Known, Shard, Stored};
-use crate::store::Batch;
-use crate::store::batch::{Interval, RobotRow, WhiskerRow};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::Batch;
+use vibrissa_store::batch::{Interval, RobotRow, WhiskerRow};
 
 /// A state is written this long after the first entry of the journal that it does not contain, or later if there are many.
 const AFTER: Micros = Micros(2_000_000);

@@ -8,8 +8,8 @@ use vibrissa_protocol::Name;
 use crate::backoff::Backoff;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::readiness::Readiness;
-use crate::store::batch::Owner;
-use crate::store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
+use vibrissa_store::batch::Owner;
+use vibrissa_store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::ROWS_AT_A_TIME;

@@ -15,7 +15,7 @@ use vibrissa_edge::words::Word;
 
 use crate::engine::commit::batch::Source;
 use crate::engine::shard::Known;
-use crate::store::batch::ContactRow;
+use vibrissa_store::batch::ContactRow;
 
 /// Version of the entries' layout. A negative number is the version of the entries after it; entries begin with a robot's
 /// number, which is positive. Version 1 had the same layout and no such number.

@@ -10,12 +10,12 @@ use std::time::SystemTime;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use crate::clock::wall_clock;
 use crate::engine::Engine;
 use crate::engine::commit::batch::Sealed;
 use crate::engine::commit::committer::{BytesRefused, Committed, Committer, LeaseLost};
 use crate::outbox::Publication;
-use crate::store::batch::JournalRow;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::batch::JournalRow;
 
 /// Transactions that may be kept before the rows of the first must be written.
 const KEPT_MAX: usize = 16;

@@ -12,9 +12,9 @@ use vibrissa_protocol::Name;
 use crate::engine::commit::batch::{Gathering, is_ordinary};
 use crate::engine::commit::journal::{Entry, Told, by_robot, read};
 use crate::engine::shard::{Known, Shard, shard_of};
-use crate::store::StoredRobot;
-use crate::store::batch::Batch;
-use crate::store::{Lease, Refused, StoreError, Writer};
+use vibrissa_store::StoredRobot;
+use vibrissa_store::batch::Batch;
+use vibrissa_store::{Lease, Refused, StoreError, Writer};
 
 /// Rows of the journal that are read at a time.
 pub(in crate::engine) const ROWS_AT_A_TIME: i64 = 256;

@@ -7,7 +7,6 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Event;
 use vibrissa_protocol::{Name, RobotTopic};
 
-use crate::clock::wall_clock;
 use crate::engine::Engine;
 use crate::engine::commit::batch::Sealed;
 use crate::engine::commit::committer::{LeaseLost, Offender};
@@ -16,7 +15,8 @@ use crate::engine::intake::Parcel;
 use crate::engine::quarantine::suspects::{Suspect, Turn, Verdict};
 use crate::engine::shard::shard_of;
 use crate::outbox::Publication;
-use crate::store::batch::{Owner, Owners, QuarantineRow, Record};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::batch::{Owner, Owners, QuarantineRow, Record};
 
 /// More suspects at once than this, and than a quarter of the robots: then the database is at fault rather than messages.
 const SUSPECTS_FEW: usize = 8;

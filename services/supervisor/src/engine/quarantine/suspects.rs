@@ -20,10 +20,10 @@ use std::time::Duration;
 use tokio::time::Instant;
 use vibrissa_protocol::{RobotTopic, envelope};
 
-use crate::clock::wall_clock;
 use crate::engine::intake::Parcel;
-use crate::store::Rejection;
-use crate::store::batch::QuarantineRow;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::Rejection;
+use vibrissa_store::batch::QuarantineRow;
 
 /// A suspect whose rows were taken for so long is an ordinary robot again.
 const PROBATION: Duration = Duration::from_secs(60);
@@ -213,7 +213,7 @@ mod tests {
     use vibrissa_protocol::{Name, Topic};
 
     use super::*;
-    use crate::store::RejectionCause;
+    use vibrissa_store::RejectionCause;
 
     fn parcel(seq: usize) -> Parcel {
         let topic = Topic::parse("whisker/v1/f/r/contacts").unwrap();

@@ -24,13 +24,13 @@ use vibrissa_protocol::Name;
 use self::oidc::{Oidc, OidcOptions};
 use super::document::Need;
 use super::problem::{Kind, Problem};
-use crate::clock::wall_clock;
-use crate::secret::Secret;
-use crate::store::Store;
-use crate::store::list::Filter;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::Store;
+use vibrissa_store::list::Filter;
+use vibrissa_store::secret::Secret;
 
 /// What somebody may do: each role has the rights of those before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Role {
     /// Looks.
@@ -307,7 +307,7 @@ mod tests {
 
     use super::super::document;
     use super::*;
-    use crate::store::DatabaseAddress;
+    use vibrissa_store::DatabaseAddress;
 
     /// Statuses of requests to a router whose document declares `GET /v1/told` only.
     async fn statuses(requests: &[(&str, &str)]) -> Vec<u16> {

@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use super::origin::require_direct;
 use super::{Access, Gate, Scope};
 use crate::http::problem::{Kind, Problem};
-use crate::store::Store;
+use vibrissa_store::Store;
 
 /// Lets a request in that comes from this machine to a listener on loopback, or with a token for all fleets.
 pub(in crate::http) async fn check(State(gate): State<Gate>, request: Request, next: Next) -> Response {

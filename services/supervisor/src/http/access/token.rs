@@ -6,8 +6,8 @@ use subtle::ConstantTimeEq as _;
 use vibrissa_protocol::Name;
 
 use super::{Caller, Role, Scope};
-use crate::store::tokens::TokenRow;
-use crate::store::{Store, StoreError};
+use vibrissa_store::tokens::TokenRow;
+use vibrissa_store::{Store, StoreError};
 
 const PREFIX: &str = "vbr_";
 /// Bytes of the half that names it.

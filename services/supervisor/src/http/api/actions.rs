@@ -14,9 +14,9 @@ use crate::http::App;
 use crate::http::asking::{Asker, Why, ask, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::Problem;
-use crate::store::list::Filter;
-use crate::store::lists::actions::ActionRow;
-use crate::store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::list::Filter;
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()

@@ -1,14 +1,10 @@
 //! What people say to alarms.
 
-use crate::clock::wall_clock;
 use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::moment::Moment;
 use crate::http::problem::{Kind, Problem};
-use crate::store::alarms::{AlarmSubject, Said};
-use crate::store::lists::actions::ActionRow;
-use crate::store::time::Time;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
@@ -17,6 +13,10 @@ use serde_json::json;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::alarms::{AlarmSubject, Said};
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(acknowledge)).routes(routes!(shelve)).routes(routes!(unshelve))

@@ -16,9 +16,9 @@ use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::{Kind, Problem};
-use crate::store::allowed::{AllowedReading, TurnedAwayReading, names_of};
-use crate::store::lists::actions::ActionRow;
-use crate::store::time::Time;
+use vibrissa_store::allowed::{AllowedReading, TurnedAwayReading, names_of};
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::time::Time;
 
 /// Robots in a list at most.
 const ROBOTS_MAX: usize = 10_000;

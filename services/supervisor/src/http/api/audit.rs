@@ -14,8 +14,8 @@ use crate::http::extract::{Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::words;
-use crate::store::list::{Filter, Value};
-use crate::store::lists::actions::{ACTIONS, ActionRow, ActionSort};
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::lists::actions::{ACTIONS, ActionRow, ActionSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_audit)).routes(routes!(get_action))

@@ -20,14 +20,14 @@ use crate::http::extract::{Body, OptionalBody, Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::plot;
-use crate::store::actions::Asked;
-use crate::store::calibrations::NewCalibration;
-use crate::store::list::{Filter, Value};
-use crate::store::lists::actions::ActionRow;
-use crate::store::lists::calibrations::{
+use vibrissa_edge::actions::CALIBRATION;
+use vibrissa_store::actions::Asked;
+use vibrissa_store::calibrations::NewCalibration;
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::lists::calibrations::{
     CALIBRATION_TEXTS, CALIBRATIONS, CalibrationRow, CalibrationSort, CalibrationText,
 };
-use vibrissa_edge::actions::CALIBRATION;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -383,7 +383,7 @@ async fn activate(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::time::Time;
+    use vibrissa_store::time::Time;
 
     #[test]
     fn regress_only_the_callers_fleets_are_named() {

@@ -16,8 +16,8 @@ use crate::http::moment::{Moment, between};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::{ApprovalWord, CaseWord};
-use crate::store::list::{Filter, Selection, Value};
-use crate::store::lists::compensations::{
+use vibrissa_store::list::{Filter, Selection, Value};
+use vibrissa_store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSort, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
 };
 

@@ -12,8 +12,8 @@ use crate::http::App;
 use crate::http::extract::{Path, Query};
 use crate::http::moment::Moment;
 use crate::http::problem::Problem;
-use crate::store::series::{ContactMean, Series, Span};
-use crate::store::time::Time;
+use vibrissa_store::series::{ContactMean, Series, Span};
+use vibrissa_store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_contacts)).routes(routes!(get_lengths))

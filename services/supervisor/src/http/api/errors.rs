@@ -16,8 +16,8 @@ use crate::http::number::RowNumber;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::CaseWord;
-use crate::store::list::{Filter, Value};
-use crate::store::lists::errors::{
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::lists::errors::{
     BY_CASE, BY_RATIO, BY_TIME, BY_WHISKER, ERRORS, ErrorByCase, ErrorByRatio, ErrorByTime, ErrorByWhisker, ErrorSort,
     ErrorStatement,
 };

@@ -18,7 +18,7 @@ use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
 use crate::http::problem::{Kind, Problem};
 use crate::http::streams::Place;
-use crate::store::changes::{Change, Mark};
+use vibrissa_store::changes::{Change, Mark};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(follow))

@@ -11,7 +11,7 @@ use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::store::lists::fleets::{FleetSort, FleetSummary, fleets};
+use vibrissa_store::lists::fleets::{FleetSort, FleetSummary, fleets};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_fleets)).routes(routes!(get_fleet))

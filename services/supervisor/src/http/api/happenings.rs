@@ -13,8 +13,8 @@ use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::{AlarmKindWord, AlarmStateWord, HealthKindWord};
-use crate::store::list::{Filter, Value};
-use crate::store::lists::happenings::{
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::lists::happenings::{
     ALARMS, Alarm, AlarmSort, HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort,
 };
 

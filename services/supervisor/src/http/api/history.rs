@@ -12,8 +12,8 @@ use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::ResolutionWord;
-use crate::store::list::{Filter, Value};
-use crate::store::lists::history::{HOURS, MINUTES, Rollup, RollupSort};
+use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::lists::history::{HOURS, MINUTES, Rollup, RollupSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_history))

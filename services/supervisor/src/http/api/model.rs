@@ -13,8 +13,8 @@ use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::extract::Path;
 use crate::http::problem::Problem;
-use crate::store::lists::whiskers::{WHISKERS, Whisker};
-use crate::store::series::{ContactMean, Span};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::series::{ContactMean, Span};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_model))

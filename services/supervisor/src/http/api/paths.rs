@@ -5,8 +5,8 @@ use utoipa::IntoParams;
 use vibrissa_protocol::Name;
 
 use crate::http::problem::Problem;
-use crate::store::Store;
-use crate::store::list::{Filter, Value};
+use vibrissa_store::Store;
+use vibrissa_store::list::{Filter, Value};
 
 /// Spells out a path's parts, their filters on a list that has columns of their names, and how they are told.
 macro_rules! paths {

@@ -16,13 +16,13 @@ use crate::http::extract::{Path, Query};
 use crate::http::moment::Moment;
 use crate::http::problem::Problem;
 use crate::plot::{array, console};
-use crate::store::list::{Filter, List, Selection, Value};
-use crate::store::lists::errors::{ERRORS, ErrorStatement};
-use crate::store::lists::robots::{ARRAYS, ArraySummary};
-use crate::store::lists::setpoints::{SETPOINTS, Setpoint};
-use crate::store::lists::whiskers::{WHISKERS, Whisker};
-use crate::store::series::Series;
-use crate::store::time::Time;
+use vibrissa_store::list::{Filter, List, Selection, Value};
+use vibrissa_store::lists::errors::{ERRORS, ErrorStatement};
+use vibrissa_store::lists::robots::{ARRAYS, ArraySummary};
+use vibrissa_store::lists::setpoints::{SETPOINTS, Setpoint};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::series::Series;
+use vibrissa_store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()

@@ -17,7 +17,7 @@ use crate::http::extract::{Body, Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::http::words::words;
-use crate::store::lists::actions::{ActionRow, POLICIES, PolicyRow, PolicySort};
+use vibrissa_store::lists::actions::{ActionRow, POLICIES, PolicyRow, PolicySort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_policy, put_policy)).routes(routes!(list_policies))

@@ -11,7 +11,7 @@ use crate::http::access::Caller;
 use crate::http::extract::Query;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::store::lists::quarantine::{QUARANTINE, QuarantineSort, Quarantined};
+use vibrissa_store::lists::quarantine::{QUARANTINE, QuarantineSort, Quarantined};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_quarantine))

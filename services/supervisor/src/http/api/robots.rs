@@ -15,9 +15,9 @@ use crate::http::extract::{Path, Query};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::ConnectionWord;
-use crate::store::list::Selection;
-use crate::store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
-use crate::store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::list::Selection;
+use vibrissa_store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()

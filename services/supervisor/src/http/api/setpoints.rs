@@ -16,8 +16,8 @@ use crate::http::number::RowNumber;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::SetpointStateWord;
-use crate::store::list::{Filter, Selection, Value};
-use crate::store::lists::setpoints::{SETPOINT_STATES, SETPOINTS, Setpoint, SetpointSort, SetpointState};
+use vibrissa_store::list::{Filter, Selection, Value};
+use vibrissa_store::lists::setpoints::{SETPOINT_STATES, SETPOINTS, Setpoint, SetpointSort, SetpointState};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_setpoints)).routes(routes!(get_setpoint))

@@ -15,8 +15,8 @@ use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::extract::{Path, Query};
 use crate::http::problem::{Kind, Problem};
-use crate::ids::wide_id;
-use crate::store::lists::compensations::{Candidate, Numbers};
+use vibrissa_edge::ids::wide_id;
+use vibrissa_store::lists::compensations::{Candidate, Numbers};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_what_if))

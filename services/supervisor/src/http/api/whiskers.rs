@@ -13,8 +13,8 @@ use crate::http::extract::{Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::words::ConditionWord;
-use crate::store::list::Filter;
-use crate::store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
+use vibrissa_store::list::Filter;
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(get_whisker))

@@ -1,0 +1,207 @@
+//! Writes a batch robot by robot, after the database has refused it as a whole: the rows of the robots whose rows it takes are
+//! committed in one transaction, and the others are named.
+//!
+//! ```text
+//! whole batch refused ──▶ all robots ──refused──▶ first half ──taken──▶ (stays in the transaction)
+//!                                            └──▶ second half ──refused──▶ ... ──▶ one robot ──refused──▶ named, left out
+//! ```
+//!
+//! Each attempt is a savepoint of one transaction, so that a half that is taken need not be written again, and it also finds
+//! two robots whose rows conflict with each other.
+
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+use tokio::time::Instant;
+
+use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
+use super::database::{Either, Link, Tx, on};
+use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed};
+
+/// How long one attempt may take, in all.
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
+/// Numbers in the list of one question.
+const NUMBERS_A_QUESTION: usize = 500;
+
+/// Rows of one owner that the database refuses.
+#[derive(Debug, Clone)]
+pub struct Refused {
+    /// Owner of the rows that were left out.
+    pub owner: Owner,
+    /// The database's reason.
+    pub rejection: Rejection,
+}
+
+impl Writer {
+    /// Writes a batch without the rows that the database refuses, and names their owners. Afterwards the batch has the rows that
+    /// were written. `refused` remembers them between attempts: one that is committed although its answer was lost is known then.
+    ///
+    /// # Errors
+    /// The database cannot take it now, or the fleet is not ours any more; the batch is as it was.
+    pub async fn commit_apart(
+        &mut self,
+        lease: &Lease,
+        batch: &mut Batch,
+        split_journal: impl Fn(&[u8]) -> Vec<(i64, Vec<u8>)>,
+        refused: &mut Vec<Refused>,
+    ) -> Result<(), StoreError> {
+        let ids = Sought::of(batch);
+        let owners = self.attempt("find out whose rows they are", PATIENCE, async |link| ids.find(link).await).await?;
+        let parts = Parts::of(std::mem::take(batch), &owners, split_journal);
+        let written = self.attempt("commit", PATIENCE, async |link| write(link, lease, &parts, refused).await).await;
+        let left_out: HashSet<Owner> = match &written {
+            Ok(()) => refused.iter().map(|one| one.owner).collect(),
+            Err(_) => HashSet::new(),
+        };
+        *batch = parts.without(&left_out);
+        written
+    }
+}
+
+async fn write(
+    link: &mut Link,
+    lease: &Lease,
+    parts: &Parts<'_>,
+    refused: &mut Vec<Refused>,
+) -> Result<(), StoreError> {
+    let asked = Instant::now();
+    let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
+    if !lease.begin(&mut tx).await? {
+        tx.rollback().await.map_err(failed("roll back"))?;
+        lease.committed(None);
+        return Ok(());
+    }
+    refused.clear();
+    // The halves that are still to be tried, the first one last.
+    let mut waiting = Vec::from([Range { start: 0, end: parts.len() }]);
+    while let Some(range) = waiting.pop() {
+        if range.is_empty() {
+            continue;
+        }
+        savepoint(&mut tx, "SAVEPOINT half").await?;
+        let written = write_range(&mut tx, lease, parts, range.clone()).await;
+        let Err(problem) = written else {
+            savepoint(&mut tx, "RELEASE SAVEPOINT half").await?;
+            continue;
+        };
+        let Some(rejection) = problem.rejection() else { return Err(problem) };
+        savepoint(&mut tx, "ROLLBACK TO SAVEPOINT half").await?;
+        savepoint(&mut tx, "RELEASE SAVEPOINT half").await?;
+        if range.len() == 1 {
+            refused.push(Refused { owner: parts.owner(range.start), rejection });
+        } else {
+            let middle = range.start + range.len() / 2;
+            waiting.push(middle..range.end);
+            waiting.push(range.start..middle);
+        }
+    }
+    commit::write_done(&mut tx, lease.fleet().as_str(), parts.rest(), refused.is_empty()).await?;
+    tx.commit().await.map_err(failed("commit"))?;
+    lease.committed(Some(asked));
+    Ok(())
+}
+
+async fn savepoint(tx: &mut Tx<'_>, sql: &'static str) -> Result<(), StoreError> {
+    on!(tx, |tx| sqlx::raw_sql(sql).execute(&mut **tx).await.map(drop)).map_err(failed("set a savepoint"))
+}
+
+async fn write_range(
+    tx: &mut Tx<'_>,
+    lease: &Lease,
+    parts: &Parts<'_>,
+    range: std::ops::Range<usize>,
+) -> Result<(), StoreError> {
+    let rows: Rows<'_> = parts.rows(range.clone());
+    commit::write_contacts(tx, rows.contacts).await?;
+    commit::write_rest(tx, lease.fleet().as_str(), &rows).await?;
+    if let Some(number) = parts.journal_number() {
+        let entries = parts.journal(range);
+        if !entries.is_empty() {
+            append_journal(tx, lease.fleet().as_str(), &JournalRow { number, entries }).await?;
+        }
+    }
+    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
+    changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("tell of changes"))
+}
+
+/// Adds entries to a row of the journal, which other robots' entries may have made before.
+async fn append_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> Result<(), StoreError> {
+    let sql = match tx {
+        // In SQLite the operator makes a text of two blobs, byte by byte.
+        Either::Sqlite(_) => {
+            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT (fleet, number) \
+             DO UPDATE SET entries = CAST(journal.entries || excluded.entries AS BLOB)"
+        }
+        Either::Postgres(_) => {
+            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT (fleet, number) \
+             DO UPDATE SET entries = journal.entries || excluded.entries"
+        }
+    };
+    on!(tx, |tx| sqlx::query(sql).bind(fleet).bind(row.number).bind(&row.entries).execute(&mut **tx).await.map(drop))
+        .map_err(failed("write the journal"))
+}
+
+/// Numbers in a batch whose robots only the database knows.
+struct Sought {
+    whiskers: Vec<i64>,
+    actions: Vec<i64>,
+    commands: Vec<String>,
+}
+
+impl Sought {
+    fn of(batch: &Batch) -> Self {
+        let mut whiskers: Vec<i64> = batch.whisker_ids().collect();
+        whiskers.sort_unstable();
+        whiskers.dedup();
+        let (mut actions, mut commands) = (Vec::new(), Vec::new());
+        for record in &batch.records {
+            if let Record::Answer { action_id, robot_id: 0, .. } = record {
+                actions.push(*action_id);
+            } else if let Record::SetpointState(row) = record
+                && row.robot_id == 0
+            {
+                commands.push(row.command_id.clone());
+            }
+        }
+        Self { whiskers, actions, commands }
+    }
+
+    async fn find(&self, link: &mut Link) -> Result<Owners, StoreError> {
+        const WHISKERS: &str = "SELECT whisker_id, robot_id FROM whiskers WHERE whisker_id IN ";
+        const ACTIONS: &str = "SELECT a.action_id, r.robot_id FROM actions a \
+             JOIN robots r ON r.fleet = a.fleet AND r.robot = a.robot WHERE a.action_id IN ";
+        Ok(Owners {
+            whiskers: pairs(link, WHISKERS, &self.whiskers).await?,
+            actions: pairs(link, ACTIONS, &self.actions).await?,
+            commands: commands(link, &self.commands).await?,
+        })
+    }
+}
+
+async fn pairs(link: &mut Link, sql: &str, numbers: &[i64]) -> Result<HashMap<i64, i64>, StoreError> {
+    let mut found = HashMap::with_capacity(numbers.len());
+    for numbers in numbers.chunks(NUMBERS_A_QUESTION) {
+        // Numbers only: nothing of it comes from outside as text.
+        let list: Vec<String> = numbers.iter().map(i64::to_string).collect();
+        let sql = sqlx::AssertSqlSafe(format!("{sql}({})", list.join(", ")));
+        let rows: Vec<(i64, i64)> =
+            on!(&mut *link, |link| sqlx::query_as(sql).persistent(false).fetch_all(&mut *link).await)
+                .map_err(failed("find out whose rows they are"))?;
+        found.extend(rows);
+    }
+    Ok(found)
+}
+
+async fn commands(link: &mut Link, commands: &[String]) -> Result<HashMap<String, i64>, StoreError> {
+    const SQL: &str = "SELECT robot_id FROM setpoints WHERE command_id = $1";
+    let mut found = HashMap::new();
+    for command_id in commands {
+        let robot_id: Option<i64> =
+            on!(&mut *link, |link| sqlx::query_scalar(SQL).bind(command_id).fetch_optional(&mut *link).await)
+                .map_err(failed("find out whose setpoint it is"))?;
+        if let Some(robot_id) = robot_id {
+            found.insert(command_id.clone(), robot_id);
+        }
+    }
+    Ok(found)
+}

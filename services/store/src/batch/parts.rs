@@ -1,0 +1,215 @@
+//! A batch grouped by the owners of its rows: each owner's rows are adjacent, so that any range of owners can be written alone.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::ops::Range;
+
+use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+
+/// The owner of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Owner {
+    /// No robot's: a policy, a calibration.
+    Fleet,
+    /// The robot's of this number.
+    Robot(i64),
+    /// A message in quarantine: if even this row is refused, only it is lost.
+    Quarantine,
+}
+
+/// The robots of numbers that do not say so themselves.
+#[derive(Debug, Default)]
+pub struct Owners {
+    /// Numbers of robots by `whisker_id`.
+    pub whiskers: HashMap<i64, i64>,
+    /// Numbers of robots by `action_id`.
+    pub actions: HashMap<i64, i64>,
+    /// Numbers of robots by `command_id`.
+    pub commands: HashMap<String, i64>,
+}
+
+impl Owners {
+    fn robot(robot_id: i64) -> Owner {
+        if robot_id == 0 { Owner::Fleet } else { Owner::Robot(robot_id) }
+    }
+
+    /// The high half of the number of a trim or compensation is its robot's.
+    fn compensation(compensation_id: i64) -> Owner {
+        Self::robot(compensation_id >> 32)
+    }
+
+    fn whisker(&self, whisker_id: i64) -> Owner {
+        Self::robot(self.whiskers.get(&whisker_id).copied().unwrap_or_default())
+    }
+
+    fn record(&self, record: &Record) -> Owner {
+        match record {
+            Record::Health(row) => self.whisker(row.whisker_id),
+            Record::Alarm(row) => self.whisker(row.whisker_id),
+            Record::AlarmCleared(row) => self.whisker(row.whisker_id),
+            Record::Trim(row) => Self::robot(row.robot_id),
+            Record::Decision(row) => Self::robot(row.robot_id),
+            Record::Setpoint(row) => Self::robot(row.robot_id),
+            Record::Ended(row) => Self::compensation(row.compensation_id),
+            Record::Error(row) => Self::compensation(row.compensation_id),
+            Record::Refinement(row) => Self::compensation(row.compensation_id),
+            Record::Approved { compensation_id } => Self::compensation(*compensation_id),
+            Record::Gone { robot_id, .. } | Record::AlarmsForgotten { robot_id, .. } => Self::robot(*robot_id),
+            Record::SetpointState(row) if row.robot_id != 0 => Self::robot(row.robot_id),
+            Record::SetpointState(row) => Self::robot(self.commands.get(&row.command_id).copied().unwrap_or_default()),
+            Record::Answer { robot_id, .. } if *robot_id != 0 => Self::robot(*robot_id),
+            Record::Answer { action_id, .. } => Self::robot(self.actions.get(action_id).copied().unwrap_or_default()),
+            Record::Activation(_) | Record::Policy(_) => Owner::Fleet,
+            Record::Quarantined(_) => Owner::Quarantine,
+        }
+    }
+}
+
+/// Rows that are written together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rows<'b> {
+    pub(crate) layouts: &'b [LayoutRow],
+    pub(crate) robots: &'b [RobotRow],
+    pub(crate) whiskers: &'b [WhiskerRow],
+    pub(crate) contacts: &'b [ContactRow],
+    pub(crate) rollups: &'b [RollupRow],
+    pub(crate) responses: &'b [ResponseRow],
+    pub(crate) records: &'b [Record],
+}
+
+/// The kinds of rows, as places in the lists of ends.
+const KINDS: usize = 7;
+
+impl Batch {
+    /// Removes the rows of some owners. The journal's entries are not touched.
+    pub fn retain(&mut self, owners: &Owners, stays: impl Fn(Owner) -> bool) {
+        self.layouts.retain(|row| stays(Owners::robot(row.robot_id)));
+        self.robots.retain(|row| stays(Owners::robot(row.robot_id)));
+        self.whiskers.retain(|row| stays(owners.whisker(row.whisker_id)));
+        self.contacts.retain(|row| stays(owners.whisker(row.whisker_id)));
+        self.rollups.retain(|row| stays(owners.whisker(row.whisker_id)));
+        self.responses.retain(|row| stays(Owners::compensation(row.compensation_id)));
+        self.records.retain(|row| stays(owners.record(row)));
+    }
+}
+
+/// A batch whose rows lie in the order of their owners.
+pub(crate) struct Parts<'o> {
+    batch: Batch,
+    of: &'o Owners,
+    owners: Vec<Owner>,
+    /// For each owner, where its rows end among those of each kind.
+    ends: Vec<[usize; KINDS]>,
+    journal_number: Option<i64>,
+    /// Entries of the journal, by robot.
+    journal: BTreeMap<Owner, Vec<u8>>,
+}
+
+impl<'o> Parts<'o> {
+    /// Sorts a batch by owners; rows of one owner stay in their order.
+    pub(crate) fn of(mut batch: Batch, of: &'o Owners, split_journal: impl Fn(&[u8]) -> Vec<(i64, Vec<u8>)>) -> Self {
+        // Setpoints in the batch itself say whose they are.
+        let mut own: HashMap<String, i64> = HashMap::new();
+        for record in &batch.records {
+            if let Record::Setpoint(row) = record {
+                own.insert(row.command_id.clone(), row.robot_id);
+            }
+        }
+        for record in &mut batch.records {
+            if let Record::SetpointState(row) = record
+                && row.robot_id == 0
+            {
+                row.robot_id = own.get(&row.command_id).copied().unwrap_or_default();
+            }
+        }
+        let journal_row = batch.journal.take();
+        let journal_number = journal_row.as_ref().map(|row| row.number);
+        let mut journal: BTreeMap<Owner, Vec<u8>> = BTreeMap::new();
+        for (robot_id, entries) in journal_row.map(|row| split_journal(&row.entries)).unwrap_or_default() {
+            journal.entry(Owners::robot(robot_id)).or_default().extend(entries);
+        }
+        let mut all: BTreeSet<Owner> = journal.keys().copied().collect();
+        let mut sort = Sort { all: &mut all };
+        let kinds: [Vec<Owner>; KINDS] = [
+            sort.by(&mut batch.layouts, |row| Owners::robot(row.robot_id)),
+            sort.by(&mut batch.robots, |row| Owners::robot(row.robot_id)),
+            sort.by(&mut batch.whiskers, |row| of.whisker(row.whisker_id)),
+            sort.by(&mut batch.contacts, |row| of.whisker(row.whisker_id)),
+            sort.by(&mut batch.rollups, |row| of.whisker(row.whisker_id)),
+            sort.by(&mut batch.responses, |row| Owners::compensation(row.compensation_id)),
+            sort.by(&mut batch.records, |row| of.record(row)),
+        ];
+        let owners: Vec<Owner> = all.into_iter().collect();
+        let end_of = |owner: Owner| std::array::from_fn(|kind| kinds[kind].partition_point(|other| *other <= owner));
+        let ends = owners.iter().map(|&owner| end_of(owner)).collect();
+        Self { batch, of, owners, ends, journal_number, journal }
+    }
+
+    /// How many owners there are.
+    pub(crate) fn len(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// One of them.
+    pub(crate) fn owner(&self, index: usize) -> Owner {
+        self.owners[index]
+    }
+
+    /// The rows of a range of owners.
+    pub(crate) fn rows(&self, range: Range<usize>) -> Rows<'_> {
+        let at = |kind: usize| {
+            let end = |index: usize| index.checked_sub(1).map_or(0, |last| self.ends[last][kind]);
+            end(range.start)..end(range.end)
+        };
+        Rows {
+            layouts: &self.batch.layouts[at(0)],
+            robots: &self.batch.robots[at(1)],
+            whiskers: &self.batch.whiskers[at(2)],
+            contacts: &self.batch.contacts[at(3)],
+            rollups: &self.batch.rollups[at(4)],
+            responses: &self.batch.responses[at(5)],
+            records: &self.batch.records[at(6)],
+        }
+    }
+
+    /// The number of the transaction in the journal, if it has entries there.
+    pub(crate) fn journal_number(&self) -> Option<i64> {
+        self.journal_number
+    }
+
+    /// The journal's entries of a range of owners.
+    pub(crate) fn journal(&self, range: Range<usize>) -> Vec<u8> {
+        let entries = self.owners[range].iter().filter_map(|owner| self.journal.get(owner));
+        entries.flat_map(|entries| entries.iter().copied()).collect()
+    }
+
+    /// The batch's fields other than its rows.
+    pub(crate) fn rest(&self) -> &Batch {
+        &self.batch
+    }
+
+    /// The batch again, without the rows of these owners.
+    pub(crate) fn without(mut self, left_out: &HashSet<Owner>) -> Batch {
+        self.batch.retain(self.of, |owner| !left_out.contains(&owner));
+        if let Some(number) = self.journal_number {
+            let stays = self.journal.iter().filter(|(owner, _)| !left_out.contains(owner));
+            let entries: Vec<u8> = stays.flat_map(|(_, entries)| entries.iter().copied()).collect();
+            self.batch.journal = (!entries.is_empty()).then_some(JournalRow { number, entries });
+        }
+        self.batch
+    }
+}
+
+/// Sorts rows by owner, and collects all owners.
+struct Sort<'a> {
+    all: &'a mut BTreeSet<Owner>,
+}
+
+impl Sort<'_> {
+    /// Sorts rows; gives their owners in the new order.
+    fn by<T>(&mut self, rows: &mut [T], owner_of: impl Fn(&T) -> Owner) -> Vec<Owner> {
+        rows.sort_by_cached_key(|row| owner_of(row));
+        let owners: Vec<Owner> = rows.iter().map(owner_of).collect();
+        self.all.extend(owners.iter().copied());
+        owners
+    }
+}

@@ -1,0 +1,70 @@
+//! What robots, arrays and fleets are counted by: parts of statements, so that all count alike.
+
+/// Whiskers that are on a robot, counted by a column of robots or whiskers.
+macro_rules! whisker_counts {
+    ($key:literal) => {
+        concat!(
+            "(SELECT ",
+            $key,
+            ", count(*) AS whiskers, \
+             count(*) FILTER (WHERE condition = 'HEALTHY' AND fault IS NULL) AS whiskers_healthy, \
+             count(*) FILTER (WHERE condition = 'TRIMMED') AS whiskers_trimmed, \
+             count(*) FILTER (WHERE condition = 'TRIMMED' AND served IS NULL) AS whiskers_uncompensated, \
+             count(*) FILTER (WHERE fault IS NOT NULL) AS whiskers_faulty \
+             FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id \
+             LEFT JOIN (SELECT DISTINCT target_whisker_id AS served FROM compensations \
+              WHERE ended_us IS NULL AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') c \
+              ON c.served = w.whisker_id \
+             WHERE position IS NOT NULL GROUP BY ",
+            $key,
+            ")"
+        )
+    };
+}
+pub(super) use whisker_counts;
+
+/// Alarms with whether they stand, and until when those of their kind about their whisker shall be quiet.
+macro_rules! alarms {
+    () => {
+        "(SELECT a.alarm_id, a.whisker_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, a.acknowledged_by, \
+         a.acknowledged_reason, CASE WHEN a.cleared_us IS NULL THEN true ELSE false END AS standing, \
+         CASE WHEN h.until_us > {now_us} THEN h.until_us END AS shelved_until_us, \
+         CASE WHEN h.until_us > {now_us} THEN h.shelved_by END AS shelved_by, \
+         CASE WHEN h.until_us > {now_us} THEN h.reason END AS shelved_reason \
+         FROM alarms a LEFT JOIN alarm_shelves h ON h.alarm_shelf_id = (SELECT max(alarm_shelf_id) FROM alarm_shelves n \
+          WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind))"
+    };
+}
+pub(super) use alarms;
+
+/// Alarms that stand and are not shelved, counted by a column of robots or whiskers.
+macro_rules! alarm_counts {
+    ($key:literal) => {
+        concat!(
+            "(SELECT ",
+            $key,
+            ", count(*) AS alarms FROM ",
+            $crate::lists::counts::alarms!(),
+            " s JOIN whiskers w ON w.whisker_id = s.whisker_id JOIN robots r ON r.robot_id = w.robot_id \
+             WHERE standing AND shelved_until_us IS NULL GROUP BY ",
+            $key,
+            ")"
+        )
+    };
+}
+pub(super) use alarm_counts;
+
+/// Compensations that wait for approval, counted by a column of robots.
+macro_rules! proposal_counts {
+    ($key:literal) => {
+        concat!(
+            "(SELECT ",
+            $key,
+            ", count(*) AS proposals FROM compensations c JOIN robots r ON r.robot_id = c.robot_id \
+             WHERE approval = 'PROPOSED' AND ended_us IS NULL GROUP BY ",
+            $key,
+            ")"
+        )
+    };
+}
+pub(super) use proposal_counts;

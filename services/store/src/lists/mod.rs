@@ -1,0 +1,41 @@
+//! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
+
+pub mod actions;
+pub mod calibrations;
+pub mod compensations;
+mod counts;
+pub mod errors;
+pub mod fleets;
+pub mod happenings;
+pub mod history;
+pub mod quarantine;
+pub mod robots;
+pub mod setpoints;
+pub mod whiskers;
+
+/// The columns that may sort a list, as a closed enum; the first one does by default.
+macro_rules! sorts {
+    ($(#[$meta:meta])* pub enum $name:ident {
+        $($(#[$variant_meta:meta])* $variant:ident = $column:tt $kind:ident $way:ident,)+
+    }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, utoipa::ToSchema)]
+        pub enum $name { $($(#[$variant_meta])* #[serde(rename = $column)] $variant,)+ }
+
+        impl $name {
+            /// The columns.
+            pub const SORTS: &'static [$crate::list::Sort] = &[$($crate::list::Sort {
+                column: $column,
+                kind: $crate::list::Kind::$kind,
+                descending: $crate::list::Way::$way.is_descending(),
+            },)+];
+
+            /// The column.
+            #[must_use]
+            pub fn sort(self) -> $crate::list::Sort {
+                Self::SORTS[self as usize]
+            }
+        }
+    };
+}
+use sorts;

@@ -1,0 +1,137 @@
+//! A batch's records by kind, if they can be written at once.
+
+use std::collections::HashSet;
+
+use crate::batch::{
+    AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Record,
+    RefinementRow, SetpointRow, SetpointStateRow, TrimRow,
+};
+
+/// The records of a batch, by kind, each in their order.
+#[derive(Default)]
+pub(super) struct Sorted<'b> {
+    pub(super) health: Vec<&'b HealthRow>,
+    pub(super) trims: Vec<&'b TrimRow>,
+    pub(super) decisions: Vec<Decided<'b>>,
+    pub(super) candidates: Vec<Asked<'b>>,
+    pub(super) ended: Vec<&'b EndedRow>,
+    pub(super) setpoints: Vec<&'b SetpointRow>,
+    pub(super) states: Vec<&'b SetpointStateRow>,
+    /// What the setpoints are in the end that these are of.
+    pub(super) answered: Vec<Answered<'b>>,
+    pub(super) errors: Vec<&'b ErrorRow>,
+    pub(super) bins: Vec<Bin<'b>>,
+    pub(super) refinements: Vec<&'b RefinementRow>,
+    pub(super) alarms: Vec<&'b AlarmRow>,
+    pub(super) cleared: Vec<&'b AlarmClearedRow>,
+}
+
+/// A decision, with whom it has chosen.
+pub(super) struct Decided<'b> {
+    pub(super) row: &'b DecisionRow,
+    pub(super) chosen: Option<&'b CandidateRow>,
+}
+
+/// A candidate of a decision.
+pub(super) struct Asked<'b> {
+    pub(super) compensation_id: i64,
+    pub(super) ordinal: i64,
+    pub(super) row: &'b CandidateRow,
+}
+
+/// A setpoint's last state, with the last pressure that was told of it.
+pub(super) struct Answered<'b> {
+    pub(super) last: &'b SetpointStateRow,
+    pub(super) pressure_mpa: Option<f64>,
+}
+
+/// A bin of an error.
+pub(super) struct Bin<'b> {
+    pub(super) of: &'b ErrorRow,
+    pub(super) row: &'b ErrorBinRow,
+}
+
+/// What a record makes or changes: the parts of one statement do not see each other's rows, so that nothing may be touched
+/// twice. Only states may follow each other.
+#[derive(PartialEq, Eq, Hash)]
+enum Touched<'b> {
+    Compensation(i64),
+    Error(i64, i64),
+    Setpoint(&'b str),
+    Alarm(i64, &'b str),
+}
+
+impl<'b> Sorted<'b> {
+    /// Sorts them; none if there is one of the rare kinds, or something is touched twice.
+    pub(super) fn of(records: &'b [Record]) -> Option<Self> {
+        let (mut sorted, mut touched) = (Self::default(), HashSet::new());
+        for record in records {
+            let is_first = match record {
+                Record::Health(_) | Record::Trim(_) | Record::Refinement(_) => true,
+                Record::Decision(row) => touched.insert(Touched::Compensation(row.compensation_id)),
+                Record::Ended(row) => touched.insert(Touched::Compensation(row.compensation_id)),
+                Record::Setpoint(row) => touched.insert(Touched::Setpoint(&row.command_id)),
+                Record::SetpointState(row) => {
+                    touched.insert(Touched::Setpoint(&row.command_id)) || sorted.answered(row).is_some()
+                }
+                Record::Error(row) => touched.insert(Touched::Error(row.compensation_id, row.recorded_us)),
+                Record::Alarm(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
+                Record::AlarmCleared(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
+                Record::Activation(_)
+                | Record::Approved { .. }
+                | Record::Gone { .. }
+                | Record::Answer { .. }
+                | Record::Policy(_)
+                | Record::Quarantined(_)
+                | Record::AlarmsForgotten { .. } => false,
+            };
+            if !is_first {
+                return None;
+            }
+            sorted.put(record);
+        }
+        Some(sorted)
+    }
+
+    fn answered(&mut self, row: &SetpointStateRow) -> Option<&mut Answered<'b>> {
+        self.answered.iter_mut().find(|one| one.last.command_id == row.command_id)
+    }
+
+    fn put(&mut self, record: &'b Record) {
+        match record {
+            Record::Health(row) => self.health.push(row),
+            Record::Trim(row) => self.trims.push(row),
+            Record::Decision(decision) => {
+                let chosen = decision.candidates.iter().find(|one| one.chosen);
+                self.decisions.push(Decided { row: decision, chosen });
+                let asked = |(row, ordinal)| Asked { compensation_id: decision.compensation_id, ordinal, row };
+                self.candidates.extend(decision.candidates.iter().zip(0..).map(asked));
+            }
+            Record::Ended(row) => self.ended.push(row),
+            Record::Setpoint(row) => self.setpoints.push(row),
+            Record::SetpointState(row) => {
+                self.states.push(row);
+                match self.answered(row) {
+                    Some(one) => {
+                        *one = Answered { last: row, pressure_mpa: row.pressure_mpa.or(one.pressure_mpa) };
+                    }
+                    None => self.answered.push(Answered { last: row, pressure_mpa: row.pressure_mpa }),
+                }
+            }
+            Record::Error(row) => {
+                self.errors.push(row);
+                self.bins.extend(row.bins.iter().map(|bin| Bin { of: row, row: bin }));
+            }
+            Record::Refinement(row) => self.refinements.push(row),
+            Record::Alarm(row) => self.alarms.push(row),
+            Record::AlarmCleared(row) => self.cleared.push(row),
+            Record::Activation(_)
+            | Record::Approved { .. }
+            | Record::Gone { .. }
+            | Record::Answer { .. }
+            | Record::Policy(_)
+            | Record::Quarantined(_)
+            | Record::AlarmsForgotten { .. } => {}
+        }
+    }
+}

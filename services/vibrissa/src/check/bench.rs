@@ -1,0 +1,254 @@
+//! The bench that a robot is tested on: hears it, speaks to it as its supervisor, and waits for what it does.
+
+use std::time::{Duration, Instant};
+
+use anyhow::bail;
+use serde::Serialize;
+use vibrissa_protocol::{
+    BootId, Message, Name, Receipt, Request, RequestKind, RobotTopic, Rule, Setpoint, SetpointOutcome, SetpointReason,
+    SetpointState, Timestamp, encode,
+};
+
+use super::CheckOptions;
+use super::listener::Listener;
+use super::timings::Timings;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_supervisor::mqtt::Talk;
+
+/// How long a setpoint is valid.
+const VALID: Duration = Duration::from_secs(30);
+/// A change that every regulator can follow.
+const USUAL_SLEW_MPA_PER_S: f64 = 0.02;
+
+/// The whisker that setpoints are tried on.
+#[derive(Debug, Clone)]
+pub(super) struct Trial {
+    pub(super) array: Name,
+    pub(super) whisker: u16,
+    /// The setpoint that it had, and gets back.
+    pub(super) home_mpa: f64,
+    /// Another one, near it and in the factsheet's range.
+    pub(super) away_mpa: f64,
+    /// The factsheet's limit.
+    pub(super) max_mpa: f64,
+}
+
+/// A robot on the bench.
+pub(super) struct Bench {
+    talk: Talk,
+    pub(super) options: CheckOptions,
+    pub(super) heard: Listener,
+    pub(super) epoch: u64,
+    pub(super) trial: Option<Trial>,
+    /// Whether the chamber may have another setpoint than at the beginning.
+    pub(super) is_away: bool,
+    boot_id: BootId,
+    seqs: [u64; 3],
+    version: u64,
+    commands: u64,
+}
+
+impl Bench {
+    pub(super) fn new(talk: Talk, options: CheckOptions, boot_id: BootId) -> Self {
+        Self {
+            talk,
+            heard: Listener::new(options.timings.clock, options.timings.grace),
+            options,
+            epoch: 0,
+            trial: None,
+            is_away: false,
+            boot_id,
+            seqs: [0; 3],
+            // Higher than any that was counted from one, and higher from check to check.
+            version: wall_clock().0,
+            commands: 0,
+        }
+    }
+
+    pub(super) fn timings(&self) -> Timings {
+        self.options.timings
+    }
+
+    /// Where the log ends now.
+    pub(super) fn mark(&self) -> usize {
+        self.heard.log.len()
+    }
+
+    /// What `look` finds, as soon as it finds something; none if the time is over first.
+    ///
+    /// # Errors
+    /// The connection broke, or a supervisor came.
+    pub(super) async fn until<T>(
+        &mut self,
+        limit: Duration,
+        mut look: impl FnMut(&Listener) -> Option<T>,
+    ) -> anyhow::Result<Option<T>> {
+        let deadline = tokio::time::Instant::now() + limit;
+        loop {
+            if let Some(found) = look(&self.heard) {
+                return Ok(Some(found));
+            }
+            match tokio::time::timeout_at(deadline, self.talk.next()).await {
+                Ok(said) => self.heard.take(&said?),
+                Err(_) => return Ok(None),
+            }
+            if let Some(epoch) = self.heard.supervised() {
+                bail!("a supervisor is ONLINE in fleet {}, in epoch {epoch}", self.options.fleet);
+            }
+        }
+    }
+
+    /// Listens for that long.
+    pub(super) async fn listen(&mut self, time: Duration) -> anyhow::Result<()> {
+        self.until(time, |_| None::<()>).await.map(drop)
+    }
+
+    /// Says anything to the robot.
+    pub(super) async fn say(&self, kind: RobotTopic, payload: Vec<u8>, expiry: Option<Duration>) -> anyhow::Result<()> {
+        let topic = kind.of(&self.options.fleet, &self.options.robot).to_string();
+        let expiry_s = expiry.and_then(|time| u32::try_from(time.as_secs()).ok());
+        Ok(self.talk.say(topic, payload, kind.quality_of_service(), expiry_s).await?)
+    }
+
+    async fn tell(&self, kind: RobotTopic, message: &impl Serialize) -> anyhow::Result<()> {
+        let expiry = (kind == RobotTopic::Setpoint).then_some(VALID);
+        self.say(kind, encode(message), expiry).await
+    }
+
+    fn seq(&mut self, at: usize) -> u64 {
+        let seq = self.seqs[at];
+        self.seqs[at] += 1;
+        seq
+    }
+
+    pub(super) async fn request(&mut self, request: RequestKind) -> anyhow::Result<()> {
+        let request = Request { boot_id: self.boot_id.clone(), seq: self.seq(0), request };
+        self.tell(RobotTopic::Request, &request).await
+    }
+
+    /// Receipts everything below `next`, and those beyond it, one by one.
+    pub(super) async fn receipt(&mut self, boot: &BootId, next: u64, held: &[u64]) -> anyhow::Result<()> {
+        let receipt = Receipt {
+            boot_id: self.boot_id.clone(),
+            seq: self.seq(1),
+            robot_boot_id: boot.clone(),
+            next,
+            held: held.iter().map(|&seq| (seq, seq)).collect(),
+        };
+        if self.heard.boot.as_ref() == Some(boot) {
+            self.heard.ledger.cover(next, held, Instant::now());
+        }
+        self.tell(RobotTopic::Receipt, &receipt).await
+    }
+
+    /// A setpoint that is right in every way, for the whisker on trial; with the next version.
+    pub(super) fn setpoint(&mut self, trial: &Trial, pressure_mpa: f64) -> Setpoint {
+        self.version += 1;
+        self.commands += 1;
+        Setpoint {
+            boot_id: self.boot_id.clone(),
+            seq: self.seq(2),
+            command_id: format!("{}-{}", self.boot_id, self.commands),
+            epoch: self.epoch,
+            version: self.version,
+            robot_boot_id: self.heard.boot.clone().unwrap_or_else(|| self.boot_id.clone()),
+            array: trial.array.clone(),
+            whisker: trial.whisker,
+            pressure_mpa,
+            slew_mpa_per_s: USUAL_SLEW_MPA_PER_S,
+            issued: Timestamp(wall_clock().0),
+            expires_us: self.heard.robot_clock_us() + VALID.as_micros() as u64,
+            reason: SetpointReason::Operator,
+            gain: Vec::new(),
+        }
+    }
+
+    /// The same command once more, as another message.
+    pub(super) fn again(&mut self, setpoint: &Setpoint) -> Setpoint {
+        Setpoint { seq: self.seq(2), ..setpoint.clone() }
+    }
+
+    /// Sends a setpoint; gives the place in the log from which its answers are.
+    pub(super) async fn send(&mut self, setpoint: &Setpoint) -> anyhow::Result<usize> {
+        self.is_away = true;
+        let mark = self.mark();
+        self.tell(RobotTopic::Setpoint, setpoint).await?;
+        Ok(mark)
+    }
+
+    /// The first answer to a command.
+    pub(super) async fn first_answer(&mut self, mark: usize, id: &str) -> anyhow::Result<Option<SetpointState>> {
+        self.until(self.timings().answer, |heard| answers(heard, mark, id).first().cloned()).await
+    }
+
+    /// A command's final state.
+    pub(super) async fn final_answer(&mut self, mark: usize, id: &str) -> anyhow::Result<Option<SetpointState>> {
+        let is_final = |state: &SetpointState| state.state.is_final();
+        self.until(self.timings().apply, |heard| answers(heard, mark, id).into_iter().find(is_final)).await
+    }
+
+    /// A status that was sent after now, if one comes: it is asked for.
+    pub(super) async fn fresh_status(
+        &mut self,
+        trial: &Trial,
+    ) -> anyhow::Result<Option<vibrissa_protocol::WhiskerStatus>> {
+        let mark = self.mark();
+        self.request(RequestKind::Status).await?;
+        let limit = self.timings().status.1 + self.timings().answer;
+        self.until(limit, |heard| heard.newest(mark, (&trial.array, trial.whisker)).map(|(entry, _)| entry)).await
+    }
+
+    /// Gives the chamber the setpoint that it had at the beginning; whether it has it.
+    pub(super) async fn go_home(&mut self) -> anyhow::Result<bool> {
+        let Some(trial) = self.trial.clone().filter(|_| self.is_away) else { return Ok(true) };
+        let home = self.setpoint(&trial, trial.home_mpa);
+        let mark = self.send(&home).await?;
+        let end = self.final_answer(mark, &home.command_id).await?;
+        let is_home = end.is_some_and(|state| state.state == SetpointOutcome::Applied);
+        self.is_away = !is_home;
+        Ok(is_home)
+    }
+
+    /// Ends the conversation.
+    pub(super) async fn close(self) -> Listener {
+        self.talk.close().await;
+        self.heard
+    }
+
+    pub(super) fn pass(&mut self, rule: Rule, seen: impl Into<String>) {
+        self.heard.findings.pass(rule, seen);
+    }
+
+    pub(super) fn fail(&mut self, rule: Rule, seen: impl Into<String>) {
+        self.heard.findings.fail(rule, seen);
+    }
+
+    pub(super) fn judge(&mut self, rule: Rule, holds: bool, seen: impl Into<String>) {
+        self.heard.findings.judge(rule, holds, seen);
+    }
+
+    pub(super) fn skip(&mut self, rules: &[Rule], why: &str) {
+        self.heard.findings.skip(rules, why);
+    }
+}
+
+/// What the robot said of a command since that place in the log.
+pub(super) fn answers(heard: &Listener, mark: usize, id: &str) -> Vec<SetpointState> {
+    let mut found = Vec::new();
+    for entry in &heard.log[mark..] {
+        if let Message::SetpointState(state) = &entry.message
+            && state.command_id == id
+        {
+            found.push(state.clone());
+        }
+    }
+    found
+}
+
+/// An answer in words.
+pub(super) fn told(state: &SetpointState) -> String {
+    match state.error {
+        Some(error) => format!("{} {error}", state.state),
+        None => state.state.to_string(),
+    }
+}

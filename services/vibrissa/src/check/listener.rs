@@ -1,0 +1,263 @@
+//! Hears everything that a robot says, and holds it against the rules that every message must keep.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use bytes::Bytes;
+use vibrissa_protocol::{
+    BootId, ConnectionState, Contacts, Factsheet, Message, Name, Refusal, RobotTopic, Rule, Status, SupervisorState,
+    Topic, decode, envelope,
+};
+
+use super::ledger::Ledger;
+use super::log::{Entry, whiskers};
+use super::report::Findings;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_supervisor::mqtt::Said;
+
+/// What came last on a topic in a boot.
+#[derive(Debug)]
+struct Stream {
+    seq: u64,
+    payload: Bytes,
+    time_us: Option<u64>,
+}
+
+/// What was heard.
+#[derive(Debug)]
+pub(super) struct Listener {
+    pub(super) findings: Findings,
+    /// Every message that could be read, in the order in which they came.
+    pub(super) log: Vec<Entry>,
+    pub(super) ledger: Ledger,
+    /// The robot's newest boot.
+    pub(super) boot: Option<BootId>,
+    pub(super) factsheet: Option<Factsheet>,
+    pub(super) connection: Option<ConnectionState>,
+    pub(super) supervisor: Option<SupervisorState>,
+    /// Whether what comes now is said now, and not only retained.
+    pub(super) is_live: bool,
+    /// A boot that began while we listened: its numbers must begin at 0.
+    born: Option<BootId>,
+    streams: BTreeMap<(BootId, RobotTopic), Stream>,
+    numbered: u64,
+    clock: Duration,
+    grace: Duration,
+}
+
+impl Listener {
+    pub(super) fn new(clock: Duration, grace: Duration) -> Self {
+        Self {
+            findings: Findings::default(),
+            log: Vec::new(),
+            ledger: Ledger::default(),
+            boot: None,
+            factsheet: None,
+            connection: None,
+            supervisor: None,
+            is_live: false,
+            born: None,
+            streams: BTreeMap::new(),
+            numbered: 0,
+            clock,
+            grace,
+        }
+    }
+
+    /// A message came.
+    pub(super) fn take(&mut self, said: &Said) {
+        let Ok(topic) = Topic::parse(&said.topic) else { return };
+        let kind = match &topic {
+            Topic::Robot { kind, .. } => *kind,
+            Topic::SupervisorState { .. } => {
+                if let Ok(Message::SupervisorState(state)) = decode(&topic, &said.payload) {
+                    self.supervisor = Some(state);
+                }
+                return;
+            }
+        };
+        self.judge_delivery(kind, said);
+        let decoded = decode(&topic, &said.payload);
+        if let Some(envelope) = envelope(&said.payload) {
+            self.judge_number(kind, (&envelope.boot_id, envelope.seq), said, decoded.as_ref().ok());
+        }
+        match decoded {
+            Ok(message) => {
+                self.findings.pass(Rule::MessageForm, format!("{} messages were read", self.log.len() + 1));
+                self.judge_content(&message, said);
+                self.log.push(Entry { at: said.at, message, retained: said.retained });
+            }
+            Err(refusal) => self.refuse(kind, &refusal),
+        }
+    }
+
+    fn refuse(&mut self, kind: RobotTopic, refusal: &Refusal) {
+        let is_range = kind == RobotTopic::Contacts && matches!(refusal, Refusal::OutOfRange { .. });
+        let rule = if is_range { Rule::ContactsInRange } else { Rule::MessageForm };
+        self.findings.fail(rule, format!("{kind}: {refusal}"));
+    }
+
+    fn judge_delivery(&mut self, kind: RobotTopic, said: &Said) {
+        let (qos, retained) = (said.qos, said.retained);
+        let is_right = match kind {
+            RobotTopic::Connection | RobotTopic::Factsheet | RobotTopic::SetpointState => qos == 1,
+            RobotTopic::Status => qos == 0,
+            RobotTopic::Contacts => qos <= 1,
+            RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => true,
+        };
+        let seen = if is_right { "as the contract has it on every topic".into() } else { format!("{qos} on {kind}") };
+        self.findings.judge(Rule::QualityOfService, is_right, seen);
+        match kind {
+            RobotTopic::Contacts | RobotTopic::Status | RobotTopic::SetpointState => {
+                let seen = if retained { format!("{kind} is retained") } else { "none of them is".to_owned() };
+                self.findings.judge(Rule::NotRetained, !retained, seen);
+            }
+            RobotTopic::Factsheet => {
+                let seen = if retained { "retained" } else { "published without the retain flag" };
+                self.findings.judge(Rule::FactsheetRetained, retained, seen);
+            }
+            RobotTopic::Connection | RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => {}
+        }
+        if kind == RobotTopic::Contacts && qos == 1 {
+            self.ledger.at_least_once += 1;
+        }
+    }
+
+    /// Its number among those of its boot and topic, and its time after theirs.
+    fn judge_number(&mut self, kind: RobotTopic, (boot, seq): (&BootId, u64), said: &Said, message: Option<&Message>) {
+        let key = (boot.clone(), kind);
+        let last = self.streams.get(&key);
+        let time_us = message.and_then(time_us);
+        let is_new = self.born.as_ref() == Some(boot) || message.is_some_and(|message| self.is_birth(message));
+        if last.is_none() && is_new {
+            self.findings.judge(Rule::SeqFromZero, seq == 0, format!("{kind} began at {seq} after the start"));
+        }
+        if kind == RobotTopic::Contacts {
+            self.ledger.arrive((boot, seq), &said.payload, said.at, self.grace, &mut self.findings);
+        }
+        // The order of connection messages is that of receipt, and contacts come again: they have rules of their own.
+        if let Some(last) = last.filter(|_| !matches!(kind, RobotTopic::Connection | RobotTopic::Contacts)) {
+            let is_again = seq == last.seq && said.payload == last.payload;
+            let holds = seq == last.seq + 1 || is_again;
+            self.numbered += 1;
+            let seen = if holds {
+                format!("{} messages were numbered one after the other", self.numbered)
+            } else {
+                format!("{kind} {seq} came after {}", last.seq)
+            };
+            self.findings.judge(Rule::SeqWithoutGaps, holds, seen);
+            if let (Some(before_us), Some(time_us)) = (last.time_us, time_us) {
+                let back_s = before_us.saturating_sub(time_us) as f64 / 1e6;
+                let seen = if back_s > 0.0 {
+                    format!("{kind} {seq} is {back_s:.3} s older than the one before")
+                } else {
+                    "they rise".into()
+                };
+                self.findings.judge(Rule::TimeForward, back_s <= 0.0, seen);
+            }
+        }
+        let time_us = time_us.or_else(|| self.streams.get(&key).and_then(|last| last.time_us));
+        self.streams.insert(key, Stream { seq, payload: said.payload.clone(), time_us });
+    }
+
+    /// Whether a boot begins with it, while we listen.
+    fn is_birth(&self, message: &Message) -> bool {
+        let Message::Connection(connection) = message else { return false };
+        let is_other = self.boot.as_ref().is_some_and(|known| *known != connection.boot_id);
+        self.is_live && connection.state == ConnectionState::Online && is_other
+    }
+
+    fn judge_content(&mut self, message: &Message, said: &Said) {
+        match message {
+            Message::Connection(connection) => {
+                if connection.state == ConnectionState::Online {
+                    if self.is_birth(message) {
+                        self.born = Some(connection.boot_id.clone());
+                    }
+                    self.boot = Some(connection.boot_id.clone());
+                    let seen = if said.retained { "ONLINE, retained" } else { "ONLINE, without the retain flag" };
+                    self.findings.judge(Rule::Birth, said.retained, seen);
+                }
+                self.connection = Some(connection.state);
+            }
+            Message::Factsheet(factsheet) => {
+                self.judge_clock("factsheet", factsheet.timestamp.0, said);
+                self.boot.get_or_insert_with(|| factsheet.boot_id.clone());
+                self.factsheet = Some(factsheet.clone());
+            }
+            Message::Status(status) => {
+                self.judge_clock("status", status.t_us, said);
+                self.boot.get_or_insert_with(|| status.boot_id.clone());
+                self.judge_status(status);
+            }
+            Message::SetpointState(state) => self.judge_clock("setpoint_state", state.t_us, said),
+            Message::Contacts(contacts) => self.judge_contacts(contacts, said),
+            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+        }
+    }
+
+    fn judge_clock(&mut self, what: &str, time_us: u64, said: &Said) {
+        if !self.is_live {
+            return;
+        }
+        let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
+        let off_s = (time_us as f64 - now_us as f64) / 1e6;
+        let holds = off_s.abs() <= self.clock.as_secs_f64();
+        self.findings.judge(Rule::Clock, holds, format!("{what} is {off_s:+.3} s from the clock here"));
+    }
+
+    fn judge_status(&mut self, status: &Status) {
+        let Some(factsheet) = &self.factsheet else { return };
+        let mut named: Vec<(&Name, u16)> = status.whiskers.iter().map(|one| (&one.array, one.whisker)).collect();
+        named.sort_unstable();
+        let mut facts: Vec<(&Name, u16)> = whiskers(factsheet).collect();
+        facts.sort_unstable();
+        let seen = if named == facts {
+            format!("{} whiskers, as on the factsheet", facts.len())
+        } else {
+            format!("the status has {}, the factsheet {}", listed(&named), listed(&facts))
+        };
+        self.findings.judge(Rule::StatusWhiskers, named == facts, seen);
+    }
+
+    fn judge_contacts(&mut self, message: &Contacts, said: &Said) {
+        for contact in &message.contacts {
+            let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
+            // Contacts may be old: a robot keeps them. They are never of the future.
+            let ahead_s = contact.t_us.saturating_sub(now_us) as f64 / 1e6;
+            if ahead_s > self.clock.as_secs_f64() {
+                self.findings
+                    .fail(Rule::Clock, format!("a contact of contacts {} is {ahead_s:.3} s ahead", message.seq));
+            }
+            if let Some(factsheet) = &self.factsheet {
+                let (array, whisker) = (&contact.array, contact.whisker);
+                let is_known = whiskers(factsheet).any(|known| known == (array, whisker));
+                let seen = if is_known { "all are".to_owned() } else { format!("{array}/{whisker} is not") };
+                self.findings.judge(Rule::ContactsOnFactsheet, is_known, seen);
+            }
+        }
+        if !message.contacts.is_empty() {
+            self.findings.pass(Rule::ContactsInRange, format!("in {} messages", self.ledger.len()));
+        }
+    }
+}
+
+fn listed(whiskers: &[(&Name, u16)]) -> String {
+    let listed: Vec<String> = whiskers.iter().take(8).map(|(array, whisker)| format!("{array}/{whisker}")).collect();
+    let more = if whiskers.len() > 8 { ", .." } else { "" };
+    if listed.is_empty() { "none".to_owned() } else { format!("{}{more}", listed.join(", ")) }
+}
+
+fn time_us(message: &Message) -> Option<u64> {
+    match message {
+        Message::Factsheet(factsheet) => Some(factsheet.timestamp.0),
+        Message::Status(status) => Some(status.t_us),
+        Message::SetpointState(state) => Some(state.t_us),
+        Message::Connection(_)
+        | Message::Contacts(_)
+        | Message::Receipt(_)
+        | Message::Setpoint(_)
+        | Message::Request(_)
+        | Message::SupervisorState(_) => None,
+    }
+}

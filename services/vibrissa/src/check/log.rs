@@ -1,0 +1,56 @@
+//! What was heard, for those who look for something in it.
+
+use std::time::Instant;
+
+use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, WhiskerStatus};
+
+use super::listener::Listener;
+use vibrissa_edge::clock::wall_clock;
+
+/// A message that could be read.
+#[derive(Debug, Clone)]
+pub(super) struct Entry {
+    pub(super) at: Instant,
+    pub(super) message: Message,
+    pub(super) retained: bool,
+}
+
+impl Listener {
+    /// The epoch of the supervisor that owns the fleet now.
+    pub(super) fn supervised(&self) -> Option<u64> {
+        self.supervisor.as_ref().filter(|told| told.state == SupervisorPresence::Online).map(|told| told.epoch)
+    }
+
+    /// Statuses since that place in the log.
+    pub(super) fn statuses(&self, mark: usize) -> impl Iterator<Item = (&Status, Instant)> {
+        self.log[mark..].iter().filter_map(|entry| match &entry.message {
+            Message::Status(status) => Some((status, entry.at)),
+            Message::Connection(_)
+            | Message::Factsheet(_)
+            | Message::Contacts(_)
+            | Message::SetpointState(_)
+            | Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::SupervisorState(_) => None,
+        })
+    }
+
+    /// What the newest status says of a whisker, and when it came.
+    pub(super) fn newest(&self, mark: usize, (array, whisker): (&Name, u16)) -> Option<(WhiskerStatus, Instant)> {
+        let (status, at) = self.statuses(mark).last()?;
+        let entry = status.whiskers.iter().find(|one| one.array == *array && one.whisker == whisker)?;
+        Some((entry.clone(), at))
+    }
+
+    /// The robot's clock now, by its newest status; ours if it has sent none.
+    pub(super) fn robot_clock_us(&self) -> u64 {
+        let newest = self.statuses(0).last().map(|(status, at)| status.t_us + at.elapsed().as_micros() as u64);
+        newest.unwrap_or_else(|| wall_clock().0)
+    }
+}
+
+/// The whiskers of a factsheet.
+pub(super) fn whiskers(factsheet: &Factsheet) -> impl Iterator<Item = (&Name, u16)> {
+    factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(move |one| (&array.array, one.whisker)))
+}

@@ -1,0 +1,165 @@
+//! `vibrissa calibrate`: a whisker's own calibration from readings under pressure.
+
+mod readings;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow};
+use clap::Args;
+use vibrissa_core::mechanics::{Calibration, Fit, FitError, Formulation, Geometry, Parameter, fit_calibration};
+use vibrissa_protocol::Name;
+
+use self::readings::{Reading, read};
+use vibrissa_supervisor::calibration_file::{self, CalibrationFile};
+use vibrissa_supervisor::plot::calibration;
+
+/// Arguments of `vibrissa calibrate`.
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+The CSV file has a header. Columns, in any order:
+  pressure_mpa              gauge pressure of the chamber
+  strain                    axial strain of the gauge, m/m; or instead of it
+  strain_reading_um_per_m   what the instrument shows in um/m, divided by the gauge factor here; or
+  strain_reading_mm_per_m   the same in mm/m
+  elongation_mm             elongation of the chamber (optional)
+An empty cell is no reading. Lines that start with # are passed over.")]
+pub struct CalibrateArgs {
+    /// The readings: pressure and strain without contact.
+    #[arg(value_name = "FILE.csv")]
+    file: PathBuf,
+    /// Young's modulus of the rubber, MPa: strains alone fix only its product with k2.
+    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa)]
+    youngs_modulus_mpa: f64,
+    /// Gauge factor, for instrument readings that were taken with a factor of 1.
+    #[arg(long, default_value_t = 2.21, value_parser = positive)]
+    gauge_factor: f64,
+    /// Name of the model, for factsheets; the file's name if left out.
+    #[arg(long)]
+    name: Option<Name>,
+    /// A calibration file whose [geometry] the whisker has, if not the paper's.
+    #[arg(long, value_name = "FILE.toml")]
+    geometry: Option<PathBuf>,
+    /// Write the calibration here.
+    #[arg(long, value_name = "FILE.toml")]
+    out: Option<PathBuf>,
+    /// Draw the readings and the fit here.
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) }
+}
+
+/// Fits, prints, and writes what was asked for.
+///
+/// # Errors
+/// The readings are refused, with line and column; they determine no calibration; a file cannot be written.
+pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
+    let name = args.model_name()?;
+    let geometry = match &args.geometry {
+        Some(path) => *calibration_file::load(path, Formulation::default())?.1.geometry(),
+        None => Geometry::nguyen_2021(),
+    };
+    let readings = read(&args.file, args.gauge_factor)?;
+    let rows: Vec<_> = readings.iter().map(|reading| reading.row).collect();
+    let fit = fit_calibration(&geometry, args.youngs_modulus_mpa, &rows)
+        .map_err(|error| at_line(&args.file, &readings, error))?;
+    // Files first: they shall be there even if nobody reads the report to its end.
+    if let Some(path) = &args.out {
+        write_toml(path, &args.file, &CalibrationFile::new(&name, &geometry, &fit.calibration))?;
+    }
+    if let Some(path) = &args.svg {
+        std::fs::write(path, calibration::svg(name.as_str(), &rows, &fit)?)?;
+    }
+    print_fit(&name, &geometry, &fit, out)?;
+    print_readings(&readings, &fit, out)?;
+    for (done, path) in [("written", &args.out), ("drawn", &args.svg)] {
+        if let Some(path) = path {
+            writeln!(out, "{done}: {}", path.display())?;
+        }
+    }
+    Ok(())
+}
+
+impl CalibrateArgs {
+    fn model_name(&self) -> Result<Name> {
+        if let Some(name) = &self.name {
+            return Ok(name.clone());
+        }
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        Name::new(&stem).context("the file's name is no name for a model: give one with --name")
+    }
+}
+
+/// The fit counts rows, the reader of the file counts lines.
+fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error {
+    let file = path.display();
+    let line = |row: usize| readings.get(row - 1).map_or(0, |reading| reading.line);
+    match error {
+        FitError::StrainNotPositive { row, value } => {
+            anyhow!("{file}, line {}, strain: under pressure it must be above 0, not {value} m/m", line(row))
+        }
+        FitError::ElongationNotPositive { row, value_mm } => {
+            anyhow!("{file}, line {}, elongation_mm: under pressure it must be above 0, not {value_mm}", line(row))
+        }
+        FitError::NothingAboveZeroPressure
+        | FitError::TooFewStrains { .. }
+        | FitError::TooFewPressures { .. }
+        | FitError::OneElongation
+        | FitError::NotDetermined { .. }
+        | FitError::Model(_) => anyhow::Error::new(error).context(file.to_string()),
+    }
+}
+
+fn print_fit(name: &Name, geometry: &Geometry, fit: &Fit, out: &mut dyn Write) -> Result<()> {
+    let calibration = &fit.calibration;
+    writeln!(out, "Calibration {name}: k2(Q) = c + a exp(-b Q), elongation = G Q / (k2(Q) E)\n")?;
+    writeln!(out, "{:<28} {:>11} {:>15}   95 % interval", "parameter", "value", "standard error")?;
+    let line = |out: &mut dyn Write, name: &str, p: &Parameter| {
+        writeln!(out, "{name:<28} {:>11.5} {:>15.5}   {:.5} to {:.5}", p.value, p.standard_error, p.low, p.high)
+    };
+    line(out, "c", &fit.c)?;
+    line(out, "a", &fit.a)?;
+    line(out, "b (1/MPa)", &fit.b_per_mpa)?;
+    let by_shape_mm = geometry.elongation_gain_mm();
+    match &fit.elongation_gain_mm {
+        Some(gain) => {
+            line(out, "G, elongation gain (mm)", gain)?;
+            writeln!(out, "{:<28} {by_shape_mm:>11.5}", "  G by the shape (eq. 24)")?;
+        }
+        None => writeln!(out, "{:<28} {by_shape_mm:>11.5}   by the shape (eq. 24)", "G, elongation gain (mm)")?,
+    }
+    writeln!(out, "{:<28} {:>11.5}   given", "E, Young's modulus (MPa)", calibration.youngs_modulus_mpa)?;
+    writeln!(out, "\nscatter of one strain reading: {:.2} %", 100.0 * fit.residual_sd)?;
+    if let Some(sd) = fit.elongation_residual_sd {
+        writeln!(out, "scatter of one elongation: {:.2} %", 100.0 * sd)?;
+    }
+    Ok(())
+}
+
+fn print_readings(readings: &[Reading], fit: &Fit, out: &mut dyn Write) -> Result<()> {
+    writeln!(
+        out,
+        "\n{:>5} {:>15} {:>11}   {:>9}   {:>13}   {:>20}",
+        "line", "pressure (MPa)", "strain", "k2", "off by (%)", "elongation off (%)"
+    )?;
+    let cell = |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |v| format!("{v:.decimals$}"));
+    for (reading, residual) in readings.iter().zip(&fit.residuals) {
+        let strain = cell(reading.row.axial_strain.map(|strain| strain.ratio()), 6);
+        let (k2, off) = (cell(residual.k2, 4), cell(residual.k2_residual.map(|off| 100.0 * off), 2));
+        let elongation_off = cell(residual.elongation_residual.map(|off| 100.0 * off), 2);
+        let (line, pressure_mpa) = (reading.line, reading.row.pressure.mpa());
+        writeln!(out, "{line:>5} {pressure_mpa:>15.4} {strain:>11}   {k2:>9}   {off:>13}   {elongation_off:>20}")?;
+    }
+    Ok(())
+}
+
+fn write_toml(path: &Path, from: &Path, file: &CalibrationFile) -> Result<()> {
+    let body = toml::to_string(file).context("writing the calibration as TOML")?;
+    let from = from.file_name().unwrap_or_default().to_string_lossy();
+    let text = format!("# Whisker calibration, fitted to {from}: k2 = c + a exp(-b Q).\n{body}");
+    std::fs::write(path, text).with_context(|| format!("writing {}", path.display()))
+}

@@ -1,0 +1,135 @@
+//! `vibrissa evaluate health`: the confusion matrix, as a table, as JSON, and as a figure.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use vibrissa_evaluation::health::{Class, ClassReport, Outcome, Plan, Report, evaluate};
+
+use crate::cli::stop;
+use crate::figures;
+
+/// Arguments of `vibrissa evaluate health`.
+#[derive(Debug, Args)]
+pub struct HealthArgs {
+    /// Where all randomness starts: the same seed gives the same cases, on any number of processors.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Cases of each class.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    cases: u32,
+    /// Print everything as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Draw the matrix as an SVG file into this folder.
+    #[arg(long, value_name = "DIR")]
+    svg: Option<PathBuf>,
+}
+
+/// Runs the cases, prints the matrix, and draws it if asked to.
+///
+/// # Errors
+/// Something cannot be written.
+pub fn run(args: &HealthArgs, out: &mut dyn Write) -> Result<()> {
+    let plan = Plan { seed: args.seed, cases: args.cases, classes: Class::ALL.to_vec() };
+    let bar = ProgressBar::new(plan.total());
+    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} cases")?);
+    let report = evaluate(&plan, || bar.inc(1));
+    bar.finish_and_clear();
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&json(&report))?)?;
+    } else {
+        print(&report, out)?;
+    }
+    if let Some(folder) = &args.svg {
+        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        let path = stop::whole(|| figures::health::draw(&report, folder))?;
+        if !args.json {
+            writeln!(out, "drawn: {}", path.display())?;
+        }
+    }
+    Ok(())
+}
+
+fn print(report: &Report, out: &mut dyn Write) -> Result<()> {
+    writeln!(
+        out,
+        "\
+Cases by what they are (rows) and what they were called first (columns). Robots notice nothing by themselves.
+right       called by their name, and no other whisker of the array called anything
+wrong trims trims that were called and are none
+contacts    from the onset to the right call: median, and 95 of 100 within
+"
+    )?;
+    write!(out, "{:<16}", "")?;
+    for column in Report::columns() {
+        write!(out, "{:>8}", short(column))?;
+    }
+    writeln!(out, "{:>9} {:>12} {:>13}", "right", "wrong trims", "contacts")?;
+    for class in &report.classes {
+        print_row(class, out)?;
+    }
+    let (right, trims) = (100.0 * report.right(), report.wrong_trims());
+    writeln!(out, "\n{right:.2} % right, {trims} wrong trims, {} cases, seed {}", report.outcomes.len(), report.seed)?;
+    Ok(())
+}
+
+fn print_row(class: &ClassReport, out: &mut dyn Write) -> Result<()> {
+    write!(out, "{:<16}", class.truth.word())?;
+    for &count in &class.called {
+        if count == 0 { write!(out, "{:>8}", "-")? } else { write!(out, "{count:>8}")? }
+    }
+    let delay = class.delay_contacts.map_or("-".to_owned(), |(median, most)| format!("{median:.0}, {most:.0}"));
+    let right = 100.0 * f64::from(class.right) / f64::from(class.cases.max(1));
+    writeln!(out, "{right:>7.1} % {:>12} {delay:>13}", class.wrong_trims)?;
+    Ok(())
+}
+
+/// A column's name in eight characters.
+fn short(word: &str) -> &str {
+    match word {
+        "ARRAY_SHIFT" => "ARRAY",
+        "BASELINE_DRIFT" => "DRIFT",
+        "GAUGE_OPEN" => "OPEN",
+        "GAUGE_SHORT" => "SHORT",
+        "GAUGE_SATURATED" => "SATUR.",
+        "EROSION" => "EROS.",
+        whole => whole,
+    }
+}
+
+fn json(report: &Report) -> Value {
+    json!({
+        "seed": report.seed,
+        "right": report.right(),
+        "wrong_trims": report.wrong_trims(),
+        "columns": Report::columns(),
+        "classes": report.classes.iter().map(class_json).collect::<Vec<_>>(),
+        "wrong": report.outcomes.iter().filter(|one| !one.is_right()).map(outcome_json).collect::<Vec<_>>(),
+    })
+}
+
+fn class_json(class: &ClassReport) -> Value {
+    json!({
+        "class": class.truth.word(),
+        "cases": class.cases,
+        "called": class.called,
+        "right": class.right,
+        "with_bystanders": class.with_bystanders,
+        "wrong_trims": class.wrong_trims,
+        "delay_contacts_median": class.delay_contacts.map(|(median, _)| median),
+        "delay_contacts_p95": class.delay_contacts.map(|(_, most)| most),
+    })
+}
+
+fn outcome_json(outcome: &Outcome) -> Value {
+    json!({
+        "class": outcome.truth.word(),
+        "called": outcome.called.word(),
+        "bystander": outcome.bystander.map(|called| called.word()),
+        "delay_contacts": outcome.delay_contacts,
+    })
+}

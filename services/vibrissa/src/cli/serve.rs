@@ -1,0 +1,95 @@
+//! `vibrissa run` and `vibrissa demo`.
+
+use std::io::{IsTerminal, stderr};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use tokio::signal::unix::{SignalKind, signal};
+use tracing_subscriber::EnvFilter;
+
+use super::config::ConfigArgs;
+use crate::demo::{self, DemoOptions};
+use crate::exposure::exposures;
+use vibrissa_supervisor::service::Service;
+
+/// Supervises until SIGTERM or Ctrl-C.
+///
+/// # Errors
+/// Something cannot be started.
+pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
+    let config = args.read()?;
+    log(&config.log);
+    for exposure in exposures(&config) {
+        tracing::warn!("{exposure}");
+    }
+    runtime()?.block_on(async {
+        let service = Service::start(config.into()).await?;
+        let (broker, http) = (&service.broker, service.http);
+        println!("vibrissa: MQTT on {}:{}, HTTP on http://{http}", broker.host, broker.port);
+        if let Some(monitoring) = service.monitoring {
+            println!("vibrissa: monitoring on http://{monitoring}");
+        }
+        let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
+        tokio::select! {
+            interrupted = tokio::signal::ctrl_c() => interrupted.context("waiting for Ctrl-C")?,
+            _ = terminate.recv() => {}
+        }
+        service.stop().await;
+        Ok(())
+    })
+}
+
+/// Arguments of `vibrissa demo`.
+#[derive(Debug, Args)]
+pub struct DemoArgs {
+    /// Where the database and the picture go.
+    #[arg(long, default_value = "vibrissa-demo")]
+    folder: PathBuf,
+    /// Seed of the simulation: the same seed makes the same contacts.
+    #[arg(long, default_value_t = 2021)]
+    seed: u64,
+    /// The embedded broker's port on 127.0.0.1; 0 takes any free one.
+    #[arg(long, default_value_t = 0)]
+    mqtt_port: u16,
+    /// Where HTTP listens; port 0 takes any free one.
+    #[arg(long, default_value = "127.0.0.1:0")]
+    http: SocketAddr,
+    /// Go on serving after the report.
+    #[arg(long)]
+    serve: bool,
+}
+
+/// Runs the demo; true if it went as expected.
+///
+/// # Errors
+/// Something cannot be started.
+pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
+    // Its broker and its clients end together: who of them goes first is nobody's concern.
+    log("error,mqtt5=error,rumqttc=error");
+    let options = DemoOptions {
+        folder: args.folder,
+        seed: args.seed,
+        mqtt_port: args.mqtt_port,
+        http: args.http,
+        serve: args.serve,
+    };
+    runtime()?.block_on(demo::run(&options))
+}
+
+/// Logs to standard error; `RUST_LOG` overrides the filter. The clients' chatter is left out unless it is asked for.
+pub(super) fn log(filter: &str) {
+    let filter = EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours()).init();
+}
+
+/// Colours are for terminals, and for people who have not asked for none (`NO_COLOR`).
+fn has_colours() -> bool {
+    stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty())
+}
+
+pub(super) fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
+    tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")
+}

@@ -1,0 +1,185 @@
+//! `vibrissa solve`: one question answered, at which pressure one whisker feels like another.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use serde_json::json;
+use vibrissa_core::mechanics::{
+    CONTACT_RATIOS, Compensator, Model, Offset, Solution, Target, compensable_range, solve_setpoint,
+};
+use vibrissa_core::units::{Megapascal, Millimetre};
+
+use crate::config::choices::{FormulationArg, ObjectiveArg};
+use vibrissa_supervisor::calibration_file;
+
+/// Arguments of `vibrissa solve`.
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    /// Length of the whisker to be felt like, mm.
+    #[arg(long, value_parser = length)]
+    target_mm: Millimetre,
+    /// Length of the compensator, mm; what remains of the target for self-compensation.
+    #[arg(long, value_parser = length)]
+    length_mm: Millimetre,
+    /// Pressure of the target, MPa.
+    #[arg(long, value_parser = examined_pressure, default_value = "0.1")]
+    pressure_mpa: Megapascal,
+    /// Pressure of the compensator before, MPa; the target's if left out.
+    #[arg(long, value_parser = examined_pressure)]
+    before_mpa: Option<Megapascal>,
+    /// How the paper's equations are read.
+    #[arg(long, value_enum, default_value_t = FormulationArg::Published)]
+    formulation: FormulationArg,
+    /// What the setpoint is solved for.
+    #[arg(long, value_enum, default_value_t = ObjectiveArg::Tip)]
+    objective: ObjectiveArg,
+    /// A calibration file of `vibrissa calibrate`, instead of the paper's whisker.
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+fn length(text: &str) -> Result<Millimetre, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    Millimetre::new(value).map_err(|error| error.to_string())
+}
+
+fn examined_pressure(text: &str) -> Result<Megapascal, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let pressure = Megapascal::new(value).map_err(|error| error.to_string())?;
+    if pressure > Megapascal::EXAMINED_MAX {
+        return Err("pressures were examined up to 0.2 MPa".to_owned());
+    }
+    Ok(pressure)
+}
+
+/// Answers the question. Out of range is an answer too.
+///
+/// # Errors
+/// A whisker is cut into its chamber, or the calibration file is refused.
+pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<()> {
+    let answer = Answer::new(args)?;
+    if args.json {
+        serde_json::to_writer_pretty(&mut *out, &answer.json()).context("writing the answer")?;
+        writeln!(out)?;
+        return Ok(());
+    }
+    answer.print(out)
+}
+
+struct Answer {
+    model_name: String,
+    target: Target,
+    compensator: Compensator,
+    solution: Solution,
+    range: (Millimetre, Millimetre),
+}
+
+impl Answer {
+    fn new(args: &SolveArgs) -> Result<Self> {
+        let formulation = args.formulation.into();
+        let (model_name, model) = match &args.calibration {
+            Some(path) => calibration_file::load(path, formulation)?,
+            None => ("nguyen-2021".to_owned(), Model::nguyen_2021(formulation)),
+        };
+        let target = Target { length: args.target_mm, pressure: args.pressure_mpa };
+        let compensator = Compensator {
+            length: args.length_mm,
+            pressure: args.before_mpa.unwrap_or(args.pressure_mpa),
+            pressure_min: Megapascal::ZERO,
+            pressure_max: Megapascal::EXAMINED_MAX,
+        };
+        let (none, objective) = (Offset::NONE, args.objective.into());
+        let solution = solve_setpoint(&model, target, none, &model, compensator, none, objective)?;
+        let range = compensable_range(&model, target, compensator.pressure_min, compensator.pressure_max);
+        Ok(Self { model_name, target, compensator, solution, range })
+    }
+
+    fn verdict(&self) -> &'static str {
+        match self.solution {
+            Solution::InRange(_) => "IN_RANGE",
+            Solution::NeedsBelow(_) => "NEEDS_BELOW_RANGE",
+            Solution::NeedsAbove(_) => "NEEDS_ABOVE_RANGE",
+        }
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let setpoint = self.solution.setpoint();
+        let ratios = (0..CONTACT_RATIOS.len()).map(|k| {
+            let error = setpoint.error.used[k].then_some(setpoint.error.by_ratio[k]);
+            let (contact_ratio, residual_gain) = (CONTACT_RATIOS[k], setpoint.gain.by_ratio[k]);
+            json!({ "contact_ratio": contact_ratio, "predicted_error": error, "residual_gain": residual_gain })
+        });
+        let (shortest, longest) = self.range;
+        json!({
+            "model": self.model_name,
+            "target_length_mm": self.target.length.mm(),
+            "target_pressure_mpa": self.target.pressure.mpa(),
+            "compensator_length_mm": self.compensator.length.mm(),
+            "pressure_before_mpa": self.compensator.pressure.mpa(),
+            "solution": self.verdict(),
+            "setpoint_mpa": setpoint.pressure.mpa(),
+            "k2": setpoint.k2,
+            "predicted_error_mean": (setpoint.error.ratios_used() > 0).then_some(setpoint.error.mean),
+            "by_contact_ratio": ratios.collect::<Vec<_>>(),
+            "compensable_length_min_mm": shortest.mm(),
+            "compensable_length_max_mm": longest.mm(),
+        })
+    }
+
+    fn print(&self, out: &mut dyn Write) -> Result<()> {
+        let (setpoint, length_mm) = (self.solution.setpoint(), self.compensator.length.mm());
+        let target_mm = self.target.length.mm();
+        let line = match self.solution {
+            Solution::InRange(_) => format!("{length_mm} mm feels like {target_mm} mm at the setpoint below."),
+            Solution::NeedsBelow(_) => format!(
+                "OUT OF RANGE: {length_mm} mm stays more sensitive than {target_mm} mm at the lowest pressure. \
+                 The best setpoint and what it leaves:"
+            ),
+            Solution::NeedsAbove(_) => format!(
+                "OUT OF RANGE: {length_mm} mm stays less sensitive than {target_mm} mm up to the highest pressure. \
+                 The best setpoint and what it leaves:"
+            ),
+        };
+        let (shortest, longest) = self.range;
+        writeln!(out, "{line}\n")?;
+        writeln!(out, "model                 {}", self.model_name)?;
+        writeln!(out, "target                {target_mm} mm at {} MPa", self.target.pressure.mpa())?;
+        writeln!(out, "compensator           {length_mm} mm, before at {} MPa", self.compensator.pressure.mpa())?;
+        writeln!(out, "setpoint              {:.4} MPa", setpoint.pressure.mpa())?;
+        writeln!(out, "k2                    {:.4}", setpoint.k2)?;
+        writeln!(out, "mean predicted error  {}", self.mean_in_words())?;
+        writeln!(
+            out,
+            "compensable lengths   {:.1} to {:.1} mm for this target, at the tip",
+            shortest.mm(),
+            longest.mm()
+        )?;
+        writeln!(out, "\ncontact ratio   error (%)   residual gain")?;
+        for (k, a) in CONTACT_RATIOS.iter().enumerate() {
+            let error = setpoint.error.used[k].then_some(100.0 * setpoint.error.by_ratio[k]);
+            let error = error.map_or("-".to_owned(), |percent| format!("{percent:.1}"));
+            writeln!(out, "{a:>13.2}   {error:>9}   {:>13.3}", setpoint.gain.by_ratio[k])?;
+        }
+        if setpoint.error.ratios_used() < CONTACT_RATIOS.len() {
+            writeln!(
+                out,
+                "\n-: the contact would lie on the chamber, or there is next to no difference to compensate."
+            )?;
+        }
+        Ok(())
+    }
+
+    fn mean_in_words(&self) -> String {
+        let error = &self.solution.setpoint().error;
+        match error.ratios_used() {
+            0 => "none: there is nothing to compensate".to_owned(),
+            used if used == CONTACT_RATIOS.len() => format!("{:.2} %", 100.0 * error.mean),
+            used => format!("{:.2} % over {used} of {} contact ratios", 100.0 * error.mean, CONTACT_RATIOS.len()),
+        }
+    }
+}

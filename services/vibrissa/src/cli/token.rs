@@ -1,0 +1,185 @@
+//! `vibrissa token`: who may use the API.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::time::Duration;
+
+use anyhow::bail;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Subcommand};
+use vibrissa_protocol::Name;
+
+use super::config::DatabaseArgs;
+use super::serve::runtime;
+use super::table::Table;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::Store;
+use vibrissa_store::time::Time;
+use vibrissa_supervisor::http::access::token::{self, NewToken};
+use vibrissa_supervisor::http::access::{Role, Scope};
+
+/// Arguments of `vibrissa token`.
+#[derive(Debug, Args)]
+pub struct TokenArgs {
+    #[command(subcommand)]
+    command: TokenCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum TokenCommand {
+    /// Make a token and print it: it is shown this once, only its hash is kept.
+    Create(CreateArgs),
+    /// List the tokens: what they allow and until when, not the tokens themselves.
+    List(ListArgs),
+    /// End a token at once.
+    Revoke(RevokeArgs),
+}
+
+/// Takes a role's word, in upper or lower case.
+fn role() -> impl TypedValueParser<Value = Role> {
+    let named = |word: String| Role::ALL.into_iter().find(|role| role.word().eq_ignore_ascii_case(&word));
+    PossibleValuesParser::new(Role::ALL.map(Role::word)).try_map(move |word| named(word).ok_or("not a role"))
+}
+
+#[derive(Debug, Args)]
+struct CreateArgs {
+    /// What it allows; each role has the rights of those before it.
+    #[arg(long, ignore_case = true, value_parser = role())]
+    role: Role,
+    /// A fleet that it is bound to; several if given several times.
+    #[arg(long, value_name = "FLEET", required_unless_present = "all_fleets")]
+    fleet: Vec<Name>,
+    /// Not bound to any fleet: for all, also those to come.
+    #[arg(long, conflicts_with = "fleet")]
+    all_fleets: bool,
+    /// How long it is good: 90d, 12h ...
+    #[arg(long, value_parser = lifetime, default_value = "90d")]
+    expires: Duration,
+    /// What it is for, for people and the audit log.
+    #[arg(long, value_parser = label)]
+    name: Option<String>,
+    #[command(flatten)]
+    database: DatabaseArgs,
+}
+
+#[derive(Debug, Args)]
+struct ListArgs {
+    /// As JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    database: DatabaseArgs,
+}
+
+#[derive(Debug, Args)]
+struct RevokeArgs {
+    /// The token's id, as `list` has it.
+    token_id: String,
+    #[command(flatten)]
+    database: DatabaseArgs,
+}
+
+/// Ten years: longer is for ever, and nothing is.
+const LIFETIME_MAX: Duration = Duration::from_secs(10 * 366 * 86_400);
+
+fn lifetime(text: &str) -> Result<Duration, String> {
+    let lifetime =
+        humantime::parse_duration(text).map_err(|problem| format!("{problem}: write 90d, 12h or the like"))?;
+    if lifetime.is_zero() || lifetime > LIFETIME_MAX {
+        return Err("must be above zero and at most ten years".to_owned());
+    }
+    Ok(lifetime)
+}
+
+fn label(text: &str) -> Result<String, String> {
+    let is_good = (1..=64).contains(&text.chars().count()) && !text.contains(char::is_control);
+    if is_good { Ok(text.to_owned()) } else { Err("must have 1 to 64 characters, none a control character".to_owned()) }
+}
+
+/// Makes, lists or revokes.
+///
+/// # Errors
+/// The database cannot be used, or there is no such token.
+pub fn run(args: &TokenArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    runtime()?.block_on(async {
+        match &args.command {
+            TokenCommand::Create(args) => create(args, out).await,
+            TokenCommand::List(args) => list(args, out).await,
+            TokenCommand::Revoke(args) => revoke(args, out).await,
+        }
+    })
+}
+
+async fn open(database: &DatabaseArgs) -> anyhow::Result<Store> {
+    Ok(Store::open_for_command(&database.read()?.database).await?)
+}
+
+async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    let store = open(&args.database).await?;
+    let now_us = wall_clock().0 as i64;
+    let scope =
+        if args.all_fleets { Scope::All } else { Scope::Only(args.fleet.iter().cloned().collect::<BTreeSet<_>>()) };
+    let new = NewToken {
+        name: args.name.clone().unwrap_or_else(|| args.role.word().to_ascii_lowercase()),
+        role: args.role,
+        scope,
+        expires_us: now_us.saturating_add(i64::try_from(args.expires.as_micros()).unwrap_or(i64::MAX)),
+        created_by: "command line".to_owned(),
+    };
+    let (token, row) = token::create(&store, &new, now_us).await?;
+    store.close().await;
+    eprintln!(
+        "vibrissa: token {} ({}) for {}, good until {}. It is shown this once:",
+        row.token_id,
+        row.role,
+        row.fleets.as_deref().unwrap_or("all fleets"),
+        Time(row.expires_us)
+    );
+    writeln!(out, "{token}")?;
+    Ok(())
+}
+
+async fn list(args: &ListArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    let store = open(&args.database).await?;
+    let tokens = store.tokens().await?;
+    store.close().await;
+    if args.json {
+        let rows: Vec<_> = tokens
+            .iter()
+            .map(|row| {
+                serde_json::json!({
+                    "token_id": row.token_id, "name": row.name, "role": row.role,
+                    "fleets": row.fleets.as_deref().map(|fleets| fleets.split(',').collect::<Vec<_>>()),
+                    "created_at": Time(row.created_us), "created_by": row.created_by,
+                    "expires_at": Time(row.expires_us), "revoked_at": row.revoked_us.map(Time),
+                })
+            })
+            .collect();
+        writeln!(out, "{}", serde_json::to_string_pretty(&rows)?)?;
+        return Ok(());
+    }
+    let mut table = Table::new(["TOKEN", "NAME", "ROLE", "FLEETS", "CREATED", "STATE"]);
+    let now_us = wall_clock().0 as i64;
+    for row in tokens {
+        let state = match row.revoked_us {
+            Some(revoked_us) => format!("revoked {}", Time(revoked_us)),
+            None if row.expires_us <= now_us => format!("expired {}", Time(row.expires_us)),
+            None => format!("good until {}", Time(row.expires_us)),
+        };
+        let fleets = row.fleets.unwrap_or_else(|| "all".to_owned());
+        table.row([row.token_id, row.name, row.role, fleets, Time(row.created_us).to_string(), state]);
+    }
+    write!(out, "{table}")?;
+    Ok(())
+}
+
+async fn revoke(args: &RevokeArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    let store = open(&args.database).await?;
+    let is_revoked = store.revoke_token(&args.token_id, wall_clock().0 as i64).await?;
+    store.close().await;
+    if !is_revoked {
+        bail!("there is no token {:?} that is still good: see `vibrissa token list`", args.token_id);
+    }
+    writeln!(out, "revoked: {}", args.token_id)?;
+    Ok(())
+}

@@ -1,0 +1,93 @@
+//! Where HTTP listens, how many connections it takes, and who is let in besides those whose tokens the database has.
+
+use std::net::SocketAddr;
+
+use url::Url;
+
+use super::keys::Key;
+use super::reader::Reader;
+use vibrissa_supervisor::http::HttpOptions;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::http::access::oidc::OidcOptions;
+use vibrissa_supervisor::http::server::Limits;
+
+/// Characters of a token in a file at the least.
+const TOKEN_CHARS_MIN: usize = 32;
+
+/// Where it listens, and how many connections it takes.
+pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
+    let listen = reader.parsed(Key::HttpListen, |text| address(text, "127.0.0.1:8080"));
+    let is_monitored = reader.is_explicit(Key::HttpMonitoringListen);
+    let monitoring_listen = reader.parsed(Key::HttpMonitoringListen, |text| address(text, "127.0.0.1:9464"));
+    let connections_max = reader.whole(Key::HttpConnectionsMax);
+    let connections_per_address_max = reader.whole(Key::HttpConnectionsPerAddressMax);
+    if monitoring_listen.is_some_and(|monitoring| Some(monitoring) == listen && monitoring.port() != 0) {
+        reader.refuse(Key::HttpMonitoringListen, "must be another address or port than http.listen");
+        return None;
+    }
+    let limits =
+        Limits { connections_max: connections_max?, connections_per_address_max: connections_per_address_max? };
+    (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions { listen: listen?, monitoring_listen, limits })
+}
+
+fn address(text: &str, example: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| format!("must be an address and a port such as {example}, not {text:?}"))
+}
+
+/// Who is let in.
+pub(super) fn access(reader: &mut Reader) -> Option<AccessOptions> {
+    let is_filed = reader.is_explicit(Key::HttpTokenFile);
+    let token = reader.secret_file(Key::HttpTokenFile);
+    if token.as_ref().is_some_and(|token| token.reveal().chars().count() < TOKEN_CHARS_MIN) {
+        reader.refuse(Key::HttpTokenFile, format!("must hold a token of at least {TOKEN_CHARS_MIN} characters"));
+        return None;
+    }
+    let oidc = oidc(reader)?;
+    (token.is_some() == is_filed).then_some(AccessOptions { token, oidc })
+}
+
+/// An identity provider, if there is one; nothing after a refusal.
+#[expect(clippy::option_option, reason = "outer: nothing was refused; inner: there is one")]
+fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
+    let [issuer, jwks_url] = [Key::HttpOidcIssuer, Key::HttpOidcJwksUrl].map(|key| {
+        let is_set = reader.is_explicit(key);
+        (is_set, reader.parsed(key, secure_url))
+    });
+    let audience = reader.text(Key::HttpOidcAudience);
+    let (role_claim, fleets_claim) = (reader.text(Key::HttpOidcRoleClaim)?, reader.text(Key::HttpOidcFleetsClaim)?);
+    if !issuer.0 {
+        for key in [Key::HttpOidcAudience, Key::HttpOidcJwksUrl] {
+            if reader.is_explicit(key) {
+                reader.refuse(key, "is of no use without http.oidc_issuer");
+            }
+        }
+        return Some(None);
+    }
+    if !reader.is_explicit(Key::HttpOidcAudience) {
+        reader.refuse(
+            Key::HttpOidcIssuer,
+            "needs an audience, or every token of this issuer would do: set http.oidc_audience",
+        );
+    }
+    if jwks_url.0 && jwks_url.1.is_none() {
+        return None;
+    }
+    Some(Some(OidcOptions { issuer: issuer.1?, audience: audience?, jwks_url: jwks_url.1, role_claim, fleets_claim }))
+}
+
+/// A URL that nobody between here and there can answer for: HTTPS, or this machine.
+fn secure_url(text: &str) -> Result<String, String> {
+    let url = Url::parse(text).map_err(|problem| format!("is no URL: {problem}"))?;
+    let is_here = match url.host() {
+        Some(url::Host::Ipv4(ip)) => ip.is_loopback(),
+        Some(url::Host::Ipv6(ip)) => ip.is_loopback(),
+        Some(url::Host::Domain(name)) => name == "localhost",
+        None => false,
+    };
+    if url.scheme() == "https" || (url.scheme() == "http" && is_here) {
+        // As it was written: an issuer is compared letter by letter.
+        Ok(text.to_owned())
+    } else {
+        Err("must begin with https://: keys that come in plain text could be anybody's".to_owned())
+    }
+}

@@ -1,0 +1,289 @@
+//! The configuration: one TOML file, the environment over it, flags over both.
+//!
+//! Everything that can be set is a [`Key`] of one table, under one name in all three places. It is checked as a
+//! whole before anything connects, and everything that is wrong is told at once ([`Problems`]). Read in this
+//! order: [`keys`], [`layers`], [`problem`]; then [`show`], which tells what is in effect and why.
+
+pub mod choices;
+pub mod keys;
+pub mod layers;
+pub mod problem;
+pub mod show;
+
+mod database;
+mod http;
+mod mqtt;
+mod policy;
+mod reader;
+mod traces;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use tracing_subscriber::EnvFilter;
+use vibrissa_core::mechanics::{Formulation, Model, Objective};
+use vibrissa_core::policy::{LongerForShorter, Mode};
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
+
+pub use keys::Key;
+pub use layers::Sources;
+pub use policy::policy_over;
+pub use problem::{Origin, Problem, Problems};
+
+use self::layers::Layers;
+use self::reader::Reader;
+use choices::{FormulationArg, KeepArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::retention::Retention;
+use vibrissa_supervisor::calibration_file::{self, CalibrationFileError};
+use vibrissa_supervisor::engine::Limits;
+use vibrissa_supervisor::http::HttpOptions;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::robots_file::RobotsFile;
+use vibrissa_supervisor::service::{HistoryOptions, LimitOptions, ServiceOptions};
+use vibrissa_supervisor::trace::TraceOptions;
+
+/// A configuration that was checked as a whole. `Debug` shows no secret.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// What this supervisor is called.
+    pub name: String,
+    /// At least one, none twice.
+    pub fleets: Vec<Name>,
+    /// Whisker models beyond the paper's, by the names that factsheets use.
+    pub models: Vec<(String, Model)>,
+    /// What is logged, as a filter of `tracing`.
+    pub log: String,
+    /// The database.
+    pub database: DatabaseAddress,
+    /// How long a fleet stays this supervisor's without a word from it.
+    pub lease_time_to_live: Duration,
+    /// What of contacts is kept, and for how long.
+    pub history: HistoryOptions,
+    /// Limits on the number of robots, and the file of allowed robots.
+    pub limits: LimitOptions,
+    /// The external broker; none starts the embedded one.
+    pub broker: Option<BrokerAddress>,
+    /// The embedded broker's port; 0 takes any free one.
+    pub mqtt_port: u16,
+    /// Where HTTP listens, and how many connections it takes.
+    pub http: HttpOptions,
+    /// Who is let in there, besides those whose tokens the database has.
+    pub access: AccessOptions,
+    /// Whether each robot and whisker is shown to Prometheus.
+    pub metrics_per_whisker: bool,
+    /// Where traces go; nowhere if there is no collector.
+    pub traces: Option<TraceOptions>,
+    /// How the paper's equations are read.
+    pub formulation: Formulation,
+    /// Who says that a compensation begins.
+    pub mode: Mode,
+    /// What a setpoint is solved for.
+    pub objective: Objective,
+    /// Whether a longer whisker may stand in for a shorter one.
+    pub longer_for_shorter: LongerForShorter,
+    /// Highest mean predicted error of a compensation, as a ratio.
+    pub predicted_error_max: f64,
+    /// What it costs that a neighbour gives up its own role, in units of mean error.
+    pub own_role_cost: f64,
+    /// What a change of an assignment in force must gain, in units of mean error.
+    pub change_margin: f64,
+    /// Mean number of contacts of a healthy whisker between false alarms.
+    pub contacts_between_false_alarms: f64,
+    /// Contacts in which a whisker is learned.
+    pub cold_start_contacts: u32,
+    /// Files that hold passwords, tokens and private keys, each with the key that names it or whose value it has.
+    pub secret_files: Vec<(Key, PathBuf)>,
+}
+
+/// What came of reading a configuration.
+pub struct Reading {
+    /// The configuration, or everything that is wrong with it.
+    pub config: Result<Config, Problems>,
+    /// What is odd and does not stop anything, for standard error.
+    pub warnings: Vec<String>,
+}
+
+/// Puts the layers over each other and checks the whole. Reads the files that are named, connects to nothing.
+#[must_use]
+pub fn read(sources: &Sources) -> Reading {
+    let mut layers = Layers::new(sources);
+    let warnings = std::mem::take(&mut layers.warnings);
+    let mut reader = Reader::new(layers);
+    let config = config(&mut reader);
+    let config = match (config, reader.problems.is_empty()) {
+        (Some(config), true) => Ok(config),
+        _ => Err(Problems(reader.problems)),
+    };
+    Reading { config, warnings }
+}
+
+/// Looks at every key before it gives up, so that all problems are told.
+fn config(reader: &mut Reader) -> Option<Config> {
+    let name = reader.parsed(Key::Name, supervisor_name);
+    let fleets = fleets(reader);
+    let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
+    let models = models(reader, formulation.unwrap_or_default());
+    let log = reader.parsed(Key::Log, |text| {
+        EnvFilter::try_new(text)
+            .map(|_| text.to_owned())
+            .map_err(|problem| format!("not a filter ({problem}): write a level such as info, or info,vibrissa=debug"))
+    });
+    let database = database::database(reader);
+    let lease = reader.number(Key::LeaseTimeToLiveS);
+    let keep = reader.word::<KeepArg>(Key::ContactsKeep);
+    let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
+    let limits = limits(reader);
+    let broker = mqtt::broker(reader);
+    let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
+    let http = http::listeners(reader);
+    let access = http::access(reader);
+    let series = reader.word::<SeriesArg>(Key::MetricsSeries);
+    let traces = traces::traces(reader);
+    let mode = reader.word::<ModeArg>(Key::PolicyMode);
+    let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
+    let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
+    let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
+    let own_role_cost = reader.number(Key::PolicyOwnRoleCost);
+    let change_margin = reader.number(Key::PolicyChangeMargin);
+    let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
+    let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
+    Some(Config {
+        name: name?,
+        fleets: fleets?,
+        models: models?,
+        log: log?,
+        database: database?,
+        lease_time_to_live: Duration::from_secs_f64(lease?),
+        history: HistoryOptions {
+            keep: keep?.into(),
+            retention: Retention { contacts_days: contacts_days?, minutes_days: minutes_days? },
+        },
+        limits: limits?,
+        broker,
+        mqtt_port: mqtt_port?,
+        http: http?,
+        access: access?,
+        metrics_per_whisker: series? == SeriesArg::Whiskers,
+        traces: traces?,
+        formulation: formulation?,
+        mode: mode?.into(),
+        objective: objective?.into(),
+        longer_for_shorter: longer_for_shorter?.into(),
+        predicted_error_max: predicted_error_max?,
+        own_role_cost: own_role_cost?,
+        change_margin: change_margin?,
+        contacts_between_false_alarms: contacts_between_false_alarms?,
+        cold_start_contacts: cold_start_contacts?,
+        secret_files: std::mem::take(&mut reader.secret_files),
+    })
+}
+
+/// Reads the file of allowed robots only to report errors in it. The service reads it again.
+fn limits(reader: &mut Reader) -> Option<LimitOptions> {
+    let robots_per_fleet = reader.whole(Key::LimitsRobotsPerFleet);
+    let new_robots_per_minute = reader.whole(Key::LimitsNewRobotsPerMinute);
+    let robots_file = reader.file(Key::LimitsRobotsFile);
+    if let Some(Err(problem)) = robots_file.as_deref().map(RobotsFile::read) {
+        reader.refuse(Key::LimitsRobotsFile, problem);
+    }
+    Some(LimitOptions {
+        limits: Limits { robots_per_fleet: robots_per_fleet?, new_robots_per_minute: new_robots_per_minute? },
+        robots_file,
+    })
+}
+
+fn supervisor_name(text: &str) -> Result<String, &'static str> {
+    let good = text.chars().count() <= 255 && !text.contains(char::is_control);
+    good.then(|| text.to_owned()).ok_or("must have at most 255 characters, none of them a control character")
+}
+
+fn fleets(reader: &mut Reader) -> Option<Vec<Name>> {
+    let texts = reader.texts(Key::Fleets)?;
+    if texts.is_empty() {
+        reader.refuse(Key::Fleets, "must name at least one fleet");
+    }
+    let mut seen = BTreeSet::new();
+    let mut fleets = Vec::new();
+    for text in texts {
+        match Name::new(&text) {
+            Ok(fleet) if seen.insert(fleet.clone()) => fleets.push(fleet),
+            Ok(fleet) => reader.refuse(Key::Fleets, format!("names the fleet {fleet} twice: leave one out")),
+            Err(problem) => reader.refuse(Key::Fleets, problem.to_string()),
+        }
+    }
+    Some(fleets)
+}
+
+fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, Model)>> {
+    let built_in = Params::nguyen_2021(formulation).models;
+    let mut models: Vec<(String, Model)> = Vec::new();
+    for text in reader.texts(Key::Calibrations)? {
+        let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
+            // The whole would show a line of a file that may be another than was meant.
+            CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {}", reason.message()),
+            problem @ (CalibrationFileError::Read { .. }
+            | CalibrationFileError::Name { .. }
+            | CalibrationFileError::Model { .. }) => problem.to_string(),
+        });
+        let unique = loaded.and_then(|(name, model)| {
+            if built_in.iter().any(|(taken, _)| **taken == name) || models.iter().any(|(taken, _)| *taken == name) {
+                return Err(format!(
+                    "calibration file {text}: there is a model {name:?} already; give it another name"
+                ));
+            }
+            Ok((name, model))
+        });
+        match unique {
+            Ok(model) => models.push(model),
+            Err(problem) => reader.refuse(Key::Calibrations, problem),
+        }
+    }
+    Some(models)
+}
+
+impl Config {
+    /// The core's parameters.
+    #[must_use]
+    pub fn params(&self) -> Params {
+        let mut params = Params::nguyen_2021(self.formulation);
+        params.models.extend(self.models.iter().map(|(name, model)| (Arc::new(name.clone()), model.clone())));
+        params.policy.mode = self.mode;
+        params.policy.objective = self.objective;
+        params.policy.longer_for_shorter = self.longer_for_shorter;
+        params.policy.predicted_error_max = self.predicted_error_max;
+        params.policy.own_role_cost = self.own_role_cost;
+        params.policy.change_margin = self.change_margin;
+        params.detection.contacts_between_false_alarms = self.contacts_between_false_alarms;
+        params.detection.cold_start_contacts = self.cold_start_contacts;
+        params
+    }
+}
+
+impl From<Config> for ServiceOptions {
+    fn from(config: Config) -> Self {
+        let params = config.params();
+        Self {
+            name: config.name,
+            fleets: config.fleets,
+            database: config.database,
+            lease_time_to_live: config.lease_time_to_live,
+            history: config.history,
+            limits: config.limits,
+            broker: config.broker,
+            mqtt_port: config.mqtt_port,
+            http: config.http,
+            access: config.access,
+            metrics_per_whisker: config.metrics_per_whisker,
+            traces: config.traces,
+            params,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

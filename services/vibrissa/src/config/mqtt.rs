@@ -1,0 +1,74 @@
+//! The broker: where it is, and how to know it and be known.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use super::keys::Key;
+use super::reader::Reader;
+use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate, Credentials, TlsOptions};
+
+/// What only an encrypted connection has a use for.
+const TLS_KEYS: [Key; 3] = [Key::MqttCaFile, Key::MqttClientCertificateFile, Key::MqttClientKeyFile];
+/// What only a broker that asks has a use for.
+const CREDENTIAL_KEYS: [Key; 3] = [Key::MqttUsername, Key::MqttPassword, Key::MqttPasswordFile];
+
+/// The external broker, if there is one.
+pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
+    let is_external = reader.is_explicit(Key::MqttUrl);
+    let found = reader.parsed(Key::MqttUrl, |text| BrokerAddress::from_str(text).map_err(|bad| bad.to_string()));
+    let credentials = credentials(reader);
+    let (ca_file, client) = (reader.file(Key::MqttCaFile), client(reader));
+    let deaf_release_after = reader.number(Key::MqttDeafReleaseAfterS).map(Duration::from_secs_f64);
+    if !is_external {
+        for key in CREDENTIAL_KEYS.into_iter().chain(TLS_KEYS) {
+            if reader.is_explicit(key) {
+                reader.refuse(key, "is of no use without mqtt.url: only an external broker asks for it");
+            }
+        }
+    }
+    if is_external && reader.is_explicit(Key::MqttPort) {
+        let what = "is the embedded broker's, but mqtt.url names an external one: leave one of them out, \
+                    or write the external broker's port into mqtt.url";
+        reader.refuse(Key::MqttPort, what);
+    }
+    let broker = found?;
+    if broker.tls.is_none() {
+        for key in TLS_KEYS {
+            if reader.is_explicit(key) {
+                reader.refuse(key, "is of no use on a connection in plain text: write mqtt.url with mqtts://");
+            }
+        }
+    }
+    let tls = broker.tls.is_some().then_some(TlsOptions { ca_file, client });
+    Some(BrokerAddress { credentials, tls, deaf_release_after: deaf_release_after?, ..broker })
+}
+
+fn credentials(reader: &mut Reader) -> Option<Credentials> {
+    let username = reader.text(Key::MqttUsername);
+    let written = reader.secret(Key::MqttPassword);
+    let filed = reader.secret_file(Key::MqttPasswordFile);
+    let is_set = CREDENTIAL_KEYS.map(|key| reader.is_explicit(key));
+    let [has_username, is_written, is_filed] = is_set;
+    if is_written && is_filed {
+        reader.refuse(Key::MqttPasswordFile, "mqtt.password is set too: leave one of them out");
+    }
+    if has_username && !is_written && !is_filed {
+        reader.refuse(Key::MqttUsername, "needs a password: set mqtt.password_file or mqtt.password");
+    }
+    if !has_username && (is_written || is_filed) {
+        let key = if is_written { Key::MqttPassword } else { Key::MqttPasswordFile };
+        reader.refuse(key, "needs a user: set mqtt.username");
+    }
+    Some(Credentials { username: username?, password: written.or(filed)? })
+}
+
+fn client(reader: &mut Reader) -> Option<ClientCertificate> {
+    let keys = [Key::MqttClientCertificateFile, Key::MqttClientKeyFile];
+    let (certificate_file, key_file) = (reader.file(keys[0]), reader.private_file(keys[1]));
+    for (key, other) in [(keys[0], keys[1]), (keys[1], keys[0])] {
+        if reader.is_explicit(key) && !reader.is_explicit(other) {
+            reader.refuse(key, format!("is of no use alone: set {other} too"));
+        }
+    }
+    Some(ClientCertificate { certificate_file: certificate_file?, key_file: key_file? })
+}

@@ -1,0 +1,225 @@
+//! Reads keys as what they should be, and remembers everything that is not.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use figment::value::Value;
+
+use super::keys::{Key, Kind};
+use super::layers::{LIST_MAX, Layers};
+use super::problem::{Origin, Problem};
+use vibrissa_store::secret::Secret;
+
+/// What stands for a secret when it is shown, and is therefore none.
+pub(super) const MASK: &str = "***";
+
+/// The longest text, bytes: far above any real one.
+const TEXT_MAX_BYTES: usize = 4096;
+
+/// Reads values; what is wrong is collected.
+pub(super) struct Reader {
+    layers: Layers,
+    pub(super) problems: Vec<Problem>,
+    /// Files that hold secrets, each with the key that led there.
+    pub(super) secret_files: Vec<(Key, PathBuf)>,
+}
+
+/// The problem is remembered already.
+type Refused = ();
+
+impl Reader {
+    pub(super) fn new(mut layers: Layers) -> Self {
+        let problems = std::mem::take(&mut layers.problems);
+        Self { layers, problems, secret_files: Vec::new() }
+    }
+
+    /// Where the value comes from.
+    pub(super) fn origin(&self, key: Key) -> Origin {
+        self.layers.find(key).1.clone()
+    }
+
+    /// Whether somebody set it.
+    pub(super) fn is_explicit(&self, key: Key) -> bool {
+        self.layers.find(key).1.is_explicit()
+    }
+
+    /// Remembers what is wrong with a key's value.
+    pub(super) fn refuse(&mut self, key: Key, what: impl Into<String>) {
+        let origin = self.origin(key);
+        self.problems.push(Problem::new(key, origin, what));
+    }
+
+    /// The value, if it is set; `None` after a refusal too.
+    fn read<T>(&mut self, key: Key, read: impl FnOnce(&Value) -> Result<T, String>) -> Option<T> {
+        let (value, _) = self.layers.find(key);
+        read(value?).map_err(|what| self.refuse(key, what)).ok()
+    }
+
+    /// A text that is not empty.
+    pub(super) fn text(&mut self, key: Key) -> Option<String> {
+        self.read(key, |value| match value.as_str() {
+            Some("") => Err("must not be empty: write a value or leave the key out".to_owned()),
+            Some(text) if text.len() > TEXT_MAX_BYTES => Err(format!("must have at most {TEXT_MAX_BYTES} bytes")),
+            Some(text) if text.contains('\0') => Err("must not contain a NUL character".to_owned()),
+            Some(text) => Ok(text.to_owned()),
+            None => Err(wrong_type(key, value)),
+        })
+    }
+
+    /// A text that is something.
+    pub(super) fn parsed<T, E: std::fmt::Display>(
+        &mut self,
+        key: Key,
+        parse: impl FnOnce(&str) -> Result<T, E>,
+    ) -> Option<T> {
+        let text = self.text(key)?;
+        parse(&text).map_err(|problem| self.refuse(key, problem.to_string())).ok()
+    }
+
+    /// One of some words.
+    pub(super) fn word<T: ValueEnum>(&mut self, key: Key) -> Option<T> {
+        self.parsed(key, |text| {
+            T::from_str(text, false).map_err(|_| {
+                let words: Vec<_> = T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+                let words: Vec<_> = words.iter().map(|word| word.get_name()).collect();
+                format!("must be {}, not {text:?}", words.join(" or "))
+            })
+        })
+    }
+
+    /// Several texts.
+    pub(super) fn texts(&mut self, key: Key) -> Option<Vec<String>> {
+        self.read(key, |value| {
+            let items = value.as_array().ok_or_else(|| wrong_type(key, value))?;
+            if items.len() > LIST_MAX {
+                return Err(format!("must have at most {LIST_MAX} entries"));
+            }
+            let text = |item: &Value| match item.as_str() {
+                Some(text) if text.len() > TEXT_MAX_BYTES => {
+                    Err(format!("must have at most {TEXT_MAX_BYTES} bytes in an entry"))
+                }
+                Some(text) => Ok(text.to_owned()),
+                None => Err(wrong_type(key, value)),
+            };
+            items.iter().map(text).collect()
+        })
+    }
+
+    /// A number in its range.
+    pub(super) fn number(&mut self, key: Key) -> Option<f64> {
+        let Kind::Number { min, max } = key.kind() else { return None };
+        self.read(key, |value| {
+            let number = value.to_f64().or_else(|| value.to_i128().map(|whole| whole as f64));
+            let number = number.ok_or_else(|| wrong_type(key, value))?;
+            let allowed = (min..=max).contains(&number);
+            allowed.then_some(number).ok_or_else(|| format!("must be from {min:?} to {max:?}, not {number:?}"))
+        })
+    }
+
+    /// A whole number in its range.
+    pub(super) fn whole(&mut self, key: Key) -> Option<u32> {
+        let Kind::Whole { min, max } = key.kind() else { return None };
+        self.read(key, |value| {
+            let number = value.to_i128().ok_or_else(|| wrong_type(key, value))?;
+            let allowed = u32::try_from(number).ok().filter(|number| (min..=max).contains(number));
+            allowed.ok_or_else(|| format!("must be a whole number from {min} to {max}, not {number}"))
+        })
+    }
+
+    /// A file that can be opened.
+    pub(super) fn file(&mut self, key: Key) -> Option<PathBuf> {
+        let path = PathBuf::from(self.text(key)?);
+        self.opens(key, &path).ok()?;
+        Some(path)
+    }
+
+    /// The same for a file that only this user should read.
+    pub(super) fn private_file(&mut self, key: Key) -> Option<PathBuf> {
+        let path = self.file(key)?;
+        self.secret_files.push((key, path.clone()));
+        Some(path)
+    }
+
+    /// Remembers that the configuration file holds a secret, if the key's value comes from there.
+    pub(super) fn holds_secret(&mut self, key: Key) {
+        if let Origin::File(path) = self.origin(key) {
+            self.secret_files.push((key, path));
+        }
+    }
+
+    fn opens(&mut self, key: Key, path: &Path) -> Result<std::fs::File, Refused> {
+        let opened = std::fs::File::open(path).and_then(|file| {
+            let is_folder = file.metadata()?.is_dir();
+            if is_folder { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
+        });
+        opened.map_err(|problem| {
+            let what = format!(
+                "the file {} cannot be read: {problem}; correct its name, or let this user read it",
+                path.display()
+            );
+            self.refuse(key, what);
+        })
+    }
+
+    /// A password as it was written, in the configuration file or the environment.
+    pub(super) fn secret(&mut self, key: Key) -> Option<Secret> {
+        if matches!(self.origin(key), Origin::Flag(_)) {
+            let file = format!("{key}_file");
+            let flag = Key::at(&file).map_or(file, |key| format!("{key} (--{} FILE)", key.flag()));
+            let what = format!(
+                "is not taken from the command line, which everyone on this machine can read (ps): set {flag}, or the \
+                 environment variable {}",
+                key.environment()
+            );
+            self.refuse(key, what);
+            return None;
+        }
+        let text = self.text(key)?;
+        self.holds_secret(key);
+        if text == MASK {
+            self.refuse(key, format!("{MASK} is what stands for a hidden password: write the password itself"));
+            return None;
+        }
+        Some(Secret::new(text))
+    }
+
+    /// The password in a file, without the end of its line.
+    pub(super) fn secret_file(&mut self, key: Key) -> Option<Secret> {
+        let path = PathBuf::from(self.text(key)?);
+        self.opens(key, &path).ok()?;
+        self.secret_files.push((key, path.clone()));
+        Secret::from_file(&path).map_err(|what| self.refuse(key, what)).ok()
+    }
+}
+
+/// What should be there, and what is there instead. A secret's value is not told.
+fn wrong_type(key: Key, value: &Value) -> String {
+    let (should, example) = match key.kind() {
+        Kind::Text | Kind::Secret | Kind::DatabaseUrl => ("a text", "\"...\""),
+        Kind::File => ("a file's name", "\"FILE\""),
+        Kind::Texts => ("a list of texts", "[\"a\", \"b\"]"),
+        Kind::Files => ("a list of files' names", "[\"FILE\"]"),
+        Kind::Number { .. } => ("a number", "1.5"),
+        Kind::Whole { .. } => ("a whole number", "10"),
+    };
+    let is = match value {
+        Value::String(_, text) if matches!(key.kind(), Kind::Number { .. } | Kind::Whole { .. }) => {
+            let kubernetes = if text.starts_with("tcp://") {
+                " (Kubernetes sets such variables for services: give the service another name, or set enableServiceLinks: false)"
+            } else {
+                ""
+            };
+            let shown: String = text.chars().take(40).collect();
+            return format!("must be {should}, such as {example}, not {shown:?}{kubernetes}");
+        }
+        Value::String(..) | Value::Char(..) => "a text",
+        Value::Bool(..) => "true or false",
+        Value::Num(..) => "a number",
+        Value::Empty(..) => "nothing",
+        Value::Dict(_, values) if values.keys().any(|name| name.starts_with("$__toml")) => "a date or time",
+        Value::Dict(..) => "a section",
+        Value::Array(..) if key.kind().is_list() => "a list with something else",
+        Value::Array(..) => "a list",
+    };
+    format!("must be {should}, such as {} = {example}, but is {is}", key.section().1)
+}

@@ -1,0 +1,149 @@
+//! The whole job in one process: broker, supervisor, database and a simulated fleet, over real MQTT.
+
+mod picture;
+mod report;
+pub mod scenario;
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use tokio::time::Instant;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::Name;
+use vibrissa_simulator::Fleet;
+
+use scenario::{CONTACTS_PER_SECOND, INCIDENTS, What};
+use vibrissa_store::DatabaseAddress;
+use vibrissa_store::Store;
+use vibrissa_supervisor::http::access::AccessOptions;
+use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+
+/// The demo gives up waiting after this.
+const PATIENCE: Duration = Duration::from_secs(50);
+/// Contacts of a compensator after which its error is well known: 12 bins of about 100.
+const CONTACTS_TO_MEASURE: i64 = 1200;
+
+/// What the demo is told.
+#[derive(Debug, Clone)]
+pub struct DemoOptions {
+    /// Where the database and the picture go.
+    pub folder: PathBuf,
+    /// Seed of the simulation.
+    pub seed: u64,
+    /// The embedded broker's port.
+    pub mqtt_port: u16,
+    /// Where HTTP listens.
+    pub http: SocketAddr,
+    /// Whether to go on after the report.
+    pub serve: bool,
+}
+
+/// Runs the demo; true if everything that was expected has happened.
+///
+/// # Errors
+/// Something cannot be started or written.
+pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
+    let database = fresh_database(&options.folder)?;
+    let service = Service::start(ServiceOptions {
+        access: AccessOptions::default(),
+        name: "demo".to_owned(),
+        fleets: vec![Name::new(scenario::FLEET)?],
+        database: DatabaseAddress::Sqlite(database.clone()),
+        lease_time_to_live: LEASE_TIME_TO_LIVE,
+        metrics_per_whisker: false,
+        limits: vibrissa_supervisor::service::LimitOptions::default(),
+        history: HistoryOptions::default(),
+        broker: None,
+        mqtt_port: options.mqtt_port,
+        http: options.http.into(),
+        traces: None,
+        params: Params::nguyen_2021(Formulation::Published),
+    })
+    .await?;
+    let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
+    println!("vibrissa demo: two robots with nine whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
+    println!(
+        "Each whisker is touched {CONTACTS_PER_SECOND} times a second: a time-lapse. Three are cut, one erodes, one is cut too short.\n"
+    );
+    let fleet = Fleet::start(&scenario::scenario(options.seed)?, &broker)?;
+    watch(&service.store).await?;
+    let settled = settle(&fleet, &service.store).await?;
+    let outcome = report::report(&service.store, &fleet, settled).await?;
+    print!("{}", outcome.text);
+
+    let picture = options.folder.join("demo.svg");
+    picture::draw(&service.store, &picture).await.with_context(|| format!("drawing {}", picture.display()))?;
+    println!("\nDatabase: {}\nPicture:  {}", database.display(), picture.display());
+    if options.serve {
+        println!(
+            "\nServing until Ctrl-C: the console on http://{}/, the API in /docs, /metrics; MQTT on {broker:?}",
+            service.http
+        );
+        tokio::signal::ctrl_c().await.context("waiting for Ctrl-C")?;
+    }
+    fleet.stop().await;
+    service.stop().await;
+    Ok(outcome.passed)
+}
+
+/// An empty folder for this run's files; those of an earlier run are replaced.
+fn fresh_database(folder: &Path) -> anyhow::Result<PathBuf> {
+    std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+    let database = folder.join("demo.sqlite3");
+    for ending in ["", "-wal", "-shm"] {
+        let file = folder.join(format!("demo.sqlite3{ending}"));
+        if file.exists() {
+            std::fs::remove_file(&file).with_context(|| format!("removing the old {}", file.display()))?;
+        }
+    }
+    Ok(database)
+}
+
+/// Shows what the supervisor does until it has done everything, or [`PATIENCE`] is over.
+async fn watch(store: &Store) -> anyhow::Result<()> {
+    let compensations = INCIDENTS.iter().filter(|one| matches!(one.what, What::Trim { .. })).count();
+    let bar = ProgressBar::new(compensations as u64 * CONTACTS_TO_MEASURE as u64);
+    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {msg}")?);
+    let begun = Instant::now();
+    let mut told = 0;
+    while begun.elapsed() < PATIENCE {
+        tokio::time::sleep(Duration::from_millis(250)).await;
+        let lines = report::story(store).await?;
+        for line in lines.iter().skip(told) {
+            let line = format!("{:5.1} s  {line}", begun.elapsed().as_secs_f64());
+            if bar.is_hidden() { println!("{line}") } else { bar.println(line) }
+        }
+        told = lines.len();
+        let measured: Vec<i64> = store.measured_contacts().await?;
+        let done: i64 = measured.iter().map(|contacts| (*contacts).min(CONTACTS_TO_MEASURE)).sum();
+        bar.set_position(done as u64);
+        bar.set_message(format!("{} contacts recorded", store.contact_count().await?));
+        let all_measured =
+            measured.iter().filter(|&&contacts| contacts >= CONTACTS_TO_MEASURE).count() >= compensations;
+        let answered = store.setpoint_states().await?.iter().all(|(state, _)| state == "APPLIED");
+        if all_measured && answered && report::is_all_found(store).await? {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Lets the robots rest until every contact is receipted; true if that came about.
+async fn settle(fleet: &Fleet, store: &Store) -> anyhow::Result<bool> {
+    fleet.rest();
+    let made = fleet.contacts_made();
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while Instant::now() < deadline {
+        let kept: usize = fleet.robots().iter().map(|robot| robot.with(|robot| robot.messages_kept())).sum();
+        if kept == 0 && store.contact_count().await? as u64 == made {
+            return Ok(true);
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    Ok(false)
+}

@@ -1,0 +1,222 @@
+//! What is said in fleets, written into a file as it comes, for [`crate::replay`].
+
+use std::io::{self, Write};
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use anyhow::Context;
+use tokio::sync::mpsc;
+use tokio::time::{MissedTickBehavior, interval};
+use tracing::warn;
+use uuid::Uuid;
+use vibrissa_protocol::{BootId, Name};
+
+use crate::replay::Recorded;
+use vibrissa_edge::ids::start_seed;
+use vibrissa_supervisor::inbox::Incoming;
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
+
+/// Messages that wait to be written.
+const WAITING: usize = 10_000;
+/// Bytes that are written at once ...
+const WRITTEN_AT_ONCE: usize = 64 * 1024;
+/// ... or what there is after this.
+const WRITTEN_EVERY: Duration = Duration::from_millis(200);
+
+/// What came of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Report {
+    /// Messages that were written.
+    pub messages: u64,
+    /// Messages that came and could not be written.
+    pub lost: u64,
+    /// Connections that broke: what was said until the next one stood is not in the recording.
+    pub breaks: u64,
+}
+
+/// Records those fleets until `stop`.
+///
+/// # Errors
+/// A file of the broker's settings cannot be used, or the reader at the other end of a pipe has gone.
+pub async fn record(
+    broker: &BrokerAddress,
+    fleets: &[Name],
+    out: &mut dyn Write,
+    stop: impl Future<Output = ()>,
+) -> anyhow::Result<Report> {
+    let prepared = mqtt::prepare(broker)?;
+    let mark = format!("r{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
+    let boot_id = BootId::new(&mark).context("a name for the connection")?;
+    let (sender, mut heard) = mpsc::channel(WAITING);
+    let breaks = Arc::new(AtomicU64::new(0));
+    let taps: Vec<_> = fleets
+        .iter()
+        .map(|fleet| {
+            let connection = Connection {
+                broker: broker.clone(),
+                prepared: prepared.clone(),
+                fleet: fleet.clone(),
+                boot_id: boot_id.clone(),
+                epoch: 0,
+                link: LinkState::default(),
+            };
+            mqtt::tap(connection, sender.clone(), breaks.clone())
+        })
+        .collect();
+    drop(sender);
+    let mut journal = Journal::new(out);
+    let written = write_until(&mut journal, &mut heard, stop).await;
+    for tap in &taps {
+        tap.abort();
+    }
+    written?;
+    // What had come by then.
+    heard.close();
+    while let Some(incoming) = heard.recv().await {
+        journal.add(&incoming)?;
+    }
+    journal.flush()?;
+    Ok(Report { breaks: breaks.load(Ordering::Relaxed), ..journal.report })
+}
+
+async fn write_until(
+    journal: &mut Journal<'_>,
+    heard: &mut mpsc::Receiver<Incoming>,
+    stop: impl Future<Output = ()>,
+) -> io::Result<()> {
+    let mut stop = pin!(stop);
+    let mut flushes = interval(WRITTEN_EVERY);
+    flushes.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    loop {
+        tokio::select! {
+            () = &mut stop => return Ok(()),
+            _ = flushes.tick() => journal.flush()?,
+            incoming = heard.recv() => match incoming {
+                Some(incoming) => journal.add(&incoming)?,
+                None => return Ok(()),
+            },
+        }
+    }
+}
+
+/// Writes lines, and counts those that cannot be written.
+struct Journal<'a> {
+    out: &'a mut dyn Write,
+    waiting: Vec<u8>,
+    lines: u64,
+    /// A line was cut off by an error: the next one must not continue it.
+    torn: bool,
+    report: Report,
+}
+
+impl<'a> Journal<'a> {
+    fn new(out: &'a mut dyn Write) -> Self {
+        Self { out, waiting: Vec::new(), lines: 0, torn: false, report: Report::default() }
+    }
+
+    fn add(&mut self, incoming: &Incoming) -> io::Result<()> {
+        let Ok(topic) = std::str::from_utf8(&incoming.topic) else {
+            self.report.lost += 1;
+            warn!("a message on a topic that is not UTF-8 is not recorded");
+            return Ok(());
+        };
+        let (topic, payload) = (topic.to_owned(), incoming.payload.to_vec());
+        Recorded { received: incoming.received, topic, payload }.write(&mut self.waiting);
+        self.lines += 1;
+        if self.waiting.len() >= WRITTEN_AT_ONCE { self.flush() } else { Ok(()) }
+    }
+
+    /// A disk that is full may have room again later; a reader that is gone does not come back.
+    fn flush(&mut self) -> io::Result<()> {
+        if self.lines == 0 {
+            return Ok(());
+        }
+        let end_of_torn: &[u8] = if self.torn { b"\n" } else { b"" };
+        let written = self
+            .out
+            .write_all(end_of_torn)
+            .and_then(|()| self.out.write_all(&self.waiting))
+            .and_then(|()| self.out.flush());
+        self.waiting.clear();
+        let lines = std::mem::take(&mut self.lines);
+        match written {
+            Ok(()) => {
+                self.torn = false;
+                self.report.messages += lines;
+                Ok(())
+            }
+            Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => Err(problem),
+            Err(problem) => {
+                if self.report.lost == 0 {
+                    warn!(%problem, "the recording cannot be written; what comes meanwhile is lost, and counted");
+                }
+                self.torn = true;
+                self.report.lost += lines;
+                Ok(())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bytes::Bytes;
+    use vibrissa_core::units::Micros;
+
+    use super::*;
+    use crate::replay::Lines;
+
+    /// A disk that is full in the middle of the second line, and then has room again.
+    #[derive(Default)]
+    struct Disk {
+        held: Vec<u8>,
+        is_full: bool,
+    }
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if !self.is_full {
+                self.held.extend_from_slice(bytes);
+                return Ok(bytes.len());
+            }
+            self.held.extend_from_slice(&bytes[..bytes.len() / 2]);
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn incoming(topic: &'static [u8]) -> Incoming {
+        Incoming { topic: Bytes::from_static(topic), payload: Bytes::from_static(b"{}"), received: Micros(1) }
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_counted_and_the_next_line_is_whole() {
+        let mut disk = Disk::default();
+        let mut report = Report::default();
+        for is_full in [false, true, false] {
+            disk.is_full = is_full;
+            let mut journal = Journal::new(&mut disk);
+            (journal.report, journal.torn) = (report, report.lost > 0);
+            journal.add(&incoming(b"t")).unwrap();
+            journal.flush().unwrap();
+            report = journal.report;
+        }
+        assert_eq!(report, Report { messages: 2, lost: 1, breaks: 0 });
+        let mut lines = Lines::new(&disk.held[..]);
+        let good = std::iter::from_fn(|| lines.next_line().unwrap()).map(|line| line.is_ok());
+        assert_eq!(good.collect::<Vec<_>>(), [true, false, true]);
+    }
+
+    #[test]
+    fn a_topic_that_cannot_be_written_is_counted() {
+        let mut out = Vec::new();
+        let mut journal = Journal::new(&mut out);
+        journal.add(&incoming(&[0xff])).unwrap();
+        assert_eq!(journal.report.lost, 1);
+    }
+}
