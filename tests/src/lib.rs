@@ -3,7 +3,6 @@
 pub mod actions;
 pub mod certificates;
 pub mod extremes;
-pub mod large_array;
 pub mod mosquitto;
 pub mod mqtt_proxy;
 pub mod observer;

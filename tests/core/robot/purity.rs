@@ -57,21 +57,34 @@ fn bytes_of_another_version_are_refused_by_name() {
     assert!(problem.to_string().contains("whisker index 0"), "{problem}");
 }
 
-/// Clippy bans what the standard library offers (services/core/clippy.toml); this bans what crates offer.
-#[test]
-fn property_the_core_depends_on_nothing_impure() {
+/// The names of the packages that a package of the workspace is built from.
+fn packages(package: &str, edges: &str) -> Vec<String> {
     let tree = Command::new(env!("CARGO"))
-        .args(["tree", "-p", "vibrissa-core", "-e", "normal", "--prefix", "none", "--locked", "--offline"])
-        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .args(["tree", "-p", package, "-e", edges, "--prefix", "none", "--locked", "--offline"])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .output()
         .unwrap();
     assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
     let tree = String::from_utf8(tree.stdout).unwrap();
-    assert!(tree.contains("nalgebra"), "{tree}");
+    let names: Vec<String> = tree.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect();
+    assert!(names.iter().any(|name| name == "nalgebra"), "{tree}");
+    names
+}
+
+/// Clippy bans impure items of the standard library (services/core/clippy.toml); this test bans impure crates.
+#[test]
+fn property_the_core_depends_on_nothing_impure() {
     let banned =
         ["serde", "serde_json", "tokio", "sqlx", "rand", "getrandom", "chrono", "time", "tracing", "log", "prometheus"];
-    for line in tree.lines() {
-        let name = line.split(' ').next().unwrap_or_default();
-        assert!(!banned.contains(&name), "the core depends on {name}");
+    for name in packages("vibrissa-core", "normal") {
+        assert!(!banned.contains(&name.as_str()), "the core depends on {name}");
+    }
+}
+
+/// A change of the core is tested without building the service.
+#[test]
+fn the_tests_of_the_core_need_no_database_and_no_web_server() {
+    for name in packages("vibrissa-core-tests", "all") {
+        assert!(!["vibrissa", "sqlx", "axum", "hyper"].contains(&name.as_str()), "these tests depend on {name}");
     }
 }

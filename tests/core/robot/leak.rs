@@ -11,7 +11,7 @@ use vibrissa_core::units::{Megapascal, Micros};
 
 /// (seconds, MPa) of a real chamber.
 fn measured(name: &str) -> Vec<(f64, f64)> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/pressure-hold").join(format!("{name}.csv"));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/pressure-hold").join(format!("{name}.csv"));
     let text = std::fs::read_to_string(path).unwrap();
     let parsed = |line: &str| {
         let (seconds, mpa) = line.split_once(',').unwrap();

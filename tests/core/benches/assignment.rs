@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use vibrissa_core::policy::{Offer, assign};
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_tests::large_array::LargeArray;
+use vibrissa_core_tests::large_array::LargeArray;
 
 const LIMIT: Duration = Duration::from_millis(50);
 

@@ -1,13 +1,10 @@
-//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere;
-//! and the commands around them.
+//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere.
 
 mod brute_force;
-mod cli;
 mod fit;
 mod golden;
 mod paper;
 mod properties;
-mod stopping;
 
 use vibrissa_core::mechanics::{Compensator, Target};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};

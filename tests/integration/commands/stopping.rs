@@ -1,4 +1,4 @@
-//! Commands that take long, stopped by somebody.
+//! Long commands, interrupted by a signal.
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};

@@ -2,8 +2,8 @@
 //! that decides, which lies on the way from a contact to its setpoint, under a fifth of a millisecond.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use vibrissa_core_tests::large_array::LargeArray;
 use vibrissa_evaluation::crowd::{Buffers, Crowd};
-use vibrissa_tests::large_array::LargeArray;
 
 const WHISKERS: u16 = 24;
 /// In which offset and noise are learned.

@@ -1,0 +1,3 @@
+//! Parts that the tests and benchmarks of the core share.
+
+pub mod large_array;

@@ -1,0 +1,4 @@
+//! Commands of the program that need no broker and no database.
+
+mod mechanics;
+mod stopping;
