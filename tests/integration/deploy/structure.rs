@@ -1,4 +1,5 @@
-//! The direction of imports: between crates, between modules of the supervisor, and around SQL.
+//! Checks the direction of imports between crates and between modules of the supervisor, and that only one module uses
+//! SQL.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{read_dir, read_to_string};
@@ -6,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::project;
 
-/// Crates from the lowest to the highest: a crate depends only on those before it.
+/// Crates from the lowest to the highest; a crate depends only on earlier ones.
 const CRATES: [&str; 6] = ["core", "protocol", "edge", "simulator", "evaluation", "supervisor"];
-/// The modules of the supervisor that may use sqlx.
+/// The only module of the supervisor that uses sqlx.
 const WITH_SQL: &str = "store";
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
@@ -24,7 +25,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The code without its comments and its unit tests, which may import anything.
+/// The code without comments and without unit tests, which may import anything.
 fn code(path: &Path) -> String {
     let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
     let text = if is_test { String::new() } else { read_to_string(path).unwrap() };
@@ -32,7 +33,7 @@ fn code(path: &Path) -> String {
     code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// The modules that `crate::a`, `crate::{a, b::c}` and `crate::a::{b, c}` name.
+/// Modules imported by `crate::a`, `crate::{a, b::c}` and `crate::a::{b, c}`.
 fn imported(code: &str) -> BTreeSet<String> {
     let word =
         |text: &str| -> String { text.trim().chars().take_while(|one| one.is_alphanumeric() || *one == '_').collect() };
@@ -73,7 +74,7 @@ fn supervisor_modules() -> BTreeMap<String, BTreeSet<String>> {
 fn no_module_of_the_supervisor_imports_one_that_depends_on_it() {
     let mut modules = supervisor_modules();
     assert!(modules["engine"].contains("store") && modules.len() > 20, "{modules:?}");
-    // Modules that import nothing that is left are removed until none is left; those of a circle stay.
+    // Repeatedly removes modules whose imports are all removed; modules of a cycle remain.
     loop {
         let free: Vec<String> =
             modules.iter().filter(|(_, imports)| imports.is_empty()).map(|(name, _)| name.clone()).collect();
@@ -87,7 +88,7 @@ fn no_module_of_the_supervisor_imports_one_that_depends_on_it() {
             }
         }
     }
-    assert!(modules.is_empty(), "modules in a circle of imports, or above one: {modules:#?}");
+    assert!(modules.is_empty(), "modules in a cycle of imports, or above one: {modules:#?}");
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn crates_depend_on_lower_crates_only() {
         }
     }
     let folders = read_dir(project().join("services")).unwrap().count();
-    assert_eq!(folders, CRATES.len(), "each crate has a place in the order");
+    assert_eq!(folders, CRATES.len(), "each crate must have a place in the order");
 }
 
 #[test]

@@ -18,23 +18,23 @@ use vibrissa_tests::extremes::{Context, Messages, Without, number};
 
 use crate::subject::{Fate, Input, Subject, name_of};
 
-/// Messages of an episode.
+/// Number of messages in an episode.
 pub(crate) const MESSAGES: usize = 64;
 const START_US: u64 = 1_795_248_000_000_000;
 const MODEL: &str = "nguyen-2021";
-/// The whole state is checked after so many inputs and at the end: a number that is not finite stays so.
+/// The whole state is checked after this many inputs and at the end; a number that is not finite remains in the state.
 const LOOK_EVERY: usize = 16;
-/// Ordinary contacts before anything else in an episode that learns its whiskers first: more than the cold start of the test.
+/// Ordinary contacts at the start of an episode that learns its whiskers first: more than the cold start of the test.
 const LEARNED: usize = 28;
 
 /// Inputs with their times by the supervisor's clock.
 pub(crate) type Inputs = Vec<(Micros, Input)>;
 
-/// An episode that was played.
+/// Result of an episode.
 pub(crate) struct Played {
     pub(crate) inputs: Inputs,
     pub(crate) fates: BTreeMap<&'static str, u64>,
-    /// The first violation of an invariant.
+    /// First violation of an invariant.
     pub(crate) fault: Option<String>,
 }
 
@@ -42,7 +42,7 @@ thread_local! {
     static IS_QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs the work. A panic becomes an error and is not printed.
+/// Runs a closure. A panic becomes an error and is not printed.
 fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -63,7 +63,7 @@ fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     })
 }
 
-/// Plays an episode.
+/// Plays the episode of a seed.
 pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Without) -> Played {
     let mut player = Player::new(seed, messages, without);
     let mut inputs = Inputs::new();

@@ -1,4 +1,4 @@
-//! Topics of any kind.
+//! Arbitrary topics.
 
 use proptest::prelude::*;
 use vibrissa_protocol::Topic;

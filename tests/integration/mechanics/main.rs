@@ -1,5 +1,5 @@
-//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere;
-//! and the commands around them.
+//! Compares the mechanics with independent numbers, the paper and brute force, and checks general properties; also
+//! tests the commands that use them.
 
 mod brute_force;
 mod cli;
@@ -28,7 +28,7 @@ fn target(length_mm: f64, pressure_mpa: f64) -> Target {
     Target { length: mm(length_mm), pressure: mpa(pressure_mpa) }
 }
 
-/// A compensator that may use every pressure the paper examined.
+/// A compensator that may use all pressures examined in the paper.
 fn compensator(length_mm: f64, pressure_mpa: f64) -> Compensator {
     Compensator {
         length: mm(length_mm),
@@ -38,7 +38,7 @@ fn compensator(length_mm: f64, pressure_mpa: f64) -> Compensator {
     }
 }
 
-/// Equal to within a relative difference; zero must be met to within the same absolute one.
+/// Panics unless the values agree within a relative difference; an expected zero uses the same value as absolute limit.
 #[track_caller]
 fn assert_close(what: &str, ours: f64, expected: f64, relative: f64) {
     let allowed = relative * if expected == 0.0 { 1.0 } else { expected.abs() };
