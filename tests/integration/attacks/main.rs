@@ -36,7 +36,7 @@ mod with_limits;
 
 use tokio::sync::{Mutex, MutexGuard};
 
-/// The turn of a test that loads all processors or measures times: one at a time, beside tests that mostly wait.
+/// Lock for tests that load all processors or measure times: they run one at a time, beside tests that mostly wait.
 pub(crate) async fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::const_new(());
     TURN.lock().await
