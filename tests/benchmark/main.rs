@@ -56,7 +56,7 @@ struct Arguments {
     program: Option<PathBuf>,
 }
 
-/// What this program runs as in a child process.
+/// Roles of this program in child processes.
 #[derive(Debug, Subcommand)]
 enum Child {
     /// Generate load, as `vibrissa-simulator load` does
@@ -152,7 +152,7 @@ impl Bench {
         let folder = tempfile::Builder::new().prefix("vibrissa-bench-").tempdir().context("a temporary folder")?;
         let path = match &arguments.json {
             Some(path) => path.clone(),
-            // The file is kept when the folder is removed.
+            // The file remains when the folder is removed.
             None => tempfile::Builder::new().prefix("vibrissa-bench-").suffix(".jsonl").tempfile()?.keep()?.1,
         };
         let pace = if arguments.quick {
@@ -164,7 +164,7 @@ impl Bench {
         Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)?, part })
     }
 
-    /// Prints progress.
+    /// Prints a line of progress.
     fn say(&self, text: &str) {
         eprintln!("bench: {text}");
     }

@@ -15,7 +15,7 @@ pub struct Recorded {
     pub seq: u64,
     /// Position in the message, from 0.
     pub position: usize,
-    /// Measured values.
+    /// Whisker, time and measured values.
     pub content: Content,
 }
 

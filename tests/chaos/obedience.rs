@@ -12,7 +12,7 @@ const SAME: f64 = 1e-12;
 /// A setpoint in the database.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decided {
-    /// Command id.
+    /// Command id, which is unique.
     pub command_id: String,
     /// Names of robot and array, and number of the whisker.
     pub whisker: (String, String, i64),

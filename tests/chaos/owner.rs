@@ -51,7 +51,7 @@ impl Drop for Watch {
 }
 
 impl Watch {
-    /// Starts watching.
+    /// Starts to watch the database.
     pub fn start(database: PgConnectOptions) -> Self {
         let seen = Arc::new(Mutex::new(Seen::default()));
         let task = tokio::spawn(look(database, seen.clone()));

@@ -48,7 +48,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// All faults.
+    /// All faults, one of each.
     pub const ALL: [Self; 11] = [
         Self::OwnerKilled,
         Self::OwnerTerminated,
@@ -122,7 +122,7 @@ pub enum Manner {
 pub struct Strike {
     /// Seconds after the start.
     pub at_s: f64,
-    /// The fault.
+    /// Kind of the fault.
     pub fault: Fault,
     /// Duration in seconds.
     pub lasts_s: f64,
@@ -135,7 +135,7 @@ pub struct Strike {
 /// A defect introduced on purpose, to show that the harness detects it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Control {
-    /// No defect.
+    /// Nothing is changed.
     None,
     /// Supervisors receipt contacts before they are committed.
     ReceiptBeforeCommit,

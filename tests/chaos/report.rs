@@ -62,7 +62,7 @@ const LISTED: usize = 60;
 /// A fault that struck.
 #[derive(Debug, Clone, Serialize)]
 pub struct FaultReport {
-    /// The fault.
+    /// Kind of the fault.
     pub fault: Fault,
     /// Seconds after the robots' start.
     pub at_s: f64,

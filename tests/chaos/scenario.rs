@@ -80,7 +80,7 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
         neighbours: (0..WHISKERS).filter(|&other| other != whisker).collect(),
         ..WhiskerScenario::default()
     };
-    // In every second robot a whisker may be compensated by a neighbour; in the others only by itself.
+    // In every second robot a neighbour may compensate a whisker; in the others only the whisker itself.
     let array_type = if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 };
     RobotScenario {
         robot: robot_name(number),

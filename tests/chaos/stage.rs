@@ -44,7 +44,7 @@ const JOURNALS: Duration = Duration::from_millis(500);
 pub struct Supervisor {
     /// Its name, also in the database.
     pub name: &'static str,
-    /// Its process.
+    /// Process of `vibrissa run`.
     pub process: Process,
     /// Its link to the broker.
     pub broker_link: Proxy,
@@ -175,7 +175,7 @@ async fn supervisor(
     Supervisor { name, process, broker_link, database_link, http }
 }
 
-/// The running robots and what they actually did.
+/// The running robots and a record of their actions.
 pub struct Robots {
     fleets: Vec<Fleet>,
     truth: Arc<Mutex<Truth>>,
@@ -259,7 +259,7 @@ impl Robots {
         self.all().map(|robot| robot.with(|robot| robot.messages_dropped())).sum()
     }
 
-    /// Stops the robots and returns what they did.
+    /// Stops the robots and returns the record of their actions.
     pub async fn stop(self) -> Truth {
         let robots: Vec<RobotHandle> = self.all().cloned().collect();
         for fleet in self.fleets {

@@ -16,7 +16,7 @@ const END_PATIENCE: Duration = Duration::from_secs(12);
 /// A fault that has struck.
 #[derive(Debug, Clone)]
 pub struct Struck {
-    /// The fault.
+    /// Kind of the fault.
     pub fault: Fault,
     /// Time at which it struck.
     pub at: Instant,
@@ -24,7 +24,7 @@ pub struct Struck {
     pub owner_hit: Option<(Instant, i64)>,
 }
 
-/// Unintended events.
+/// Counts of unintended events.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Surprises {
     /// Number of supervisors that ended unexpectedly.

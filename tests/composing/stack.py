@@ -26,7 +26,7 @@ def until(what, look, patience_s=PATIENCE_S):
         if found:
             return found
         if time.monotonic() > deadline:
-            raise AssertionError(f"timeout after {patience_s} s, waiting until {what}")
+            raise AssertionError(f"timed out after {patience_s} s waiting for: {what}")
         time.sleep(0.2)
 
 

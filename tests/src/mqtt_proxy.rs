@@ -106,7 +106,7 @@ async fn join(client: TcpStream, mut link: Link) {
     let (from_client, to_client) = client.into_split();
     let (from_broker, to_broker) = broker.into_split();
     let to_broker = Arc::new(Mutex::new(to_broker));
-    // Either end ends both.
+    // The end of one direction also ends the other one.
     tokio::select! {
         () = upstream(from_client, &to_broker, link.loss.clone()) => {}
         () = downstream(from_broker, to_client, &to_broker, link) => {}

@@ -16,7 +16,7 @@ const PACKET_MAX: u32 = 8 << 20;
 /// A message as it was received.
 #[derive(Debug, Clone)]
 pub struct Heard {
-    /// Decoded message.
+    /// Decoded content of the message.
     pub message: Message,
     /// Payload as received.
     pub payload: Vec<u8>,

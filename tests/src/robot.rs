@@ -233,7 +233,7 @@ impl HandRobot {
         }
     }
 
-    /// The next message from the supervisor for which `choose` returns a value; other messages are kept for later
+    /// The next message from the supervisor for which `choose` returns a value; other messages remain for later
     /// calls.
     ///
     /// # Panics

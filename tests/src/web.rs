@@ -11,7 +11,7 @@ use tokio::net::TcpStream;
 /// An HTTP answer.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// Status code.
+    /// HTTP status code.
     pub status: u16,
     /// Headers, with names in lower case.
     pub headers: BTreeMap<String, String>,

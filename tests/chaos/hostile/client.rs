@@ -63,7 +63,8 @@ impl Client {
         Self { client, heard, poller }
     }
 
-    /// Publishes a message, and returns whether the client had room for it. It waits in the client until there is a connection.
+    /// Publishes a message, and returns whether the client had room for it. It waits in the client until there is a
+    /// connection.
     pub fn say(&self, topic: &str, payload: Vec<u8>, quality: QoS, is_retained: bool) -> bool {
         self.client.try_publish(topic, payload, PublishOptions::new(quality).retain(is_retained)).is_ok()
     }

@@ -27,8 +27,8 @@ const SETPOINT_PATIENCE_S: u32 = 3;
 /// The largest `t_us` of the contract.
 const TIME_MOST_US: u64 = vibrissa_protocol::INTEGER_LIMIT - 1;
 
-/// Contact ratio, deflection in mm and strain of contacts that made the state of a whisker of 69.3 mm non-finite. They lay inside
-/// the contract's ranges at that time.
+/// Contact ratio, deflection in mm and strain of contacts that once made the state of a whisker of 69.3 mm non-finite.
+/// They were inside the contract's ranges at that time.
 const TRIPLES: [(f64, f64, f64); 3] = [(5e-324, 1e-9, -0.0117), (0.85, 1000.0, 5e-324), (0.45, 999.999, 1.0)];
 const TRIPLES_LENGTH_MM: f64 = 69.3;
 

@@ -149,7 +149,7 @@ async fn a_burst_does_not_pass_for_deafness() {
         rate: None,
         connections: 2,
         window: 1_000,
-        // The more wait, the later a probe comes.
+        // The more messages wait, the later a probe arrives.
         unreceipted: Some(100_000),
         no_receipts: false,
         learn: 0,

@@ -1,4 +1,5 @@
-//! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead a fleet.
+//! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead
+//! a fleet.
 
 #![allow(
     clippy::unwrap_used,

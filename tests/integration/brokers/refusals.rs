@@ -109,6 +109,7 @@ async fn a_broker_with_tls_by_name_and_by_address() {
     }
 }
 
+/// Checks nothing on a host without IPv6.
 #[tokio::test]
 async fn a_broker_on_ipv6() {
     if TcpListener::bind("[::1]:0").is_err() {

@@ -152,7 +152,7 @@ impl Browser {
                const look = () => {{ const value = {expression}; if (value) {{ watcher.disconnect(); found(value); }} }};
                const watcher = new MutationObserver(look);
                watcher.observe(document, {{ subtree: true, childList: true, attributes: true, characterData: true }});
-               setTimeout(() => missed(new Error('did not come true; the page says: ' + document.body.innerText)), {patience});
+               setTimeout(() => missed(new Error('timed out; the page shows: ' + document.body.innerText)), {patience});
                look();
              }}) /* {what} */"
         );

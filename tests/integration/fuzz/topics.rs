@@ -1,4 +1,4 @@
-//! Arbitrary topics.
+//! Arbitrary topics must not crash or delay the decoder.
 
 use proptest::prelude::*;
 use vibrissa_protocol::Topic;

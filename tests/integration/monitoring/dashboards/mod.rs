@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("dashboards")
 }
 
-/// A dashboard.
+/// A dashboard and its file name.
 struct Dashboard {
     file: String,
     json: Value,

@@ -1,4 +1,4 @@
-//! Invalid contacts.
+//! Contacts messages that violate the contract.
 
 use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode};
