@@ -103,7 +103,7 @@ impl Report {
 
     /// The table in Markdown.
     pub fn table(&self) -> String {
-        let mut lines = vec![["part", "what", "target", "measured", "beside", ""].map(str::to_owned)];
+        let mut lines = vec![["part", "figure", "target", "measured", "comparison", ""].map(str::to_owned)];
         lines.extend(self.rows.iter().map(|row| {
             let met = row.is_met.map_or("", |is_met| if is_met { "met" } else { "MISSED" });
             [row.part, &row.what, &row.target, &row.measured, &row.beside, met].map(str::to_owned)

@@ -53,7 +53,7 @@ async fn a_file_says_who_is_allowed_and_is_read_again_when_it_changes() {
 
     // An invalid file leaves the list in force.
     write("f/honest\nf/stranger\nnonsense\n");
-    until_true("the log says what is wrong", async || {
+    until_true("the log has the error", async || {
         let log = fs::read_to_string(supervised.folder.path().join("log")).unwrap();
         log.contains("line 3: must be FLEET/ROBOT")
     })
@@ -114,7 +114,7 @@ async fn a_list_is_set_over_http(kind: Kind) {
     is_refused(&supervised, &mut known).await;
     set(&supervised, "DELETE", &json!({ "reason": "all are friends" })).await;
     is_taken(&mut known).await;
-    until_true("nobody is shown as turned away any more", async || {
+    until_true("the list of refused robots is empty", async || {
         let told = supervised.ask("GET", PATH, &[], None).await.json();
         told["turned_away"] == json!([]) && told["robots"].is_null() && told["version"] == 3
     })

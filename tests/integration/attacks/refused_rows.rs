@@ -111,7 +111,7 @@ async fn one_robot(kind: Kind) {
         stage.ready().await;
     }
     let next = bad.next_seq(RobotTopic::Contacts);
-    until("the robot concerned goes on", async || {
+    until("the affected robot continues", async || {
         let message = serde_json::json!({"boot_id": bad.boot_id.as_str(), "seq": next, "contacts": []});
         bad.say(RobotTopic::Contacts, message.to_string()).await;
         let heard = bad.mqtt.next(Duration::from_millis(500)).await?;

@@ -138,7 +138,7 @@ async fn a_fleet_that_nobody_hears_stays_where_it_is() {
     stage.broker.restart();
     a.says(true, &[]).await;
     // The supervisor that is connected first owns the fleet now.
-    until_true("nobody is deaf", async || stage.deaf().await == 0).await;
+    until_true("no supervisor reports the fleet as not heard", async || stage.deaf().await == 0).await;
     a.terminate().await;
     b.terminate().await;
 }

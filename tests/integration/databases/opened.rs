@@ -3,7 +3,7 @@
 //!
 //! Each folder `tests/data/database-N` contains a database whose last migration is N, and the lists that its own
 //! version has served from it.
-//! `VIEWS=write` writes these lists anew; use it for a new folder only.
+//! `VIEWS=write` replaces these lists; use it for a new folder only.
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl Opened {
             log: folder.path().join("log"),
         };
         let opened = Self { process: Process::start(launch), http, folder };
-        until_true("the fleet is taken up", async || {
+        until_true("the supervisor owns the fleet", async || {
             try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)
         })
         .await;

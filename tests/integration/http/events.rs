@@ -7,7 +7,7 @@ use vibrissa_tests::web::{Events, open, send};
 use crate::served::Served;
 
 async fn next(events: &mut Events) -> (String, Value) {
-    let event = events.next().await.unwrap().expect("the stream goes on");
+    let event = events.next().await.unwrap().expect("the stream must continue");
     (event.id, serde_json::from_str(&event.data).unwrap())
 }
 

@@ -109,7 +109,7 @@ async fn regress_a_stream_shows_the_fleets_that_its_token_has_now() {
             .await
             .unwrap();
     }
-    let event = timeout(PATIENCE, events.next()).await.expect("an event").unwrap().expect("the stream goes on");
+    let event = timeout(PATIENCE, events.next()).await.expect("an event").unwrap().expect("the stream must continue");
     let change: Value = serde_json::from_str(&event.data).unwrap();
     assert_eq!((&change["fleet"], &change["number"]), (&Value::from("g"), &Value::from(2)));
 }

@@ -102,7 +102,7 @@ async fn a_compensation_is_told_from_the_contact_to_the_error_and_also_after_a_r
         1.0
     );
     robot.settle().await;
-    // Fewer contacts than a refinement needs, after which the error would be measured anew.
+    // Fewer contacts than a refinement needs, after which the measurement of the error would restart.
     robot.touch(0, 150).await;
     robot.receipted().await;
     let told = until("the error", async || {

@@ -167,7 +167,7 @@ async fn there_is_one_setpoint_at_a_time_for_a_whisker() {
     running.service.stop().await;
 }
 
-/// Pressures of the setpoints for an array with a neighbour whose chamber is limited to this pressure.
+/// Pressures of the setpoints for an array in which the chamber of a neighbour is limited to this pressure.
 async fn pressures_at_most(pressure_max_mpa: f64) -> Vec<f64> {
     let mut array = array(ArrayType::Type1, &[66.0, 70.0]);
     array.whiskers[1].pressure_max_mpa = pressure_max_mpa;

@@ -262,7 +262,7 @@ async fn a_collector_that_hangs_keeps_nobody_waiting() {
     let running = Running::traced(None, to(collector.url())).await;
     let (mut robot, setpoint) = cut(running.port()).await;
     applied(&mut robot, &running.database, &setpoint).await;
-    until_true("somebody at the collector", async || collector.connections() > 0).await;
+    until_true("a connection to the collector", async || collector.connections() > 0).await;
     let begun = Instant::now();
     running.service.stop().await;
     // Two seconds are for the last traces; everything else stops in less than one.
