@@ -289,7 +289,7 @@ async fn a_restored_postgres_goes_on_with_robots_that_have_seen_more() {
 }
 
 /// If epochs were ahead of the clock, the epochs of a restored database are lower than those that robots have seen. The
-/// robots refuse its setpoints, an alarm reports it, and one SQL statement repairs it.
+/// robots reject its setpoints, which the database records, until one SQL statement raises the epochs.
 #[tokio::test]
 async fn a_robot_that_has_seen_epochs_from_the_future_obeys_once_they_are_raised_by_hand() {
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());

@@ -60,8 +60,8 @@ impl<'a> Subject<'a> {
     /// Applies an input as the service would.
     ///
     /// # Errors
-    /// A violation of an invariant: an effect with a number that is not finite, a message without a receipt, or a setpoint that breaks
-    /// the contract.
+    /// A violation of an invariant: an effect with a number that is not finite, a message without a receipt, or a
+    /// setpoint that violates the contract.
     pub(crate) fn take(&mut self, now: Micros, input: &Input) -> Result<Fate, String> {
         let (kind, payload) = match input {
             Input::Tick => {
