@@ -1,11 +1,11 @@
 # shellcheck shell=bash
-# What tests/run and tests/bench need of a machine: sourced by both.
+# Finds and installs programs; sourced by tests/run and tests/bench.
 
-# Debian keeps some servers off the search path.
+# Debian installs some servers outside the search path.
 has() { command -v "$1" >/dev/null 2>&1 || compgen -G "/usr/sbin/$1" >/dev/null || compgen -G "/usr/lib/postgresql/*/bin/$1" >/dev/null; }
 
-# Each argument is program:package, as Debian calls it, or :package. Missing ones are installed where that may be done; otherwise
-# they are told, and the script ends.
+# Each argument is program:package, or :package, with the name of Debian's package. Missing packages are installed if
+# allowed; otherwise they are listed and the script ends.
 need() {
     local entry missing=()
     for entry in "$@"; do

@@ -1,4 +1,4 @@
-//! Twenty contacts in each message: rows per second, beside what PostgreSQL takes of a plain table.
+//! Measures messages of twenty contacts each: rows per second, compared with PostgreSQL's rate for a plain table.
 
 use std::time::Duration;
 
@@ -10,15 +10,15 @@ use crate::report::{Figure, Target, median};
 use crate::stage::{self, Store};
 use crate::unnest;
 
-/// Contacts in one message.
+/// Contacts per message.
 const CONTACTS: usize = 20;
 const PART: &str = "batch";
 const FIRST_MESSAGES: u64 = 2000;
-/// Either is enough.
+/// The target is met by this rate or by this share of the plain table's rate.
 const LEAST_PER_S: f64 = 400_000.0;
 const LEAST_SHARE: f64 = 0.65;
 
-/// Measures.
+/// Runs this part of the benchmark.
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
     let sqlite = Store::Sqlite(bench.stage.folder.path().join("batch.sqlite3"));
@@ -59,7 +59,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         let (name, is_judged) = (subject.store.name(), subject.store.pid().is_some());
         let ratio = median(rates.iter().zip(&plain).map(|(rate, plain)| rate / plain));
         let rate = median(rates.iter().copied());
-        // Either is enough: the share is judged where the rate is not reached.
+        // One of the two is enough: the share is judged only if the rate is not reached.
         let [of_rate, of_share] = if !is_judged {
             [Target::None; 2]
         } else if rate >= LEAST_PER_S {
@@ -72,7 +72,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         bench.row(PART, &format!("{name}: share of UNNEST's rows"), of_share, Figure(ratio, ""), beside)?;
         bench.row(
             PART,
-            &format!("{name}: lost or twice"),
+            &format!("{name}: contacts lost or duplicated"),
             Target::AtMost(0.0),
             Figure(*wrong as f64, ""),
             String::new(),
@@ -80,7 +80,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     }
     let [supervisor, broker_s, database] = [0, 1, 2].map(|at| median(cpus.iter().map(|cpus| cpus[at])));
     let beside = format!("broker {}, PostgreSQL {}", Figure(broker_s, "s"), Figure(database, "s"));
-    bench.row(PART, "CPU a million contacts", Target::None, Figure(supervisor, "s"), beside)?;
+    bench.row(PART, "CPU per million contacts", Target::None, Figure(supervisor, "s"), beside)?;
     for (subject, ..) in subjects {
         subject.supervisor.stop().await?;
     }

@@ -1,4 +1,5 @@
-//! Messages as fast as they go: a subscriber that does nothing, and supervisors with both databases.
+//! Measures bursts at the highest possible rate: into a subscriber that does nothing, and into supervisors with both
+//! databases.
 
 use serde_json::json;
 use vibrissa_tests::mosquitto::Mosquitto;
@@ -9,47 +10,47 @@ use crate::report::{Figure, Target, median};
 use crate::stage::{self, Store, Supervisor};
 use crate::{Bench, Pace};
 
-/// Robots, and whiskers of each.
+/// Number of robots, and of whiskers per robot.
 pub const ROBOTS: usize = 100;
 pub const WHISKERS: usize = 10;
-/// Contacts of each whisker until it has learned what it should feel, and some more.
+/// Contacts per whisker: enough to learn the baseline, and some more.
 pub const LEARN: usize = 160;
-/// To see how fast it goes.
+/// Messages of a first burst, whose rate determines the length of the others.
 const FIRST_MESSAGES: u64 = 10_000;
-/// The most messages of one burst.
+/// Largest number of messages in one burst.
 const MESSAGES_MAX: f64 = 1e6;
-/// The fleet of the subscriber that does nothing.
+/// Fleet of the subscriber that does nothing.
 const NULL_FLEET: &str = "null";
 
-/// A supervisor with its database.
+/// A supervisor under test and its database.
 pub struct Subject<'a> {
-    /// Its fleet.
+    /// Fleet of the supervisor.
     pub fleet: String,
-    /// Its database.
+    /// Database of the supervisor.
     pub store: &'a Store,
-    /// It.
+    /// The running process.
     pub supervisor: Supervisor,
 }
 
-/// A burst into a supervisor.
+/// Result of one burst into a supervisor.
 pub struct Burst {
-    /// What was loaded and taken.
+    /// Report of the generator and usage of the processes.
     pub loaded: Loaded,
-    /// Contacts that are not recorded.
+    /// Contacts sent minus contacts recorded.
     pub lost: i64,
-    /// Contacts that are recorded more than once.
+    /// Contacts that were recorded more than once.
     pub duplicated: i64,
 }
 
 impl<'a> Subject<'a> {
-    /// Starts a supervisor for a fleet that is called after the part and the database.
+    /// Starts a supervisor for a fleet named after the part and the database.
     pub async fn start(bench: &Bench, broker: &Mosquitto, store: &'a Store, part: &str) -> anyhow::Result<Self> {
         let fleet = format!("{part}-{}", store.name().to_lowercase());
         let supervisor = Supervisor::start(&bench.stage, broker, store, &fleet).await?;
         Ok(Self { fleet, store, supervisor })
     }
 
-    /// Makes load for it, and compares what is recorded with what was sent.
+    /// Sends a burst and compares the recorded contacts with those that were sent.
     pub async fn burst(&self, broker: &Mosquitto, arguments: &[(&str, String)]) -> anyhow::Result<Burst> {
         let mut watched = vec![("supervisor", self.supervisor.pid()), ("broker", broker.pid())];
         watched.extend(self.store.pid().map(|pid| ("postgresql", pid)));
@@ -61,7 +62,7 @@ impl<'a> Subject<'a> {
 }
 
 impl Burst {
-    /// As a line of JSON.
+    /// The result as a line of JSON.
     pub fn json(&self, subject: &str) -> serde_json::Value {
         let mut report = serde_json::to_value(&self.loaded.report).unwrap_or_default();
         if let Some(report) = report.as_object_mut() {
@@ -74,12 +75,12 @@ impl Burst {
     }
 }
 
-/// As many messages as take about the time of one burst.
+/// Number of messages that takes about the time of one burst at this rate.
 pub fn messages(pace: &Pace, messages_per_s: f64) -> u64 {
     (messages_per_s * pace.burst_s).clamp(1000.0, MESSAGES_MAX) as u64
 }
 
-/// The generator's arguments.
+/// Arguments of the generator.
 pub fn arguments(qos: u8, contacts: usize, messages: u64) -> Vec<(&'static str, String)> {
     vec![
         ("robots", ROBOTS.to_string()),
@@ -91,7 +92,8 @@ pub fn arguments(qos: u8, contacts: usize, messages: u64) -> Vec<(&'static str, 
     ]
 }
 
-/// What a subscriber that does nothing gets of a burst: messages per second, and its processor seconds for a million.
+/// Sends a burst to a subscriber that does nothing. Returns messages per second, processor seconds per million
+/// messages, and the line of JSON.
 async fn null(broker: &Mosquitto, qos: u8, messages: u64) -> anyhow::Result<(f64, f64, serde_json::Value)> {
     let told = ["null-subscriber", "--port", &broker.port().to_string(), "--fleet", NULL_FLEET].map(str::to_owned);
     let told = [told.as_slice(), &["--messages".to_owned(), messages.to_string()]].concat();
@@ -141,10 +143,10 @@ impl Series {
     }
 }
 
-/// Measures.
+/// Runs this part of the benchmark.
 pub async fn run(bench: &mut Bench, qos: u8) -> anyhow::Result<()> {
     let part = if qos == 1 { "burst" } else { "burst-qos0" };
-    bench.say(&format!("{part}: {} whiskers learn", ROBOTS * WHISKERS));
+    bench.say(&format!("{part}: {} whiskers learn their baselines", ROBOTS * WHISKERS));
     let broker = stage::broker();
     let sqlite = Store::Sqlite(bench.stage.folder.path().join(format!("{part}.sqlite3")));
     let stores = [Store::postgres().await, sqlite];
@@ -207,16 +209,28 @@ fn rows(
         beside,
     )?;
     let most = if qos == 1 { target(Target::AtMost(2.0)) } else { Target::None };
-    let beside = format!("{} of {} s a million", Figure(of(&series.cpus), ""), Figure(null_cpu, ""));
-    bench.row(part, &what("CPU, times null's"), most, Figure(of(&series.cpu_ratios), ""), beside)?;
+    let beside = format!("{} of {} s per million", Figure(of(&series.cpus), ""), Figure(null_cpu, ""));
+    bench.row(part, &what("CPU, relative to null subscriber"), most, Figure(of(&series.cpu_ratios), ""), beside)?;
     if is_judged {
         let figure = Figure(of(&series.database_cpus), "s");
-        bench.row(part, &what("server's CPU a million"), Target::AtMost(10.0), figure, String::new())?;
-        bench.row(part, "broker's CPU a million", Target::None, Figure(of(&series.broker_cpus), "s"), String::new())?;
+        bench.row(part, &what("database's CPU per million"), Target::AtMost(10.0), figure, String::new())?;
+        bench.row(
+            part,
+            "broker's CPU per million",
+            Target::None,
+            Figure(of(&series.broker_cpus), "s"),
+            String::new(),
+        )?;
     }
     bench.row(part, &what("peak memory"), Target::None, Figure(of(&series.peaks_mib), "MiB"), String::new())?;
-    bench.row(part, &what("sent again"), Target::None, Figure(100.0 * of(&series.resent), "%"), String::new())?;
+    bench.row(
+        part,
+        &what("messages sent again"),
+        Target::None,
+        Figure(100.0 * of(&series.resent), "%"),
+        String::new(),
+    )?;
     let wrong = (series.lost.abs() + series.duplicated) as f64;
-    let beside = format!("{} lost, {} twice", series.lost, series.duplicated);
-    bench.row(part, &what("contacts lost or twice"), Target::AtMost(0.0), Figure(wrong, ""), beside)
+    let beside = format!("{} lost, {} duplicated", series.lost, series.duplicated);
+    bench.row(part, &what("contacts lost or duplicated"), Target::AtMost(0.0), Figure(wrong, ""), beside)
 }

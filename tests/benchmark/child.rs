@@ -1,4 +1,4 @@
-//! Processes of this program beside the measured ones: the generator of load, and what subscribes in the supervisor's place.
+//! Runs this program as child processes: the load generator, and the subscribers that replace the supervisor.
 
 use std::collections::BTreeMap;
 use std::process::Stdio;
@@ -12,18 +12,18 @@ use vibrissa_simulator::load::{LoadReport, PREPARED};
 
 use crate::usage::{self, Usage};
 
-/// What [`crate::null`] and [`crate::pingpong`] say when they are subscribed.
+/// Line that [`crate::null`] and [`crate::pingpong`] print once they are subscribed.
 pub const READY: &str = "ready";
 const READY_PATIENCE: Duration = Duration::from_secs(10);
 
-/// A process of this program; dropped, it is killed.
+/// A child process of this program, killed on drop.
 pub struct Helper {
     process: Child,
     said: Lines<BufReader<ChildStderr>>,
 }
 
 impl Helper {
-    /// Starts it with arguments.
+    /// Starts this program with these arguments.
     pub fn start(arguments: &[String]) -> anyhow::Result<Self> {
         let mut process = Command::new(std::env::current_exe()?)
             .args(arguments)
@@ -36,7 +36,7 @@ impl Helper {
         Ok(Self { process, said })
     }
 
-    /// Waits until it says that word on standard error.
+    /// Waits until the process prints this word to standard error.
     pub async fn until(&mut self, word: &str) -> anyhow::Result<()> {
         let mut heard = Vec::new();
         while let Some(line) = self.said.next_line().await? {
@@ -45,15 +45,15 @@ impl Helper {
             }
             heard.push(line);
         }
-        anyhow::bail!("a helper has ended: {}", heard.join("\n"))
+        anyhow::bail!("a helper process has ended: {}", heard.join("\n"))
     }
 
-    /// Waits until it is ready.
+    /// Waits until the process has printed [`READY`].
     pub async fn ready(&mut self) -> anyhow::Result<()> {
-        timeout(READY_PATIENCE, self.until(READY)).await.context("a helper does not get ready")?
+        timeout(READY_PATIENCE, self.until(READY)).await.context("a helper process does not become ready")?
     }
 
-    /// Waits for its end, and gives what it has printed.
+    /// Waits for the process to end and returns its standard output.
     pub async fn ended(mut self) -> anyhow::Result<String> {
         let mut printed = String::new();
         self.process.stdout.take().context("piped")?.read_to_string(&mut printed).await?;
@@ -62,35 +62,35 @@ impl Helper {
             heard.push(line);
         }
         let status = self.process.wait().await?;
-        ensure!(status.success(), "a helper has failed: {}", heard.join("\n"));
+        ensure!(status.success(), "a helper process has failed: {}", heard.join("\n"));
         Ok(printed)
     }
 }
 
-/// A load, and what processes took meanwhile; preparation left out.
+/// Result of a load: the report and the usage of processes, without the preparation.
 #[derive(Debug, Clone)]
 pub struct Loaded {
-    /// What the generator says.
+    /// Report of the generator.
     pub report: LoadReport,
-    /// What each of the watched processes took.
+    /// Usage of each watched process, by its name.
     pub usages: BTreeMap<&'static str, Usage>,
-    /// What the helper has printed that was waited for, too.
+    /// Output of the helper process that ended with the load.
     pub helper: String,
 }
 
 impl Loaded {
-    /// Processor seconds that a process took for a million messages.
+    /// Processor seconds of a process per million messages.
     pub fn cpu_s_per_million(&self, name: &str) -> f64 {
         self.usages.get(name).map_or(f64::NAN, |usage| usage.cpu_s * 1e6 / self.report.sent as f64)
     }
 
-    /// Messages per second until all of it was receipted.
+    /// Messages per second, until the last one was receipted.
     pub fn messages_per_s(&self) -> f64 {
         self.report.sent as f64 / self.report.seconds
     }
 }
 
-/// Makes load with those arguments of the generator, and waits for a helper that ends when it has got everything.
+/// Runs the generator with these arguments and waits for a helper process that ends when it has received everything.
 pub async fn load(
     port: u16,
     fleet: &str,

@@ -1,4 +1,4 @@
-//! A hundred whiskers or a hundred thousand: the same burst, and a restart with all of them.
+//! Measures scaling from a hundred to a hundred thousand whiskers: the same burst for each, and a restart.
 
 use serde_json::json;
 
@@ -7,16 +7,16 @@ use crate::report::{Figure, Target, median};
 use crate::stage::{self, Store};
 use crate::{Bench, usage};
 
-/// Whiskers in all, and of each robot.
+/// Number of whiskers of the fleet, and of each robot.
 const WHISKERS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 const OF_ROBOT: usize = 50;
 const OF_ARRAY: usize = 25;
 const PART: &str = "flat";
-/// So that the first round is a burst, too, and not its beginning.
+/// Assumed messages per second in the first round, so that its burst is long enough, too.
 const FIRST_RATE: f64 = 50_000.0;
-/// Times as long as bursts are elsewhere: of what was just born states are still being written in the first second.
+/// Factor on the length of a burst: in the first second, states of new robots are still being written.
 const LONGER: f64 = 2.0;
-/// Numbering so many whiskers may take its time, which is told.
+/// Time limit in seconds for the database to number all whiskers; the time is reported.
 const PATIENCE_S: u32 = 150;
 
 struct Scale {
@@ -30,7 +30,7 @@ struct Scale {
     wrong: i64,
 }
 
-/// Measures.
+/// Runs this part of the benchmark.
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
     let mut scales = Vec::new();
@@ -60,7 +60,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
             subject.supervisor.stop().await?;
             scale.take(&burst);
             bench.say(&format!(
-                "{PART}, round {}: {} whiskers {:.0}/s, known within {:.1} s",
+                "{PART}, round {}: {} whiskers {:.0}/s, registered within {:.1} s",
                 round + 1,
                 scale.whiskers,
                 scale.rate,
@@ -81,7 +81,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
 }
 
 impl Scale {
-    /// What its fleet is called after.
+    /// The part's name, from which the fleet's name follows.
     fn part(&self) -> String {
         format!("{PART}-{}", self.whiskers)
     }
@@ -95,7 +95,8 @@ impl Scale {
     }
 }
 
-/// Whiskers have not learned here, large or small: a hundred thousand would take too long to.
+/// Arguments of the generator. Whiskers do not learn their baselines here, because a hundred thousand would take too
+/// long.
 fn arguments(whiskers: usize, messages: u64) -> Vec<(&'static str, String)> {
     vec![
         ("robots", (whiskers / OF_ROBOT).to_string()),
@@ -112,11 +113,11 @@ fn rows(bench: &mut Bench, scales: &[Scale]) -> anyhow::Result<()> {
     for scale in scales {
         let ratio = median(scale.rates.iter().zip(&scales[1].rates).map(|(rate, first)| rate / first));
         let target = if scale.whiskers == 100_000 { Target::AtLeast(0.85) } else { Target::None };
-        let what = format!("{} whiskers: share of 1000's", scale.whiskers);
+        let what = format!("{} whiskers: share of the rate with 1000", scale.whiskers);
         let beside = format!("{} of {}", Figure(of(&scale.rates), "msg/s"), Figure(first, ""));
         bench.row(PART, &what, target, Figure(ratio, ""), beside)?;
         let what = format!("{} whiskers: peak memory", scale.whiskers);
-        let beside = format!("known within {}", Figure(scale.prepared_s[0], "s"));
+        let beside = format!("registered within {}", Figure(scale.prepared_s[0], "s"));
         bench.row(PART, &what, Target::None, Figure(of(&scale.peaks_mib), "MiB"), beside)?;
     }
     if let Some(last) = scales.last() {
@@ -125,5 +126,5 @@ fn rows(bench: &mut Bench, scales: &[Scale]) -> anyhow::Result<()> {
         bench.row(PART, &what, target, Figure(of(&last.ready_s), "s"), String::new())?;
     }
     let wrong = scales.iter().map(|scale| scale.wrong).sum::<i64>() as f64;
-    bench.row(PART, "contacts lost or twice", Target::AtMost(0.0), Figure(wrong, ""), String::new())
+    bench.row(PART, "contacts lost or duplicated", Target::AtMost(0.0), Figure(wrong, ""), String::new())
 }

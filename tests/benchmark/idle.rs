@@ -1,4 +1,4 @@
-//! A fleet that does little: a hundred robots with a message a second.
+//! Measures a quiet fleet: a hundred robots with one message per second each.
 
 use serde_json::json;
 
@@ -10,9 +10,9 @@ use crate::stage::{self, Store};
 const SECONDS: usize = 10;
 const PART: &str = "idle";
 
-/// Measures.
+/// Runs this part of the benchmark.
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
-    bench.say(&format!("{PART}: {ROBOTS} robots, a message a second each"));
+    bench.say(&format!("{PART}: {ROBOTS} robots, one message per second each"));
     let broker = stage::broker();
     let sqlite = Store::Sqlite(bench.stage.folder.path().join("idle.sqlite3"));
     let stores = [Store::postgres().await, sqlite];
@@ -43,7 +43,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Of a core, in percent.
+/// Processor time of one core, in percent.
 struct Shares {
     supervisor: f64,
     broker: f64,
@@ -68,6 +68,6 @@ fn row(bench: &mut Bench, subject: &Subject<'_>, shares: &[Shares]) -> anyhow::R
         String::new()
     };
     let beside = format!("broker {}{server}", of(|shares| shares.broker));
-    let what = format!("{}: supervisor's CPU of a core", subject.store.name());
+    let what = format!("{}: supervisor's share of one core", subject.store.name());
     bench.row(PART, &what, Target::AtMost(2.0), of(|shares| shares.supervisor), beside)
 }

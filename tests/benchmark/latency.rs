@@ -1,8 +1,10 @@
-//! From the contact that settles that a whisker was cut until its setpoint is with the robot, by the clock whatever comes back.
+//! Measures the time from the contact that confirms a cut until its setpoint reaches the robot, by the generator's
+//! clock.
 //!
-//! The generator notes when each contacts message is sent and when each setpoint comes. A setpoint says when it was issued, which
-//! is when the message behind it was received, rounded down to a millisecond: the last message of its whisker that was sent before
-//! the next millisecond is the one. A whisker that waits for its setpoint has a contact each 100 ms, so that it cannot be another.
+//! The generator notes the times of each contacts message sent and each setpoint received. A setpoint contains the time
+//! at which the supervisor received the message behind it, rounded down to a millisecond. So that message is the
+//! whisker's last one sent before the next millisecond. A whisker that waits for its setpoint has one contact per 100
+//! ms, so the match is unique.
 
 use serde_json::json;
 
@@ -15,12 +17,12 @@ use crate::stage::{self, Store};
 
 const PART: &str = "latency";
 const ROBOTS: usize = 100;
-/// Each in an array of its own, so that it compensates itself.
+/// Whiskers per robot, each in an array of its own, so that it compensates itself.
 const WHISKERS: usize = 4;
 const LEARN: usize = 160;
 /// Messages per second of a robot for the whisker that was cut.
 const CUT_PER_S: usize = 10;
-/// Messages per second of all robots, and the most milliseconds for the middle one and for 99 of 100.
+/// Messages per second of all robots, and the targets for p50 and p99.
 const RATES: [(usize, Target, Target); 2] =
     [(1_000, Target::AtMost(2.0), Target::AtMost(10.0)), (10_000, Target::None, Target::AtMost(25.0))];
 const ROUND_TRIPS: usize = 5000;
@@ -33,7 +35,7 @@ struct Series {
     cpus: Vec<f64>,
 }
 
-/// Measures.
+/// Runs this part of the benchmark.
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
     let store = Store::postgres().await;
@@ -53,7 +55,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         floor.extend(trips);
         drop(responder);
         for ((rate, ..), series) in RATES.into_iter().zip(&mut series) {
-            // A fleet of its own each time, whose whiskers are whole.
+            // Each measurement has a new fleet, whose whiskers are not cut.
             let subject = Subject::start(bench, &broker, &store, &format!("{PART}-{rate}-{round}")).await?;
             let messages = (rate as f64 * bench.pace.latency_s) as u64;
             let burst = subject.burst(&broker, &arguments(rate, messages)).await?;
@@ -106,9 +108,15 @@ fn rows(bench: &mut Bench, mut floor: Vec<u64>, series: [Series; 2]) -> anyhow::
         let beside = format!("of {count} setpoints; {} cuts without one", series.missed);
         bench.row(PART, &format!("{rate} msg/s: longest"), Target::None, of(1.0), beside)?;
         let cpu = median(series.cpus.iter().copied());
-        bench.row(PART, &format!("{rate} msg/s: CPU a million"), Target::None, Figure(cpu, "s"), String::new())?;
+        bench.row(PART, &format!("{rate} msg/s: CPU per million"), Target::None, Figure(cpu, "s"), String::new())?;
         let wrong = Figure(series.wrong as f64, "");
-        bench.row(PART, &format!("{rate} msg/s: lost or twice"), Target::AtMost(0.0), wrong, String::new())?;
+        bench.row(
+            PART,
+            &format!("{rate} msg/s: contacts lost or duplicated"),
+            Target::AtMost(0.0),
+            wrong,
+            String::new(),
+        )?;
     }
     Ok(())
 }

@@ -1,10 +1,11 @@
-//! How fast, how flat and how cheap: the whole supervisor beside what it could reach at the most, in one run.
+//! Measures throughput, scaling and cost of the whole supervisor, compared with upper limits measured in the same run.
 //!
-//! Absolute figures depend on the machine and its mood, so each is held against a floor or a ceiling that was measured in the same
-//! round: a subscriber that does nothing, a table without an index, an echo. `docs/performance.md` says what each figure means.
+//! Absolute figures depend on the machine and its load, so each is compared with a floor or ceiling that was measured
+//! in the same round: a subscriber that does nothing, a table without an index, an echo. `docs/performance.md` explains
+//! each figure.
 //!
-//! Read in this order: [`stage`] (what is measured), [`child`] (the load and other processes), `burst`, `batch`, `flat`,
-//! `latency`, `idle` and [`crowd`] (the parts), [`report`].
+//! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
+//! `flat`, `latency`, `idle` and [`crowd`] (the parts), [`report`].
 
 mod batch;
 mod burst;
@@ -32,48 +33,48 @@ use null::NullArguments;
 use report::{Figure, Report, Target};
 use stage::Stage;
 
-/// The program that is measured, as it is built beside this one.
+/// Name of the program under test, which is built beside this one.
 const PROGRAM: &str = "vibrissa-under-test";
 
-/// Measures the supervisor beside floors and ceilings; ten minutes at the most.
+/// Measures the supervisor and compares it with floors and ceilings; takes at most ten minutes.
 #[derive(Debug, Parser)]
 #[command(name = "bench", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     child: Option<Child>,
-    /// One short round of each: some two minutes
+    /// Run one short round of each part, about two minutes in total
     #[arg(long)]
     quick: bool,
-    /// Only these parts
+    /// Run only these parts
     #[arg(long, value_enum, value_name = "NAME")]
     only: Vec<Part>,
-    /// Where each measurement goes as a line of JSON; into a temporary folder if left out
+    /// File for the measurements, one line of JSON each; a temporary file if omitted
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// The program `vibrissa` to measure, instead of the one that is built beside this
+    /// Program `vibrissa` to measure, instead of the one built beside this program
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
 }
 
-/// What this program is in other processes.
+/// Roles of this program in child processes.
 #[derive(Debug, Subcommand)]
 enum Child {
-    /// Makes load, as `vibrissa-simulator load` does
+    /// Generate load, as `vibrissa-simulator load` does
     #[command(hide = true)]
     Load(LoadPlan),
-    /// Subscribes as a supervisor does, and does nothing
+    /// Subscribe as a supervisor does, and ignore the messages
     #[command(hide = true)]
     NullSubscriber(NullArguments),
-    /// Says what so many robots in the core take
+    /// Print the memory and stored size of this many robots in the core
     #[command(hide = true)]
     Crowd {
-        /// How many
+        /// Number of robots
         robots: usize,
     },
-    /// Sends everything back
+    /// Send every message back
     #[command(hide = true)]
     Echo {
-        /// The broker's port on this machine
+        /// Port of the broker on this machine
         #[arg(long)]
         port: u16,
     },
@@ -82,40 +83,41 @@ enum Child {
 /// A part of the benchmark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// A burst of messages with one contact each, at QoS 1
+    /// Bursts of messages with one contact each, at QoS 1
     Burst,
-    /// The same at QoS 0
+    /// The same bursts at QoS 0
     BurstQos0,
-    /// Twenty contacts in each message
+    /// Bursts of messages with twenty contacts each
     Batch,
-    /// From a hundred whiskers to a hundred thousand
+    /// Scaling from a hundred to a hundred thousand whiskers
     Flat,
-    /// From a contact to its setpoint
+    /// Latency from a contact to its setpoint
     Latency,
-    /// A fleet that does little
+    /// Cost of a quiet fleet
     Idle,
-    /// A million whiskers without a service around them
+    /// A million whiskers in the core alone
     Core,
 }
 
-/// How long is measured.
+/// Durations and sizes of the measurements.
 #[derive(Debug, Clone, Copy)]
 struct Pace {
     rounds: usize,
-    /// Of one burst, seconds.
+    /// Length of one burst, seconds.
     burst_s: f64,
-    /// Of one round of latencies, seconds.
+    /// Length of one round of latencies, seconds.
     latency_s: f64,
-    /// Most whiskers.
+    /// Largest number of whiskers.
     whiskers_max: usize,
-    /// Robots of 24 whiskers in the core.
+    /// Number of robots with 24 whiskers each in the core.
     crowd_robots: usize,
-    /// Of what its budget gives to a part, the share.
+    /// Factor on the time budget of each part.
     budget: f64,
 }
 
 impl Part {
-    /// How long it may take before it begins no other round, seconds; all of them together are nine minutes and a half.
+    /// Time after which the part begins no further round, in seconds. The budgets of all parts add up to nine and a
+    /// half minutes.
     fn budget_s(self) -> f64 {
         match self {
             Self::Burst | Self::BurstQos0 | Self::Batch => 80.0,
@@ -127,12 +129,12 @@ impl Part {
     }
 }
 
-/// What all parts use.
+/// State shared by all parts.
 struct Bench {
     stage: Stage,
     pace: Pace,
     report: Report,
-    /// When the part in hand began, and how long it may take.
+    /// Start of the current part and its time budget.
     part: (Instant, Duration),
 }
 
@@ -144,13 +146,13 @@ impl Bench {
         };
         ensure!(
             program.exists(),
-            "{} is missing: tests/bench builds it, or tell another with --program",
+            "{} is missing: build it with tests/bench, or name another program with --program",
             program.display()
         );
         let folder = tempfile::Builder::new().prefix("vibrissa-bench-").tempdir().context("a temporary folder")?;
         let path = match &arguments.json {
             Some(path) => path.clone(),
-            // Kept when the folder goes.
+            // The file remains when the folder is removed.
             None => tempfile::Builder::new().prefix("vibrissa-bench-").suffix(".jsonl").tempfile()?.keep()?.1,
         };
         let pace = if arguments.quick {
@@ -162,12 +164,12 @@ impl Bench {
         Ok(Self { stage: Stage { program, folder }, pace, report: Report::new(path)?, part })
     }
 
-    /// Says what goes on.
+    /// Prints a line of progress.
     fn say(&self, text: &str) {
         eprintln!("bench: {text}");
     }
 
-    /// Whether there is time for one more round of the part in hand, if it takes as long as those that there were.
+    /// Whether there is time for one more round of the current part, if it takes as long as the earlier ones.
     fn has_time_for(&self, round: usize) -> bool {
         let (begun, budget) = self.part;
         let of_one = begun.elapsed() / u32::try_from(round.max(1)).unwrap_or(u32::MAX);
@@ -211,7 +213,7 @@ fn main() -> anyhow::Result<()> {
         Some(Child::Echo { port }) => small.enable_all().build()?.block_on(null::echo(port)),
         None => {
             let mut bench = Bench::new(&arguments)?;
-            bench.say(&format!("measurements go to {}", bench.report.path().display()));
+            bench.say(&format!("writing measurements to {}", bench.report.path().display()));
             let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
             let ended = runtime.block_on(until_interrupted(&mut bench, &arguments.only));
             println!("{}", bench.report.table());
@@ -220,13 +222,13 @@ fn main() -> anyhow::Result<()> {
     }
 }
 
-/// Everything that was started ends with the parts, however they end.
+/// Runs the parts. All child processes end with them, also after an interruption.
 async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
     tokio::select! {
         ended = parts(bench, only) => ended,
         interrupted = tokio::signal::ctrl_c() => {
             interrupted?;
-            eprintln!("bench: interrupted; what was measured:");
+            eprintln!("bench: interrupted; results so far:");
             Ok(())
         }
     }

@@ -1,4 +1,4 @@
-//! Subscribers that do nothing with what they get: the ceiling of any service with this client, and the floor of its answers.
+//! Subscribers that only receive: the ceiling of any service with this MQTT client, and the floor of its answers.
 
 use std::time::Duration;
 
@@ -13,38 +13,38 @@ use vibrissa_simulator::fleet::now_us;
 use crate::child::READY;
 use crate::usage;
 
-/// As the supervisor's receiving connection has them: `services/supervisor/src/mqtt`.
+/// Same limits as the supervisor's receiving connection in `services/supervisor/src/mqtt`.
 const PACKET_MAX: u32 = 2 * 1024 * 1024;
 const IN_FLIGHT: u16 = 512;
 const KEEP_ALIVE_S: u16 = 6;
 const CAPACITY: usize = 64;
-/// Nothing more comes after that.
+/// After this time without a message the burst is over.
 const SILENCE: Duration = Duration::from_millis(1500);
-/// The fleet whose contacts are sent back.
+/// Fleet whose contacts are sent back.
 pub const ECHO_FLEET: &str = "echo";
 
-/// Where it subscribes, and until when.
+/// Subscription and end of the counting subscriber.
 #[derive(Debug, clap::Args)]
 pub struct NullArguments {
-    /// The broker's port on this machine
+    /// Port of the broker on this machine
     #[arg(long)]
     port: u16,
-    /// The fleet
+    /// Name of the fleet
     #[arg(long)]
     fleet: Name,
-    /// Contacts messages to wait for
+    /// Number of contacts messages to wait for
     #[arg(long)]
     messages: u64,
 }
 
-/// What a subscriber got.
+/// Result of the counting subscriber.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Received {
-    /// Contacts messages.
+    /// Number of contacts messages.
     pub messages: u64,
-    /// When the last one came, in microseconds since 1970 UTC.
+    /// Time of the last one, in microseconds since 1970 UTC.
     pub last_us: u64,
-    /// Processor time from the first to the last, seconds.
+    /// Processor time from the first to the last one, seconds.
     pub cpu_s: f64,
 }
 
@@ -61,7 +61,7 @@ fn connect(port: u16) -> (AsyncClient, EventLoop) {
     AsyncClient::builder(options).capacity(CAPACITY).build()
 }
 
-/// Subscribes to all that robots of a fleet say, as a supervisor does, and counts contacts messages.
+/// Subscribes to all messages of a fleet's robots, as a supervisor does, and counts contacts messages.
 pub async fn run(arguments: NullArguments) -> anyhow::Result<Received> {
     let (client, mut events) = connect(arguments.port);
     let heard = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot());
@@ -83,7 +83,7 @@ pub async fn run(arguments: NullArguments) -> anyhow::Result<Received> {
                     cpu_before_s = cpu_s();
                 }
                 received.messages += 1;
-                // Now and then is enough: looking at the clock costs as much as all the rest.
+                // The clock is read only now and then: reading it costs as much as all the rest.
                 if received.messages.is_multiple_of(64) || received.messages == arguments.messages {
                     received.last_us = now_us();
                 }
@@ -95,7 +95,7 @@ pub async fn run(arguments: NullArguments) -> anyhow::Result<Received> {
     Ok(received)
 }
 
-/// Sends each contacts message of the fleet [`ECHO_FLEET`] back as a setpoint, until it is killed.
+/// Sends each contacts message of fleet [`ECHO_FLEET`] back as a setpoint, until the process is killed.
 pub async fn echo(port: u16) -> anyhow::Result<()> {
     let (client, mut events) = connect(port);
     client.try_subscribe(format!("whisker/v1/{ECHO_FLEET}/+/contacts"), QoS::AtLeastOnce)?;

@@ -1,4 +1,5 @@
-//! The floor of every answer: a message to a subscriber that sends it back at once, one at a time, through the same broker.
+//! Measures the floor of every answer: round trips of a message to a subscriber that sends it back, one at a time,
+//! through the same broker.
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
@@ -8,11 +9,11 @@ use vibrissa_simulator::load::packet::{self, Inbound, Incoming, Manner};
 
 use crate::null::ECHO_FLEET;
 
-/// As long as a message with one contact.
+/// As many bytes as a message with one contact has.
 const PAYLOAD: [u8; 190] = [b'x'; 190];
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Round trips, ascending, in microseconds.
+/// Durations of the round trips, ascending, in microseconds.
 ///
 /// # Errors
 /// The broker or the responder does not answer.
@@ -44,7 +45,7 @@ struct Line {
 }
 
 impl Line {
-    /// Sends, and waits for an answer; what it must acknowledge is left in `out` for the next time.
+    /// Sends `out` and waits for an answer. Acknowledgements of the answer stay in `out` for the next call.
     fn exchange(&mut self, out: &mut Vec<u8>, is_answer: impl Fn(&Incoming<'_>) -> bool) -> io::Result<()> {
         self.stream.write_all(out)?;
         out.clear();

@@ -1,4 +1,4 @@
-//! Each measurement as a line of JSON, and in the end the targets with what was measured.
+//! Writes each measurement as a line of JSON, and finally a table of targets and results.
 
 use std::fmt::{self, Write as _};
 use std::fs::File;
@@ -8,14 +8,14 @@ use std::path::PathBuf;
 use anyhow::Context;
 use serde_json::{Value, json};
 
-/// Where measurements go.
+/// Collects measurements and results.
 pub struct Report {
     file: File,
     path: PathBuf,
     rows: Vec<Row>,
 }
 
-/// A target.
+/// A row of the final table.
 struct Row {
     part: &'static str,
     what: String,
@@ -25,18 +25,18 @@ struct Row {
     is_met: Option<bool>,
 }
 
-/// Whether a target is one, and of which sort.
+/// Target of a figure.
 #[derive(Debug, Clone, Copy)]
 pub enum Target {
-    /// At least.
+    /// The figure must be at least this.
     AtLeast(f64),
-    /// At most.
+    /// The figure must be at most this.
     AtMost(f64),
-    /// Only to look at.
+    /// The figure has no target.
     None,
 }
 
-/// A figure as it is shown.
+/// A value and its unit, as the table shows them.
 #[derive(Debug, Clone, Copy)]
 pub struct Figure(pub f64, pub &'static str);
 
@@ -55,18 +55,18 @@ impl fmt::Display for Figure {
 }
 
 impl Report {
-    /// Into a file, which is made anew.
+    /// Creates or replaces the file of measurements.
     pub fn new(path: PathBuf) -> anyhow::Result<Self> {
         let file = File::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Self { file, path, rows: Vec::new() })
     }
 
-    /// Where the lines are.
+    /// Path of the file of measurements.
     pub fn path(&self) -> &std::path::Path {
         &self.path
     }
 
-    /// Writes a measurement down.
+    /// Writes one measurement.
     pub fn line(&mut self, part: &str, round: usize, measured: Value) -> anyhow::Result<()> {
         let mut line = json!({ "part": part, "round": round });
         if let (Some(line), Value::Object(measured)) = (line.as_object_mut(), measured) {
@@ -75,7 +75,7 @@ impl Report {
         writeln!(self.file, "{line}").context("writing the measurements")
     }
 
-    /// A target and what it has come to; a value that is none was not measured.
+    /// Adds a row with a target and its result. NaN means that it was not measured.
     pub fn row(
         &mut self,
         part: &'static str,
@@ -101,9 +101,9 @@ impl Report {
         Ok(())
     }
 
-    /// The table, as Markdown.
+    /// The table in Markdown.
     pub fn table(&self) -> String {
-        let mut lines = vec![["part", "what", "target", "measured", "beside", ""].map(str::to_owned)];
+        let mut lines = vec![["part", "figure", "target", "measured", "comparison", ""].map(str::to_owned)];
         lines.extend(self.rows.iter().map(|row| {
             let met = row.is_met.map_or("", |is_met| if is_met { "met" } else { "MISSED" });
             [row.part, &row.what, &row.target, &row.measured, &row.beside, met].map(str::to_owned)
@@ -125,14 +125,14 @@ impl Report {
     }
 }
 
-/// The middle one; of an even number the upper. None gives no number.
+/// Median; the upper one of an even number of values, NaN if there are no values.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The value that a share of the ascending ones does not exceed, in milliseconds for microseconds.
+/// Quantile of ascending values: microseconds in, milliseconds out.
 pub fn quantile_ms(ascending_us: &[u64], share: f64) -> f64 {
     let at = (ascending_us.len().saturating_sub(1) as f64 * share).round() as usize;
     ascending_us.get(at).map_or(f64::NAN, |&us| us as f64 / 1e3)

@@ -1,4 +1,4 @@
-//! What is measured with: the broker as it is shipped, databases, supervisors in their own processes.
+//! Sets up the programs under test: the shipped broker, databases, and supervisors as child processes.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -15,43 +15,44 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::web;
 
 const SHIPPED: &str = include_str!("../../deploy/mosquitto/mosquitto.conf");
-/// Settings of the shipped broker that say who is let in.
+/// Settings of the shipped broker that control access.
 const ACCESS: [&str; 5] =
     ["per_listener_settings ", "allow_anonymous ", "password_file ", "acl_file ", "use_username_as_clientid "];
-/// How long a start with many whiskers may take.
+/// Time limit of a start with many whiskers.
 const READY_PATIENCE: Duration = Duration::from_secs(120);
 const READY_PAUSE: Duration = Duration::from_millis(5);
 const END_PATIENCE: Duration = Duration::from_secs(30);
 
-/// Who is measured, and where files go.
+/// The program under test and the folder of its files.
 pub struct Stage {
-    /// The program `vibrissa`.
+    /// Path of the program `vibrissa`.
     pub program: PathBuf,
-    /// Temporary: logs of supervisors, and SQLite's databases.
+    /// Temporary folder for the supervisors' logs and SQLite databases.
     pub folder: TempDir,
 }
 
-/// A broker with the shipped settings, but for who is let in: passwords and access list would cost both sides the same.
+/// A broker with the shipped settings except access control: passwords and the access list would cost both sides the
+/// same.
 pub fn broker() -> Mosquitto {
     let is_access = |line: &&str| ACCESS.iter().any(|setting| line.starts_with(setting));
     let lines: Vec<&str> = SHIPPED.lines().filter(|line| !is_access(line)).chain(["allow_anonymous true"]).collect();
     tokio::task::block_in_place(|| Mosquitto::builder().file(&lines.join("\n")).start())
 }
 
-/// A database of a supervisor's.
+/// Database of a supervisor.
 pub enum Store {
-    /// A server of its own.
+    /// A private PostgreSQL server.
     Postgres(Postgres),
-    /// A file.
+    /// Path of a SQLite file.
     Sqlite(PathBuf),
 }
 
-/// What is recorded of one boot of the robots.
+/// Contacts recorded of one boot of the robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Recorded {
-    /// Rows of contacts.
+    /// Number of contact rows.
     pub rows: i64,
-    /// Of these different ones.
+    /// Number of different contacts among them.
     pub distinct: i64,
 }
 
@@ -60,12 +61,12 @@ const DISTINCT: &str = "SELECT count(*) FROM (SELECT DISTINCT boot, seq, positio
                         WHERE boot IN (SELECT boot FROM boots WHERE boot_id = $1)) AS one";
 
 impl Store {
-    /// A new, empty server.
+    /// Starts a new, empty PostgreSQL server.
     pub async fn postgres() -> Self {
         Self::Postgres(Postgres::start().await)
     }
 
-    /// As tables call it.
+    /// Name of the database for the tables.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Postgres(_) => "PostgreSQL",
@@ -73,7 +74,7 @@ impl Store {
         }
     }
 
-    /// Where supervisors find it.
+    /// URL for the supervisor's configuration.
     fn url(&self) -> String {
         match self {
             Self::Postgres(server) => Postgres::url(server.port()),
@@ -81,7 +82,7 @@ impl Store {
         }
     }
 
-    /// The server's process.
+    /// Process id of the PostgreSQL server.
     pub fn pid(&self) -> Option<u32> {
         match self {
             Self::Postgres(server) => server.pid(),
@@ -89,7 +90,7 @@ impl Store {
         }
     }
 
-    /// What is recorded of a boot.
+    /// Counts the recorded contacts of a boot.
     pub async fn recorded(&self, boot_id: &str) -> anyhow::Result<Recorded> {
         let count = async |sql: &'static str| -> anyhow::Result<i64> {
             match self {
@@ -112,22 +113,23 @@ impl Store {
     }
 }
 
-/// Whether the fleet's robots are heard and answered. A supervisor that has not taken up any fleet yet calls itself ready as well.
+/// Whether the supervisor is ready and connected for this fleet. A supervisor without any fleet reports itself ready,
+/// too.
 async fn is_ready(http: SocketAddr, fleet: &str) -> bool {
     let heard = format!("vibrissa_broker_connected{{fleet=\"{fleet}\"}} 1");
     matches!(web::try_get(http, "/metrics").await, Ok((200, text)) if text.contains(&heard))
         && matches!(web::try_get(http, "/readyz").await, Ok((200, _)))
 }
 
-/// A supervisor that is ready.
+/// A supervisor that has become ready.
 pub struct Supervisor {
     process: Process,
-    /// From the start of the process until it said that it is ready, seconds.
+    /// Time from the start of the process until it was ready, seconds.
     pub ready_s: f64,
 }
 
 impl Supervisor {
-    /// Starts one for a fleet, and waits until it is ready.
+    /// Starts a supervisor for a fleet and waits until it is ready.
     pub async fn start(stage: &Stage, broker: &Mosquitto, store: &Store, fleet: &str) -> anyhow::Result<Self> {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
         let mut arguments: Vec<String> = ["run", "--name", "bench", "--fleets", fleet].map(str::to_owned).into();
@@ -153,12 +155,12 @@ impl Supervisor {
         Ok(supervisor)
     }
 
-    /// Its process.
+    /// Process id of the supervisor.
     pub fn pid(&self) -> u32 {
         self.process.pid()
     }
 
-    /// Stops it in good order.
+    /// Stops the supervisor with SIGTERM.
     pub async fn stop(mut self) -> anyhow::Result<()> {
         self.process.signal(Signal::SIGTERM);
         self.process.ended(END_PATIENCE).await.context("the supervisor does not end")?;

@@ -1,4 +1,4 @@
-//! The ceiling of what PostgreSQL takes in whole statements: a plain table without an index, filled by UNNEST.
+//! Measures the ceiling of PostgreSQL with whole statements: a plain table without an index, filled with UNNEST.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ const INSERT: &str = "INSERT INTO plain SELECT * FROM UNNEST($1::TEXT[], $2::INT
                       $5::DOUBLE PRECISION[], $6::DOUBLE PRECISION[], $7::DOUBLE PRECISION[], $8::DOUBLE PRECISION[], \
                       $9::DOUBLE PRECISION[])";
 
-/// Rows per second, over that time; each statement of 1000 rows is a transaction of its own.
+/// Rows per second during this time; each statement inserts 1000 rows in a transaction of its own.
 pub async fn rows_per_s(server: &Postgres, time: Duration) -> anyhow::Result<f64> {
     let mut connection = server.connect().connect().await?;
     connection.execute("DROP TABLE IF EXISTS plain").await?;

@@ -1,30 +1,30 @@
-//! What processes take: processor time and memory, by `/proc`. Linux.
+//! Processor time and memory of processes, read from `/proc` (Linux only).
 
 use std::collections::BTreeMap;
 use std::fs::{read_dir, read_to_string};
 
 use serde::Serialize;
 
-/// Ticks per second in which Linux tells times of processes, whatever the kernel's own are.
+/// Ticks per second in which Linux reports processor times; independent of the kernel's own tick rate.
 const TICKS_PER_S: f64 = 100.0;
 
-/// What a process and its descendants have taken.
+/// Resources used by a process and its descendants.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct Usage {
-    /// Processor time since their start, seconds; of those that have ended, too.
+    /// Processor time since their start, seconds, including descendants that have ended.
     pub cpu_s: f64,
-    /// The most memory that each of them has had at a time since [`forget_peak`], added up, MiB.
+    /// Sum of the peak memory of each process since [`forget_peak`], MiB.
     pub peak_mib: f64,
 }
 
 impl Usage {
-    /// What was taken since an earlier look.
+    /// Difference to an earlier measurement.
     pub fn since(self, before: Self) -> Self {
         Self { cpu_s: self.cpu_s - before.cpu_s, peak_mib: self.peak_mib }
     }
 }
 
-/// What a process and its descendants have taken up to now.
+/// Resources used by a process and its descendants so far.
 pub fn of_tree(root: u32) -> Usage {
     let stats = stats();
     let mut usage = Usage::default();
@@ -37,11 +37,11 @@ pub fn of_tree(root: u32) -> Usage {
     usage
 }
 
-/// From now on the most memory is counted anew.
+/// Resets the peak memory of a process and its descendants.
 pub fn forget_peak(root: u32) {
     let stats = stats();
     for &pid in stats.keys().filter(|&&pid| is_within(pid, root, &stats)) {
-        // Somebody else's process may not be ours to write to; its peak then is that since its start.
+        // Another user's process may not be writable; its peak then counts from its start.
         let _ = std::fs::write(format!("/proc/{pid}/clear_refs"), "5");
     }
 }
@@ -56,10 +56,10 @@ fn stats() -> BTreeMap<u32, Stat> {
     let stat = |entry: std::fs::DirEntry| {
         let pid = entry.file_name().to_str()?.parse().ok()?;
         let text = read_to_string(entry.path().join("stat")).ok()?;
-        // After the name, which may hold anything: state, parent, ..
+        // The process name may contain any character; after it follow the state, the parent's id and others.
         let fields: Vec<&str> = text.rsplit_once(") ")?.1.split(' ').collect();
         let ticks = |at: usize| fields.get(at)?.parse::<f64>().ok();
-        // Own time, and that of children that have ended, in user and system mode.
+        // Own time and that of children that have ended, in user and system mode.
         let ticks = ticks(11)? + ticks(12)? + ticks(13)?.max(0.0) + ticks(14)?.max(0.0);
         Some((pid, Stat { parent: fields.get(1)?.parse().ok()?, ticks }))
     };

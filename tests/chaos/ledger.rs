@@ -1,39 +1,39 @@
-//! Contacts: what robots felt, held against what was recorded.
+//! Compares the contacts that robots made with those that were recorded.
 
 use std::collections::HashMap;
 
 use vibrissa_protocol::Contacts;
 
-/// A recorded contact with its whole name and content.
+/// A recorded contact with its identity and content.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
-    /// Robot.
+    /// Name of the robot.
     pub robot: String,
-    /// Its boot.
+    /// Boot id of the robot.
     pub boot_id: String,
-    /// Number of the message.
+    /// Sequence number of the message.
     pub seq: u64,
-    /// Place in the message, from 0.
+    /// Position in the message, from 0.
     pub position: usize,
-    /// What was felt.
+    /// Whisker, time and measured values.
     pub content: Content,
 }
 
-/// What was felt in one contact.
+/// Measured values of one contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Content {
-    /// Array.
+    /// Name of the array.
     pub array: String,
-    /// Whisker in the array.
+    /// Number of the whisker in the array.
     pub whisker: i64,
-    /// Robot's clock.
+    /// Time by the robot's clock, microseconds.
     pub t_us: i64,
     /// Contact ratio, deflection in mm, strain, pressure in MPa, temperature in degrees Celsius.
     pub values: [f64; 5],
 }
 
 impl Content {
-    /// A number that another content does not have, for all that can happen: FNV-1a over every bit.
+    /// FNV-1a hash over every bit; different contents practically never have the same hash.
     fn fingerprint(&self) -> u64 {
         let numbers = [self.whisker as u64, self.t_us as u64].into_iter().chain(self.values.map(f64::to_bits));
         let bytes = self.array.bytes().chain(numbers.flat_map(u64::to_le_bytes));
@@ -41,34 +41,34 @@ impl Content {
     }
 }
 
-/// What became of the contacts.
+/// Result of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Verdict {
-    /// Felt by the robots.
+    /// Number of contacts that robots made.
     pub felt: u64,
-    /// Rows.
+    /// Number of rows.
     pub recorded: u64,
-    /// Felt and not recorded.
+    /// Number of contacts made but not recorded.
     pub missing: u64,
-    /// Recorded once too often, each time.
+    /// Number of surplus rows.
     pub duplicate: u64,
-    /// Recorded otherwise than felt, or never felt.
+    /// Number of rows with other values than measured, or for a contact that was never made.
     pub wrong: u64,
 }
 
-/// The contacts of one boot. A long run has millions of them: each takes nine bytes, and each message four.
+/// The contacts of one boot. A long run has millions of contacts: each takes nine bytes, and each message four.
 #[derive(Debug, Default)]
 struct Boot {
-    /// Where each message begins in the two lists below, by its number.
+    /// Index of each message's first contact in the two lists below, by sequence number.
     starts: Vec<u32>,
-    /// Of each contact.
+    /// Hash of each contact.
     fingerprints: Vec<u64>,
     /// Whether each contact was recorded.
     recorded: Vec<bool>,
 }
 
 impl Boot {
-    /// The place of a contact in the lists.
+    /// Index of a contact in the lists.
     fn find(&self, seq: u64, position: usize) -> Option<usize> {
         let seq = usize::try_from(seq).ok()?;
         let start = *self.starts.get(seq)? as usize;
@@ -77,7 +77,7 @@ impl Boot {
     }
 }
 
-/// Every contact that was felt: by robot and boot, number of the message, and place in it.
+/// Every contact that robots made, by robot and boot, sequence number and position in the message.
 #[derive(Debug, Default)]
 pub struct Ledger {
     boots: HashMap<(String, String), Boot>,
@@ -87,13 +87,13 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// A robot felt the contacts of a message.
+    /// Adds the contacts of a message that a robot has made.
     ///
     /// # Panics
-    /// Its number is not the next one of its boot, or the boot has felt four thousand million contacts.
+    /// The sequence number is not the next one of the boot, or the boot has made more than 2^32 contacts.
     pub fn felt(&mut self, robot: &str, message: &Contacts) {
         let boot = self.boots.entry((robot.to_owned(), message.boot_id.as_str().to_owned())).or_default();
-        assert_eq!(boot.starts.len() as u64, message.seq, "robot {robot} skips a number");
+        assert_eq!(boot.starts.len() as u64, message.seq, "robot {robot} skips a sequence number");
         boot.starts.push(u32::try_from(boot.fingerprints.len()).expect("fewer contacts than 2^32"));
         let contents = message.contacts.iter().map(|one| Content {
             array: one.array.as_str().to_owned(),
@@ -105,7 +105,7 @@ impl Ledger {
         boot.recorded.resize(boot.fingerprints.len(), false);
     }
 
-    /// A row of the database.
+    /// Adds a row of the database.
     pub fn recorded(&mut self, row: Recorded) {
         self.rows += 1;
         let boot = self.boots.get_mut(&(row.robot, row.boot_id));
@@ -118,12 +118,12 @@ impl Ledger {
         self.wrong += u64::from(boot.fingerprints[at] != row.content.fingerprint());
     }
 
-    /// Contacts so far.
+    /// Number of contacts made so far.
     pub fn count(&self) -> u64 {
         self.boots.values().map(|boot| boot.fingerprints.len() as u64).sum()
     }
 
-    /// What became of them; after every row was told.
+    /// Result of the comparison, after all rows were added.
     pub fn verdict(&self) -> Verdict {
         let missing = |boot: &Boot| boot.recorded.iter().filter(|&&is_recorded| !is_recorded).count() as u64;
         Verdict {

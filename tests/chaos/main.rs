@@ -1,11 +1,12 @@
-//! Nothing lost, nothing stale, whatever fails: robots, broker, PostgreSQL and two supervisors, all real, under
-//! faults that a seed decides; at the end what robots felt and obeyed is held against what was recorded.
+//! Chaos test: nothing may be lost and no stale setpoint applied, whatever fails. Robots, broker, PostgreSQL and two
+//! supervisors run for real under faults drawn from a seed. In the end, the contacts made and setpoints applied by
+//! robots are compared with the database.
 //!
-//! Some of the robots are hostile. The harness judges the other ones only.
+//! Some of the robots are hostile. The harness judges only the others.
 //!
 //! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`replay`] and
-//! [`hostile`] (making it go wrong), [`owner`] (who supervises), [`ledger`], [`obedience`] and [`recorded`] (the
-//! judgement), [`refusals`], [`report`].
+//! [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`ledger`], [`obedience`] and
+//! [`recorded`] (the comparison), [`refusals`], [`report`].
 
 mod hostile;
 mod ledger;
@@ -41,45 +42,45 @@ use report::{FaultReport, Report};
 use stage::{Program, ROBOT_LINKS, Robots, Stage};
 use strike::Striker;
 
-/// The drain ends when the number of messages without a receipt has not changed for so long.
+/// The drain ends when the number of messages without a receipt has not changed for this time.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
-/// The pause between two looks at the messages without a receipt.
+/// Pause between two counts of the messages without a receipt.
 const DRAIN_PAUSE: Duration = Duration::from_millis(100);
-/// The interval of the progress lines.
+/// Interval of the progress lines.
 const PROGRESS: Duration = Duration::from_secs(30);
-/// The longest run in days: supervisors remove contacts after 30 days.
+/// Longest run in days: supervisors remove contacts after 30 days.
 const LONGEST_DAYS: f64 = 25.0;
-/// Two equal counts of the rows, so far apart, mean that nothing more comes.
+/// The recording is complete when two counts of rows this far apart are equal.
 const SETTLED: Duration = Duration::from_secs(1);
-/// As this the program is a supervisor: it always tests what the sources say.
+/// With this argument the program runs as a supervisor, so the test always runs the current sources.
 const SUPERVISOR: &str = "supervisor";
 
-/// Chaos: nothing lost, nothing stale?
+/// Runs supervisors, robots and servers under faults, and reports lost contacts and stale setpoints
 #[derive(Debug, Parser)]
 #[command(name = "chaos", version)]
 struct Arguments {
-    /// Where all randomness comes from.
+    /// Seed of all random decisions.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How long robots touch and things go wrong, in seconds: up to 25 days.
+    /// Time in seconds during which robots make contacts and faults occur: up to 25 days.
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
-    /// Simulated robots, the hostile ones included.
+    /// Number of simulated robots, hostile ones included.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=999))]
     robots: u32,
     /// Contacts per second of all honest robots together.
     #[arg(long, default_value_t = 2000.0)]
     rate: f64,
-    /// How many of the robots are hostile; 0 for none.
+    /// Number of hostile robots; 0 for none.
     #[arg(long, default_value_t = 10)]
     hostile: u32,
-    /// The only behaviours of hostile robots, separated by commas; all by default.
+    /// Only these behaviours of hostile robots, separated by commas; all by default.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
     hostile_only: Vec<Behaviour>,
-    /// Behaviours that hostile robots leave out, separated by commas.
+    /// Exclude these behaviours of hostile robots, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "BEHAVIOUR")]
     hostile_without: Vec<Behaviour>,
-    /// What is broken on purpose, to see that it is noticed.
+    /// Break something on purpose, to check that the harness detects it.
     #[arg(long, value_enum, default_value_t = Control::None)]
     control: Control,
     /// Print the result as one line of JSON, too.
@@ -88,7 +89,7 @@ struct Arguments {
     /// The program `vibrissa` to test, instead of the one inside this program.
     #[arg(long)]
     program: Option<PathBuf>,
-    /// Where supervisors' logs go; kept in a temporary folder only if something is wrong, unless given.
+    /// Folder for supervisors' logs. By default a temporary folder, kept only if the run shows a violation.
     #[arg(long)]
     logs: Option<PathBuf>,
 }
@@ -103,7 +104,7 @@ fn main() -> anyhow::Result<ExitCode> {
     ensure!(arguments.seconds >= shortest_s, "--seconds must be at least {shortest_s} for each fault to strike");
     let longest_s = LONGEST_DAYS * 86_400.0;
     ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");
-    ensure!(arguments.hostile < arguments.robots, "--hostile must be below --robots: the others are judged");
+    ensure!(arguments.hostile < arguments.robots, "--hostile must be below --robots: only the others are judged");
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
     let folder = tempfile::tempdir().context("a temporary folder")?;
     let logs = arguments.logs.clone().unwrap_or_else(|| folder.path().to_owned());
@@ -133,7 +134,7 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let names: Vec<Name> = (0..arguments.robots as usize).map(scenario::robot_name).collect();
     let (honest, hostile_names) = names.split_at((arguments.robots - arguments.hostile) as usize);
     let strangers: Vec<String> = hostile_names.iter().map(|name| name.as_str().to_owned()).collect();
-    // The folder may have logs of an earlier run.
+    // The folder may contain logs of an earlier run.
     let panics_before = stage::panics(logs);
     let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
@@ -144,7 +145,7 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
     let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);
     let started = Instant::now();
-    ensure!(watch.owner(0).await.is_some(), "nobody takes up the fleet: see the supervisors' logs in {logs:?}");
+    ensure!(watch.owner(0).await.is_some(), "no supervisor acquires the fleet: see the supervisors' logs in {logs:?}");
 
     let mut striker = Striker::new(&mut stage, &watch);
     let mut progress = Progress::new(&robots, started, seconds);
@@ -168,7 +169,11 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     eprintln!("chaos: reading {} contacts back", truth.ledger.count());
     recorded::contacts(&mut connection, &strangers, &mut truth.ledger).await?;
     let contacts = truth.ledger.verdict();
-    ensure!(contacts.felt == made || undelivered > 0, "robots made {made} contacts and wrote down {}", contacts.felt);
+    ensure!(
+        contacts.felt == made || undelivered > 0,
+        "robots made {made} contacts, but their journals have {}",
+        contacts.felt
+    );
     let setpoints = truth.obedience.verdict(&recorded::setpoints(&mut connection, &strangers).await?);
     Ok(Report {
         repeated: replay.count(),
@@ -186,7 +191,7 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     })
 }
 
-/// Prints the progress of a run every half minute.
+/// Prints the progress of a run every 30 seconds.
 struct Progress<'a> {
     robots: &'a Robots,
     started: Instant,
@@ -199,7 +204,7 @@ impl<'a> Progress<'a> {
         Self { robots, started, seconds, next: started + PROGRESS }
     }
 
-    /// Waits until that many seconds after the start.
+    /// Waits until this many seconds after the start.
     async fn wait_until(&mut self, at_s: f64) {
         let until = self.started + Duration::from_secs_f64(at_s);
         loop {
@@ -216,7 +221,7 @@ impl<'a> Progress<'a> {
     fn tell(&mut self) {
         let elapsed = self.started.elapsed();
         eprintln!(
-            "chaos: {} of {} s: {} contacts felt, {} messages without a receipt",
+            "chaos: {} of {} s: {} contacts made, {} messages without a receipt",
             elapsed.as_secs(),
             self.seconds,
             self.robots.made(),
@@ -226,8 +231,8 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Waits until robots have nothing left to send, or until that has not changed for [`DRAIN_PATIENCE`]; returns how long it took.
-/// Then it waits until the number of rows is stable, too.
+/// Waits until robots have nothing left to send, or until that number has not changed for [`DRAIN_PATIENCE`]. Then
+/// waits until the number of rows is stable, too. Returns the duration.
 async fn drain(robots: &Robots, connection: &mut PgConnection, strangers: &[String]) -> anyhow::Result<Duration> {
     let begun = Instant::now();
     let (mut undelivered, mut changed) = (robots.undelivered(), begun);
@@ -241,7 +246,7 @@ async fn drain(robots: &Robots, connection: &mut PgConnection, strangers: &[Stri
     let drain = begun.elapsed();
     let mut rows = recorded::count(connection, strangers).await?;
     loop {
-        // The pause begins after a count: counting the rows of a long run is slow.
+        // The pause begins after a count, because counting the rows of a long run is slow.
         sleep(SETTLED).await;
         let before = std::mem::replace(&mut rows, recorded::count(connection, strangers).await?);
         if rows == before {

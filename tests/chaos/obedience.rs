@@ -1,41 +1,42 @@
-//! Setpoints: what robots applied, held against the contract and against what was decided and recorded.
+//! Compares the setpoints that robots applied with the contract and with the database.
 
 use std::collections::HashMap;
 
 use vibrissa_protocol::Setpoint;
 use vibrissa_simulator::HeardSetpoint;
 
-/// Reading JSON may move a number's last bit: the largest difference of two equal pressures in MPa, or gains.
+/// Largest difference in MPa of two equal pressures, and of two equal gains: reading JSON may change a number's last
+/// bit.
 const SAME: f64 = 1e-12;
 
-/// A setpoint of the database.
+/// A setpoint in the database.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decided {
-    /// Its name.
+    /// Command id, which is unique.
     pub command_id: String,
-    /// Robot, array and whisker.
+    /// Names of robot and array, and number of the whisker.
     pub whisker: (String, String, i64),
-    /// The compensation that it is for, if any.
+    /// Id of the compensation, if any.
     pub compensation_id: Option<i64>,
-    /// Its order: epoch and version.
+    /// Epoch and version, which order the setpoints.
     pub order: (i64, i64),
-    /// The pressure in MPa.
+    /// Pressure in MPa.
     pub pressure_mpa: f64,
-    /// The gain by contact ratio.
+    /// Pairs of contact ratio and gain.
     pub gain: Vec<(f64, f64)>,
-    /// Why.
+    /// Reason of the setpoint.
     pub reason: String,
-    /// What became of it.
+    /// State of the setpoint.
     pub state: String,
 }
 
 impl Decided {
-    /// Whether it came to nothing, so that another may follow it for the same purpose.
+    /// Whether it ended without being applied, so that another one may follow for the same purpose.
     fn came_to_nothing(&self) -> bool {
         matches!(self.state.as_str(), "REJECTED" | "FAILED" | "SUPERSEDED" | "EXPIRED" | "ABANDONED")
     }
 
-    /// Whether both ask the robot for the same thing. A refinement may change the gain alone, so the gain counts.
+    /// Whether both set the same pressure and gain for the same purpose. A refinement may change the gain alone.
     fn has_the_purpose_of(&self, other: &Self) -> bool {
         self.whisker == other.whisker
             && self.compensation_id == other.compensation_id
@@ -44,7 +45,7 @@ impl Decided {
             && self.gain == other.gain
     }
 
-    /// Whether a robot heard it as it is in the database.
+    /// Whether a robot received it with the values in the database.
     fn is_as_heard(&self, robot: &str, setpoint: &Setpoint) -> bool {
         let (of_robot, array, whisker) = &self.whisker;
         let is_same = |one: f64, other: f64| (one - other).abs() < SAME;
@@ -61,32 +62,33 @@ impl Decided {
     }
 }
 
-/// What became of the setpoints.
+/// Result of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Verdict {
-    /// Rows.
+    /// Number of setpoints in the database.
     pub decided: u64,
-    /// Different setpoints that were applied.
+    /// Number of different setpoints that were applied.
     pub applied: u64,
-    /// Applied once too often, each time.
+    /// Number of surplus applications.
     pub twice: u64,
-    /// Applied although late, old, or for another boot.
+    /// Number of applications that were late, outdated, or for another boot.
     pub stale: u64,
-    /// Applied and not in the database, or otherwise there.
+    /// Number of applied setpoints that are not in the database with the same values.
     pub uncommitted: u64,
-    /// Decided although another one for the same purpose was under way or had been applied.
+    /// Number of setpoints decided while another one for the same purpose was pending or applied.
     pub two_for_one: u64,
 }
 
-/// A whisker of a robot in one of its boots: what the contract calls "any that it has seen".
+/// A whisker of a robot in one boot. The contract compares a setpoint with all earlier ones of the same whisker and
+/// boot.
 #[derive(Debug, Default)]
 struct Seen {
     highest: Option<(u64, u64)>,
-    /// The newest arrival's name, and the highest before it.
+    /// Command id of the latest arrival, and the highest order before it.
     newest: Option<(String, Option<(u64, u64)>)>,
 }
 
-/// What robots heard and applied.
+/// Setpoints that robots received and applied.
 #[derive(Debug, Default)]
 pub struct Obedience {
     seen: HashMap<(String, String, String, u16), Seen>,
@@ -102,7 +104,7 @@ impl Obedience {
         self.seen.entry((robot.to_owned(), boot_id, setpoint.array.as_str().to_owned(), setpoint.whisker)).or_default()
     }
 
-    /// A setpoint arrived at a robot.
+    /// Adds a setpoint that arrived at a robot.
     pub fn heard(&mut self, robot: &str, heard: &HeardSetpoint) {
         let setpoint = &heard.setpoint;
         let is_for_this_boot = setpoint.robot_boot_id == heard.boot_id;
@@ -113,7 +115,7 @@ impl Obedience {
         }
     }
 
-    /// A robot applied a setpoint, which it must have heard just before.
+    /// Adds a setpoint that a robot applied, directly after its arrival.
     pub fn applied(&mut self, robot: &str, heard: &HeardSetpoint) {
         let setpoint = &heard.setpoint;
         let is_highest = self.seen(robot, heard).newest.as_ref().is_some_and(|(command_id, before)| {
@@ -125,7 +127,7 @@ impl Obedience {
         self.twice += u64::from(before.is_some());
     }
 
-    /// What became of them, by what is in the database at the end.
+    /// Result of the comparison with the setpoints in the database at the end.
     pub fn verdict(&self, decided: &[Decided]) -> Verdict {
         let by_name: HashMap<&str, &Decided> = decided.iter().map(|row| (row.command_id.as_str(), row)).collect();
         let is_committed = |name: &String, (heard, robot): &(HeardSetpoint, String)| {
@@ -142,10 +144,10 @@ impl Obedience {
     }
 }
 
-/// Setpoints that follow one for the same purpose which did not come to nothing.
+/// Number of setpoints that follow another one for the same purpose that was applied or is still pending.
 ///
-/// For one compensation the same pressure and gain may be set again when the last try expired, was refused or failed. A
-/// release has no compensation: it follows another setpoint of its whisker, or a release that came to nothing.
+/// A compensation may set the same pressure and gain again when the last attempt expired, was refused or failed. A
+/// release has no compensation: it follows another setpoint of its whisker, or a release that was not applied.
 fn two_for_one(decided: &[Decided]) -> u64 {
     let mut by_whisker: HashMap<&(String, String, i64), Vec<&Decided>> = HashMap::new();
     for row in decided {
@@ -205,7 +207,7 @@ mod tests {
         }
     }
 
-    /// Each is heard and, where it says so, applied; the database has 1.1 and 1.2.
+    /// Each event is a received setpoint and whether it was applied. The database contains 1.1 and 1.2.
     fn verdict(events: &[(HeardSetpoint, bool)]) -> Verdict {
         let mut obedience = Obedience::default();
         for (setpoint, applied) in events {
@@ -272,7 +274,7 @@ mod tests {
         };
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.88)]), 0);
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.87)]), 1);
-        // The later one repeats an outdated decision.
+        // The third one repeats an outdated decision.
         assert_eq!(two_for_one(&[refined(1, 0.86), refined(2, 0.87), refined(3, 0.86)]), 1);
     }
 

@@ -1,4 +1,4 @@
-//! Who supervises, as the database says, and since when to some effect.
+//! Watches the database for the fleet's owner and for its first commit.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -10,34 +10,34 @@ use tokio::time::timeout;
 
 use crate::scenario::FLEET;
 
-/// How often the database is asked.
+/// Interval of the queries.
 const PAUSE: Duration = Duration::from_millis(20);
-/// A database that takes longer is not there.
+/// Time limit of a query; a slower database counts as down.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// How long somebody may take to become the owner and to record contacts, before a fault that is for the owner.
+/// Time in which a supervisor must become owner and record contacts before a fault for the owner strikes.
 const OWNER_PATIENCE: Duration = Duration::from_secs(15);
 
 /// An owner that has recorded contacts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reign {
-    /// Its epoch.
+    /// Epoch of the lease.
     pub epoch: i64,
-    /// What it is called.
+    /// Name of the supervisor.
     pub holder: String,
-    /// When its first contacts were seen in the database.
+    /// Time at which its first contacts appeared in the database.
     pub first_commit: Instant,
 }
 
-/// What was seen so far.
+/// Observations so far.
 #[derive(Debug, Default)]
 struct Seen {
-    /// Owners that have recorded contacts, in their order.
+    /// Owners that have recorded contacts, in order.
     reigns: Vec<Reign>,
-    /// The newest epoch, whether or not its owner has recorded anything.
+    /// Newest epoch, even if its owner has not recorded anything.
     epoch: i64,
 }
 
-/// Keeps looking; dropped, it looks no more.
+/// Watches the database until it is dropped.
 #[derive(Debug)]
 pub struct Watch {
     seen: Arc<Mutex<Seen>>,
@@ -51,19 +51,19 @@ impl Drop for Watch {
 }
 
 impl Watch {
-    /// Begins to look.
+    /// Starts to watch the database.
     pub fn start(database: PgConnectOptions) -> Self {
         let seen = Arc::new(Mutex::new(Seen::default()));
         let task = tokio::spawn(look(database, seen.clone()));
         Self { seen, task }
     }
 
-    /// All so far, in their order.
+    /// All reigns so far, in order.
     pub fn reigns(&self) -> Vec<Reign> {
         locked(&self.seen).reigns.clone()
     }
 
-    /// The owner, as soon as it has recorded contacts; its epoch is at least that.
+    /// Waits for an owner with at least this epoch that has recorded contacts.
     pub async fn owner(&self, epoch_min: i64) -> Option<Reign> {
         let deadline = Instant::now() + OWNER_PATIENCE;
         loop {
@@ -79,7 +79,7 @@ impl Watch {
     }
 }
 
-/// The row of the lease, with how often its owner has committed.
+/// The lease and the number of its owner's commits.
 struct Look {
     epoch: i64,
     holder: Option<String>,
@@ -97,7 +97,7 @@ async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
         tokio::time::sleep(PAUSE).await;
         let Some(seen) = ask(&mut connection, &database).await else { continue };
         match &candidate {
-            // Whatever is recorded from here on is recorded by this one: the epoch keeps the others out.
+            // Only this supervisor can record from now on: the epoch fences the others out.
             Some(known) if known.epoch == seen.epoch => {
                 let Some(holder) = seen.holder.filter(|_| seen.commits > known.commits) else { continue };
                 let reign = Reign { epoch: seen.epoch, holder, first_commit: Instant::now() };
@@ -114,9 +114,9 @@ async fn look(database: PgConnectOptions, all: Arc<Mutex<Seen>>) {
     }
 }
 
-/// Asks over the connection that is there, or makes one.
+/// Queries the database over the existing connection, or over a new one.
 async fn ask(connection: &mut Option<PgConnection>, database: &PgConnectOptions) -> Option<Look> {
-    // Without a fence commits are not counted, but states are written all the same.
+    // Without a fence the supervisor does not count commits, but it still writes states.
     const SQL: &str = "SELECT epoch, holder, \
         commits + coalesce((SELECT max(journal_number) FROM robots r WHERE r.fleet = l.fleet), 0) \
         FROM leases l WHERE fleet = $1";

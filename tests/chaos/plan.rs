@@ -1,4 +1,4 @@
-//! What goes wrong, and when: all of it from a seed.
+//! Draws the faults of a run and their times from a seed.
 
 use std::fmt;
 
@@ -8,26 +8,26 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Serialize, Serializer};
 
-/// Robots learn their whiskers before anything goes wrong.
+/// Time in seconds without faults at the start, in which robots learn their whiskers.
 const CALM_BEFORE_S: f64 = 5.0;
-/// What the last fault has to pass in.
+/// Time in seconds without faults at the end, for the last fault to end.
 const CALM_AFTER_S: f64 = 3.0;
-/// From one fault to the next: the longest of them, and a moment to take up work again.
+/// Seconds between two faults: the longest fault, and some time to resume work.
 const APART_S: f64 = 4.5;
-/// Faults do not strike on the beat.
+/// Largest random delay of a fault in seconds.
 const JITTER_S: f64 = 0.4;
 
-/// Longer than a supervisor's lease.
+/// A time in seconds that is longer than a supervisor's lease.
 pub const LEASE_S: f64 = 2.0;
 
-/// Something that goes wrong. The owner is the supervisor that supervises at that moment.
+/// A fault. The owner is the supervisor that owns the fleet when the fault strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fault {
     /// SIGKILL to the owner; it is started again later.
     OwnerKilled,
     /// SIGTERM to the owner; it is started again later.
     OwnerTerminated,
-    /// SIGSTOP to the owner for longer than its lease lives, then SIGCONT.
+    /// SIGSTOP to the owner until after its lease has expired, then SIGCONT.
     OwnerFrozen,
     /// SIGKILL to the broker; it is started again on the same port.
     BrokerKilled,
@@ -35,20 +35,20 @@ pub enum Fault {
     DatabaseKilled,
     /// Links between robots and broker are cut, or stalled, or first stalled and then cut.
     RobotLinks,
-    /// The same between supervisors and broker.
+    /// Links between supervisors and broker fail in the same ways.
     BrokerLinks,
-    /// The same between supervisors and PostgreSQL.
+    /// Links between supervisors and PostgreSQL fail in the same ways.
     DatabaseLinks,
-    /// The owner's link to PostgreSQL is stalled for longer than its lease lives: what it wrote arrives then.
+    /// The owner's link to PostgreSQL is stalled until after its lease has expired; then its pending writes arrive.
     OwnerCommitsLate,
-    /// PostgreSQL is killed, and while it is away the owner as well.
+    /// PostgreSQL is killed and, while it is down, the owner as well.
     DatabaseAwayOwnerKilled,
-    /// The owner is frozen for longer than its lease lives, and meanwhile the broker is killed and comes back.
+    /// The owner is frozen until after its lease has expired; meanwhile the broker is killed and started again.
     OwnerFrozenBrokerKilled,
 }
 
 impl Fault {
-    /// All of them.
+    /// All faults, one of each.
     pub const ALL: [Self; 11] = [
         Self::OwnerKilled,
         Self::OwnerTerminated,
@@ -63,7 +63,7 @@ impl Fault {
         Self::OwnerFrozenBrokerKilled,
     ];
 
-    /// What people read.
+    /// Name of the fault in outputs.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::OwnerKilled => "owner killed",
@@ -80,7 +80,7 @@ impl Fault {
         }
     }
 
-    /// How long it may last, in seconds, from the first blow to the last repair.
+    /// Range of its duration in seconds, from the first action to the last repair.
     fn lasts_s(self) -> std::ops::Range<f64> {
         match self {
             Self::OwnerKilled => 2.5..3.5,
@@ -106,14 +106,14 @@ impl Serialize for Fault {
     }
 }
 
-/// How a link fails.
+/// Failure mode of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Manner {
-    /// Its connections end.
+    /// Its connections are closed.
     Cut,
-    /// Nothing passes for a while, and then everything that has waited.
+    /// No data passes for a while; then all waiting data passes.
     Stall,
-    /// Nothing passes for a while, and then its connections end with what has waited.
+    /// No data passes for a while; then its connections are closed and waiting data is lost.
     StallThenCut,
 }
 
@@ -122,33 +122,33 @@ pub enum Manner {
 pub struct Strike {
     /// Seconds after the start.
     pub at_s: f64,
-    /// What goes wrong.
+    /// Kind of the fault.
     pub fault: Fault,
-    /// How long it lasts, in seconds.
+    /// Duration in seconds.
     pub lasts_s: f64,
-    /// For links: how they fail.
+    /// For faults of links: their failure mode.
     pub manner: Manner,
-    /// For links: a bit for each that may be struck; never all clear.
+    /// For faults of links: one bit per link that may be struck, at least one bit set.
     pub victims: u8,
 }
 
-/// What is broken on purpose, for the test to show that it notices.
+/// A defect introduced on purpose, to show that the harness detects it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Control {
-    /// Nothing.
+    /// Nothing is changed.
     None,
     /// Supervisors receipt contacts before they are committed.
     ReceiptBeforeCommit,
-    /// Supervisors write whether or not the fleet is theirs.
+    /// Supervisors write even if they do not own the fleet.
     NoFence,
-    /// Robots take any setpoint, however late or old.
+    /// Robots apply any setpoint, even late and outdated ones.
     RobotIgnoresEpochs,
-    /// Robots send once and forget.
+    /// Robots send each message once and do not keep it.
     NoRobotBuffer,
 }
 
 impl Control {
-    /// The faults that bring it to light, all of them in each round.
+    /// The faults that reveal the defect; each round contains all of them.
     fn faults(self) -> &'static [Fault] {
         match self {
             Self::None => &Fault::ALL,
@@ -159,17 +159,17 @@ impl Control {
         }
     }
 
-    /// The shortest run in which each of its faults strikes, in seconds.
+    /// Length in seconds of the shortest run in which each of these faults strikes.
     pub fn shortest_s(self) -> f64 {
         CALM_BEFORE_S + CALM_AFTER_S + APART_S * self.faults().len() as f64
     }
 }
 
-/// The faults of a run in their order: whole rounds of all of them, each round shuffled.
+/// The faults of a run in order: complete rounds of all faults, each round shuffled.
 pub fn plan(seed: u64, seconds: f64, control: Control) -> Vec<Strike> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let stretch_s = seconds - CALM_BEFORE_S - CALM_AFTER_S;
-    // Rounds that fit; none is left half done unless the first one does not fit.
+    // Only complete rounds, but at least one.
     let faults = control.faults();
     let rounds = ((stretch_s / APART_S) as usize / faults.len()).max(1);
     let apart_s = stretch_s / (rounds * faults.len()) as f64;

@@ -1,4 +1,4 @@
-//! What the database has at the end.
+//! Reads contacts and setpoints from the database at the end of a run.
 
 use sqlx::postgres::{PgConnection, PgRow};
 use sqlx::{Connection, Row};
@@ -6,8 +6,8 @@ use sqlx::{Connection, Row};
 use crate::ledger::{Content, Ledger, Recorded};
 use crate::obedience::Decided;
 
-/// Gives every contact of the honest robots to the ledger, in any order: sorting the rows of a long run takes longer than
-/// reading them.
+/// Adds every contact of the honest robots to the ledger, in any order: sorting the rows of a long run takes longer
+/// than reading them.
 ///
 /// # Errors
 /// The database does not answer.
@@ -43,7 +43,7 @@ fn contact(row: &PgRow) -> Recorded {
     }
 }
 
-/// How many contacts of the honest robots there are.
+/// Number of contacts of the honest robots.
 ///
 /// # Errors
 /// The database does not answer.
@@ -53,7 +53,7 @@ pub async fn count(connection: &mut PgConnection, hostile: &[String]) -> sqlx::R
     sqlx::query_scalar(SQL).bind(hostile).fetch_one(connection).await
 }
 
-/// Every setpoint for an honest robot.
+/// All setpoints of the honest robots.
 ///
 /// # Errors
 /// The database does not answer, or a gain is not valid JSON.

@@ -9,11 +9,11 @@ use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 use vibrissa_tests::web::try_get;
 
-/// The interval of the requests. Counts between the last request and a kill are lost.
+/// Interval of the requests. Counts between the last request and a kill are lost.
 const PAUSE: Duration = Duration::from_secs(1);
-/// The longest wait for an answer.
+/// Time limit of an answer.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Parts of the names of the counters.
+/// Words that the counters' names contain.
 const WORDS: [&str; 9] =
     ["refused", "duplicate", "shed", "given_up", "quarantin", "takeover", "conflict", "forged", "forgotten"];
 
@@ -30,14 +30,14 @@ impl Drop for Refusals {
 }
 
 impl Refusals {
-    /// Starts to read the metrics at those addresses.
+    /// Starts to read the metrics at these addresses.
     pub fn start(supervisors: Vec<SocketAddr>) -> Self {
         let sums = Arc::new(Mutex::new(BTreeMap::new()));
         let task = tokio::spawn(ask(supervisors, sums.clone()));
         Self { sums, task }
     }
 
-    /// Lower bounds of the counters that are above zero, by name and labels.
+    /// Lower bounds of the counters above zero, by name and labels.
     pub fn counts(&self) -> BTreeMap<String, u64> {
         self.sums.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -1,5 +1,5 @@
-//! Late and repeated deliveries: setpoints as they passed the broker are published again, unchanged, seconds later.
-//! A broker may do that; a robot must answer them again or refuse them.
+//! Late and repeated deliveries: setpoints from the broker are published again, unchanged, seconds later. A broker may
+//! do that; a robot must answer them again or refuse them.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -15,10 +15,10 @@ use vibrissa_protocol::{Name, RobotTopic, Setpoint};
 use crate::scenario::FLEET;
 use crate::stage::{REPLAY_USER, SUPERVISOR_PASSWORD};
 
-/// While it is being applied or just after, and after it has expired.
+/// Delays in seconds: while the setpoint is being applied or shortly after, and after it has expired.
 const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, 13.0..18.0];
 
-/// Keeps repeating; dropped, it ends.
+/// Repeats setpoints until it is dropped.
 pub struct Replay {
     count: Arc<AtomicU64>,
     task: JoinHandle<()>,
@@ -31,7 +31,7 @@ impl Drop for Replay {
 }
 
 impl Replay {
-    /// Begins, at a broker on that port of 127.0.0.1.
+    /// Starts repeating at the broker on this port of 127.0.0.1.
     pub fn start(broker_port: u16, seed: u64) -> Self {
         let mut options = MqttOptions::new("replay", ("127.0.0.1", broker_port));
         options.set_clean_start(true).set_max_packet_size(Some(1 << 20)).set_outgoing_inflight_upper_limit(256);
@@ -42,7 +42,7 @@ impl Replay {
         Self { count, task }
     }
 
-    /// How many were published again.
+    /// Number of setpoints that were published again.
     pub fn count(&self) -> u64 {
         self.count.load(Ordering::Relaxed)
     }
@@ -58,7 +58,7 @@ async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8R
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 let setpoint: Setpoint = serde_json::from_slice(&publish.payload).expect("a setpoint of the contract");
-                // Sent again by the supervisor, or by ourselves.
+                // It was sent again, by the supervisor or by this client.
                 if !known.insert(setpoint.command_id) {
                     continue;
                 }
@@ -69,14 +69,14 @@ async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8R
                     let count = count.clone();
                     tokio::spawn(async move {
                         tokio::time::sleep(after).await;
-                        // Without a connection it waits in the client, and comes even later.
+                        // Without a connection the message waits in the client and arrives even later.
                         let again = client.try_publish(topic, payload, PublishOptions::new(QoS::AtLeastOnce));
                         count.fetch_add(u64::from(again.is_ok()), Ordering::Relaxed);
                     });
                 }
             }
             Ok(_) => {}
-            // The broker is away; the client would try again at once.
+            // The broker is down; the client would otherwise try again at once.
             Err(_) => tokio::time::sleep(Duration::from_millis(200)).await,
         }
     }

@@ -1,4 +1,4 @@
-//! What came of a run: a table for people, a line of JSON for programs.
+//! Result of a run: a table for people, a line of JSON for programs.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,75 +11,75 @@ use crate::plan::Fault;
 use crate::strike::{Struck, Surprises};
 use crate::{ledger, obedience};
 
-/// What must be 0, and what it rests on.
+/// All counts of a run. Most of them must be 0; see `forbidden`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
-    /// Where all randomness came from.
+    /// Seed of all random decisions.
     pub seed: u64,
-    /// Contacts that robots felt, and rows of the database.
+    /// Contacts that robots made, and rows in the database.
     pub sent: u64,
     pub recorded: u64,
-    /// Contacts that are not there, there too often, or not as they were felt.
+    /// Contacts that are missing, recorded twice, or recorded with wrong values.
     pub missing: u64,
     pub duplicate: u64,
     pub wrong: u64,
     /// Setpoints in the database, and those that robots applied.
     pub decided: u64,
     pub applied: u64,
-    /// Setpoints that should not have been applied, or not have been decided.
+    /// Setpoints that should not have been applied or decided.
     pub applied_twice: u64,
     pub applied_stale: u64,
     pub uncommitted: u64,
     pub two_for_one: u64,
     /// Setpoints that the harness published again.
     pub repeated: u64,
-    /// Messages that robots dropped, and those that no receipt had covered at the end.
+    /// Messages that robots dropped, and messages without a receipt at the end.
     pub dropped: u64,
     pub undelivered: u64,
-    /// Supervisors that ended by themselves, or not after SIGTERM, and faults without an owner to hit.
+    /// Supervisors that ended unexpectedly or did not end after SIGTERM, and faults that found no owner.
     pub ended_by_themselves: u64,
     pub stuck: u64,
     pub ownerless: u64,
     /// Panics in the supervisors' logs.
     pub panics: u64,
-    /// Seconds that robots touched, and that the rest took to arrive.
+    /// Seconds with contacts, and seconds until everything was recorded afterwards.
     pub run_s: f64,
     pub drain_s: f64,
-    /// Hostile robots, and how many messages and connections each of their behaviours made.
+    /// Number of hostile robots, and messages and connections of each behaviour.
     pub hostile_robots: u64,
     pub hostile: BTreeMap<String, u64>,
     /// Setpoints that hostile robots received, repetitions included.
     pub hostile_setpoints: u64,
     /// Lower bounds of the supervisors' counters of refused messages.
     pub refusals: BTreeMap<String, u64>,
-    /// What struck, in order.
+    /// Faults that struck, in order.
     pub faults: Vec<FaultReport>,
 }
 
-/// The longest list of faults in the table for people.
+/// Longest list of faults in the table for people.
 const LISTED: usize = 60;
 
-/// One fault.
+/// A fault that struck.
 #[derive(Debug, Clone, Serialize)]
 pub struct FaultReport {
-    /// What.
+    /// Kind of the fault.
     pub fault: Fault,
-    /// When, in seconds after the robots' start.
+    /// Seconds after the robots' start.
     pub at_s: f64,
-    /// For faults that take the fleet from its owner.
+    /// Takeover, for faults that end the owner's lease.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub takeover: Option<Takeover>,
 }
 
-/// How another start of a supervisor took over.
+/// Takeover by another supervisor, or by the same one after a restart.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Takeover {
-    /// Seconds from the signal to its first commit with contacts; none if there was none until the end.
+    /// Seconds from the signal to the first commit with contacts; None if there was none until the end.
     pub seconds: Option<f64>,
 }
 
 impl FaultReport {
-    /// Finds out who took over.
+    /// Finds the takeover that followed a fault.
     pub fn new(struck: &Struck, started: Instant, reigns: &[Reign]) -> Self {
         let takeover = struck.owner_hit.map(|(hit, epoch)| {
             let next = reigns.iter().find(|reign| reign.epoch > epoch && reign.first_commit > hit);
@@ -90,7 +90,7 @@ impl FaultReport {
 }
 
 impl Report {
-    /// A report with nothing but what was compared.
+    /// A report with the results of the comparisons; all other counts are empty.
     pub fn new(seed: u64, contacts: ledger::Verdict, setpoints: obedience::Verdict, surprises: Surprises) -> Self {
         Self {
             seed,
@@ -122,7 +122,7 @@ impl Report {
         }
     }
 
-    /// What must be 0, by name.
+    /// Counts that must be 0, with their names.
     fn forbidden(&self) -> [(&'static str, u64); 14] {
         let takeovers = self.faults.iter().filter_map(|fault| fault.takeover);
         [
@@ -135,7 +135,7 @@ impl Report {
             ("setpoints, two for one decision", self.two_for_one),
             ("messages dropped by robots", self.dropped),
             ("messages without a receipt at the end", self.undelivered),
-            ("supervisors ended by themselves", self.ended_by_themselves),
+            ("supervisors ended unexpectedly", self.ended_by_themselves),
             ("supervisors not ended by SIGTERM", self.stuck),
             ("faults without an owner to hit", self.ownerless),
             ("panics of supervisors", self.panics),
@@ -143,19 +143,19 @@ impl Report {
         ]
     }
 
-    /// What is wrong: forbidden things that happened, and a run that could not show any.
+    /// Violations: forbidden counts above 0, and parts of the run that had no data.
     pub fn violations(&self) -> Vec<String> {
         let forbidden = self.forbidden().into_iter().filter(|&(_, count)| count > 0);
         let mut violations: Vec<String> = forbidden.map(|(name, count)| format!("{name}: {count}")).collect();
         for (name, count) in [("contacts", self.sent), ("setpoints", self.applied), ("repetitions", self.repeated)] {
             if count == 0 {
-                violations.push(format!("no {name}: the run shows nothing"));
+                violations.push(format!("no {name}: the run is not conclusive"));
             }
         }
         let idle = self.hostile.iter().filter(|(_, count)| **count == 0 && self.hostile_robots > 0);
-        violations.extend(idle.map(|(name, _)| format!("no hostile robot did {name}: the run does not show it")));
+        violations.extend(idle.map(|(name, _)| format!("no hostile robot did {name}: the run is not conclusive")));
         if self.hostile_robots > 0 && self.hostile.is_empty() {
-            violations.push("hostile robots did nothing: the run does not show any of it".to_owned());
+            violations.push("hostile robots did nothing: the run is not conclusive".to_owned());
         }
         violations
     }
@@ -167,14 +167,14 @@ impl Report {
             writeln!(f, "{name:<42}{count:>9}")?;
         }
         writeln!(f, "{:<42}{:>9}", "setpoints sent to them", self.hostile_setpoints)?;
-        writeln!(f, "\nrefused by the supervisors, at least")?;
+        writeln!(f, "\nrefused by the supervisors (lower bounds)")?;
         for (name, count) in &self.refusals {
             writeln!(f, "{name:<78}{count:>9}")?;
         }
         Ok(())
     }
 
-    /// Takeover times of each kind of fault, rising.
+    /// Takeover times by kind of fault, ascending.
     fn takeovers(&self) -> BTreeMap<Fault, Vec<f64>> {
         let mut by_fault: BTreeMap<Fault, Vec<f64>> = BTreeMap::new();
         for fault in &self.faults {
@@ -191,7 +191,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "seed {}: {:.0} s, then {:.1} s until everything had arrived",
+            "seed {}: {:.0} s, then {:.1} s until everything was recorded",
             self.seed, self.run_s, self.drain_s
         )?;
         writeln!(f)?;
@@ -200,7 +200,7 @@ impl fmt::Display for Report {
             ("contacts recorded", self.recorded),
             ("setpoints decided", self.decided),
             ("setpoints applied", self.applied),
-            ("setpoints published again", self.repeated),
+            ("setpoints repeated by the harness", self.repeated),
         ] {
             writeln!(f, "{name:<42}{count:>9}")?;
         }

@@ -1,4 +1,4 @@
-//! The robots: many contacts, and trims all the time, so that setpoints flow whatever is wrong at the moment.
+//! The scenarios of the robots: many contacts, and a steady rate of trims, so that setpoints are pending at any time.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,34 +10,35 @@ use vibrissa_simulator::scenario::{
 
 use crate::plan::Control;
 
-/// The fleet, and its only array's name on each robot.
+/// Name of the fleet. Below, the name of each robot's only array.
 pub const FLEET: &str = "f";
 const ARRAY: &str = "left";
-/// Whiskers of a robot.
+/// Number of whiskers of a robot.
 const WHISKERS: u16 = 2;
-/// Contacts in one message: one in 0.2 s from each robot at 20 contacts per second.
+/// Contacts per message: one message in 0.2 s from each robot at 20 contacts per second.
 const CONTACTS_PER_MESSAGE: usize = 4;
-/// Messages that a robot keeps without a receipt: more than an hour's. No fault lasts longer than seconds.
+/// Number of messages that a robot keeps without a receipt, enough for more than an hour. Faults last only seconds.
 const KEPT_MESSAGES: usize = 20_000;
-/// Nothing is trimmed before it is learned.
+/// Seconds before the first trim, in which whiskers are learned.
 const FIRST_TRIM_S: f64 = 4.0;
-/// From one trim of a robot to its next.
+/// Smallest time between two trims of a robot, in seconds.
 const TRIMS_APART_S: f64 = 4.0;
-/// The shortest mean time from one trim of a robot to its next, in seconds.
+/// Smallest mean time between two trims of a robot, in seconds.
 const TRIMS_MEAN_S: f64 = 30.0;
-/// Trims of a robot in the whole run: more would make its whiskers too short. A long run has longer pauses between them.
+/// Largest mean number of trims of a robot in a run; more would make its whiskers too short. A long run has longer
+/// pauses between trims.
 const TRIMS: f64 = 6.0;
 /// The shortest length after a cut, and the loss of length by a cut, in mm.
 const SHORTEST_MM: f64 = 58.0;
 const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
-/// The robots in as many scenarios as there are links between robots and broker.
+/// Splits the robots into one scenario per link between robots and broker.
 pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Control, links: usize) -> Vec<Scenario> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7269_6d73);
     let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links];
     for number in 0..robots {
         let mut robot = robot(number, seconds, &mut random);
-        // Trims have numbers that the database takes once only, which would hide that contacts come twice.
+        // The database accepts the number of a trim only once, which would hide duplicate contacts.
         if control == Control::NoFence {
             robot.events.clear();
         }
@@ -79,7 +80,7 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
         neighbours: (0..WHISKERS).filter(|&other| other != whisker).collect(),
         ..WhiskerScenario::default()
     };
-    // Every other one may ask a neighbour; the rest help themselves.
+    // In every second robot a neighbour may compensate a whisker; in the others only the whisker itself.
     let array_type = if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 };
     RobotScenario {
         robot: robot_name(number),
@@ -90,7 +91,7 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
     }
 }
 
-/// At random times until the end, each shorter than the last one of its whisker.
+/// Trims at random times until the end; each cut makes its whisker shorter.
 fn trims(seconds: f64, random: &mut ChaCha8Rng) -> Vec<Event> {
     let mean_s = TRIMS_MEAN_S.max(seconds / TRIMS);
     let mut lengths_mm = [70.0; WHISKERS as usize];

@@ -1,4 +1,4 @@
-//! What is there: broker, PostgreSQL, two supervisors, robots, and links between them that can fail.
+//! The programs of a run: broker, PostgreSQL, two supervisors, robots, and links between them that can fail.
 
 use std::io::BufRead;
 use std::net::SocketAddr;
@@ -19,63 +19,63 @@ use crate::obedience::Obedience;
 use crate::plan::{Control, LEASE_S};
 use crate::scenario::FLEET;
 
-/// The access list that is shipped.
+/// The shipped access list of the broker.
 const ACL: &str = include_str!("../../deploy/mosquitto/acl");
-/// The user of the client that repeats setpoints.
+/// User of the client that repeats setpoints.
 pub const REPLAY_USER: &str = "replay";
-/// Every robot's password; each has a user of its own.
+/// Password of every robot; each has a user of its own.
 pub const ROBOT_PASSWORD: &str = "robot's own";
-/// The password of the supervisors and of the harness.
+/// Password of the supervisors and of the harness.
 pub const SUPERVISOR_PASSWORD: &str = "supervisor's own";
-/// The supervisors' user in the list that is shipped.
+/// User of the supervisors in the shipped access list.
 const SUPERVISOR_USER: &str = "vibrissa";
-/// The supervisors' names.
+/// Names of the supervisors.
 const SUPERVISORS: [&str; 2] = ["a", "b"];
 /// A line of a log with this text reports a panic.
 const PANIC: &[u8] = b"panicked at";
-/// Links between robots and broker, each with as many of the robots.
+/// Number of links between robots and broker; each serves an equal share of the robots.
 pub const ROBOT_LINKS: usize = 4;
-/// Contacts until a whisker counts as learned: few, so that trims are found from the start.
+/// Contacts until a whisker counts as learned; few, so that trims are detected from the start.
 const LEARNED: u32 = 20;
-/// How often robots' journals are read.
+/// Interval at which the robots' journals are read.
 const JOURNALS: Duration = Duration::from_millis(500);
 
 /// A supervisor and its links.
 pub struct Supervisor {
-    /// What it is called, in the database as well.
+    /// Its name, also in the database.
     pub name: &'static str,
-    /// The process.
+    /// Process of `vibrissa run`.
     pub process: Process,
     /// Its link to the broker.
     pub broker_link: Proxy,
     /// Its link to PostgreSQL.
     pub database_link: Proxy,
-    /// Its HTTP address, also after a restart.
+    /// Its HTTP address, which stays the same after a restart.
     pub http: SocketAddr,
 }
 
-/// How supervisors are started.
+/// Command line of the supervisors.
 pub struct Program {
-    /// The program.
+    /// Path of the program.
     pub path: PathBuf,
-    /// What goes before `run`.
+    /// Argument before `run`, if any.
     pub first_argument: Option<String>,
 }
 
-/// Everything but the robots.
+/// All programs except the robots.
 pub struct Stage {
-    /// The broker, with its own default limits and the access list that is shipped.
+    /// The broker, with Mosquitto's default limits and the shipped access list.
     pub broker: Mosquitto,
-    /// The database.
+    /// The PostgreSQL server.
     pub database: Postgres,
-    /// The supervisors.
+    /// The two supervisors.
     pub supervisors: [Supervisor; 2],
     /// Links between robots and broker.
     pub robot_links: Vec<Proxy>,
 }
 
 impl Stage {
-    /// Starts it for those robots; supervisors write their logs into that folder.
+    /// Starts everything for these robots; supervisors write their logs to the given folder.
     pub async fn set(program: &Program, control: Control, logs: &Path, robots: &[Name]) -> Self {
         let broker = tokio::task::block_in_place(|| broker(robots));
         let database = Postgres::start().await;
@@ -89,12 +89,12 @@ impl Stage {
         Self { broker, database, supervisors: [a, b], robot_links }
     }
 
-    /// Starts supervisors again that have ended by themselves; tells how many.
+    /// Restarts supervisors that have ended unexpectedly, and returns their number.
     pub fn revive(&mut self) -> u64 {
         let mut ended = 0;
         for supervisor in &mut self.supervisors {
             if let Some(status) = supervisor.process.ended_already() {
-                eprintln!("chaos: supervisor {} has ended by itself: {status}", supervisor.name);
+                eprintln!("chaos: supervisor {} has ended unexpectedly: {status}", supervisor.name);
                 ended += 1;
             }
             if !supervisor.process.is_running() {
@@ -105,7 +105,7 @@ impl Stage {
     }
 }
 
-/// A broker at which each of the robots has a user.
+/// A broker with one user per robot.
 fn broker(robots: &[Name]) -> Mosquitto {
     let acl = format!("{ACL}\nuser {REPLAY_USER}\ntopic readwrite whisker/v1/+/+/setpoint\n");
     let builder = Mosquitto::builder().default_limits().acl(&acl);
@@ -120,12 +120,12 @@ fn broker(robots: &[Name]) -> Mosquitto {
     broker
 }
 
-/// The file with the supervisors' password.
+/// Path of the file with the supervisors' password.
 fn password_file(broker: &Mosquitto) -> PathBuf {
     broker.folder().join("supervisor.password")
 }
 
-/// The number of panics in the supervisors' logs: a thread may panic and start again while the process goes on.
+/// Number of panics in the supervisors' logs. A thread may panic and be restarted while the process continues.
 pub fn panics(logs: &Path) -> u64 {
     let of = |name: &str| {
         let Ok(file) = std::fs::File::open(log_of(logs, name)) else { return 0 };
@@ -175,18 +175,18 @@ async fn supervisor(
     Supervisor { name, process, broker_link, database_link, http }
 }
 
-/// The robots, and what they did in truth.
+/// The running robots and a record of their actions.
 pub struct Robots {
     fleets: Vec<Fleet>,
     truth: Arc<Mutex<Truth>>,
 }
 
-/// What robots felt and obeyed.
+/// Contacts made and setpoints applied by the robots.
 #[derive(Debug, Default)]
 pub struct Truth {
-    /// Contacts.
+    /// Contacts that were made.
     pub ledger: Ledger,
-    /// Setpoints.
+    /// Setpoints that arrived and were applied.
     pub obedience: Obedience,
 }
 
@@ -204,10 +204,10 @@ impl Truth {
 }
 
 impl Robots {
-    /// Starts them, each group behind its link.
+    /// Starts the robots, each group behind its link.
     ///
     /// # Errors
-    /// They cannot be simulated.
+    /// The scenarios cannot be simulated.
     pub fn start(scenarios: &[Scenario], links: &[Proxy]) -> anyhow::Result<Self> {
         let mut fleets = Vec::new();
         for (scenario, link) in scenarios.iter().zip(links) {
@@ -234,32 +234,32 @@ impl Robots {
         self.fleets.iter().flat_map(Fleet::robots)
     }
 
-    /// No robot makes contacts any more.
+    /// Stops all contacts.
     pub fn rest(&self) {
         self.fleets.iter().for_each(Fleet::rest);
     }
 
-    /// Messages that no receipt covers yet; those that wait to be filled up count as well.
+    /// Number of messages without a receipt, including messages that are not yet full.
     pub fn undelivered(&self) -> u64 {
         let of = |robot: &mut vibrissa_simulator::Robot| {
-            // What waits to be filled up is due at once when a robot rests.
+            // A message that is not yet full is due at once when a robot rests.
             let waiting = robot.next_deadline() <= robot.start_us();
             robot.messages_kept() as u64 + u64::from(waiting)
         };
         self.all().map(|robot| robot.with(of)).sum()
     }
 
-    /// Contacts made so far.
+    /// Number of contacts made so far.
     pub fn made(&self) -> u64 {
         self.all().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
     }
 
-    /// Messages that were dropped because too many were kept.
+    /// Number of messages that robots dropped because they kept too many.
     pub fn dropped(&self) -> u64 {
         self.all().map(|robot| robot.with(|robot| robot.messages_dropped())).sum()
     }
 
-    /// Ends them, and tells what they did.
+    /// Stops the robots and returns the record of their actions.
     pub async fn stop(self) -> Truth {
         let robots: Vec<RobotHandle> = self.all().cloned().collect();
         for fleet in self.fleets {

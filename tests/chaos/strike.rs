@@ -1,4 +1,4 @@
-//! Makes things go wrong, and repairs them.
+//! Injects faults and repairs them.
 
 use std::time::{Duration, Instant};
 
@@ -10,57 +10,57 @@ use crate::owner::{Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
 use crate::stage::{Stage, Supervisor};
 
-/// How long a supervisor may take to end after SIGTERM.
+/// Time in which a supervisor must end after SIGTERM.
 const END_PATIENCE: Duration = Duration::from_secs(12);
 
 /// A fault that has struck.
 #[derive(Debug, Clone)]
 pub struct Struck {
-    /// What.
+    /// Kind of the fault.
     pub fault: Fault,
-    /// When.
+    /// Time at which it struck.
     pub at: Instant,
-    /// For faults that take the fleet from its owner: when the owner was hit, and its epoch.
+    /// For faults that take the fleet from its owner: the time of the hit and the owner's epoch.
     pub owner_hit: Option<(Instant, i64)>,
 }
 
-/// What went wrong beyond what was done.
+/// Counts of unintended events.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Surprises {
-    /// Supervisors that ended by themselves.
+    /// Number of supervisors that ended unexpectedly.
     pub ended: u64,
-    /// Supervisors that did not end in good order after SIGTERM.
+    /// Number of supervisors that failed or did not end after SIGTERM.
     pub stuck: u64,
-    /// Faults for the owner, when there was none for long.
+    /// Number of faults that found no owner in time.
     pub ownerless: u64,
 }
 
-/// Carries out faults one after the other.
+/// Injects faults one after the other.
 pub struct Striker<'a> {
-    /// What is there.
+    /// The programs of the run.
     pub stage: &'a mut Stage,
-    /// Whose the fleet is.
+    /// Watch on the fleet's owner.
     pub watch: &'a Watch,
-    /// What has struck.
+    /// Faults that have struck.
     pub struck: Vec<Struck>,
-    /// What nobody intended.
+    /// Unintended events so far.
     pub surprises: Surprises,
-    /// The next owner's epoch is at least this.
+    /// Lowest epoch of the next owner.
     epoch_min: i64,
 }
 
 impl<'a> Striker<'a> {
-    /// Nothing has struck yet.
+    /// Starts without any fault.
     pub fn new(stage: &'a mut Stage, watch: &'a Watch) -> Self {
         Self { stage, watch, struck: Vec::new(), surprises: Surprises::default(), epoch_min: 0 }
     }
 
-    /// Makes one fault happen, and returns when what was broken is repaired.
+    /// Injects one fault and returns when the damage is repaired.
     pub async fn strike(&mut self, strike: &Strike) {
         self.surprises.ended += self.stage.revive();
         let reign = self.watch.owner(self.epoch_min).await;
         let Some((owner, reign)) = reign.and_then(|reign| Some((self.place(&reign)?, reign))) else {
-            eprintln!("chaos: nobody supervises: {} comes to nothing", strike.fault);
+            eprintln!("chaos: no owner in time: skipping {}", strike.fault);
             self.surprises.ownerless += 1;
             return;
         };
@@ -74,12 +74,12 @@ impl<'a> Striker<'a> {
         self.struck.push(Struck { fault: strike.fault, at: begun, owner_hit });
     }
 
-    /// Which of the supervisors it is.
+    /// Index of the supervisor, if it is running.
     fn place(&self, reign: &Reign) -> Option<usize> {
         self.stage.supervisors.iter().position(|one| one.name == reign.holder && one.process.is_running())
     }
 
-    /// Tells when the owner was hit, if the fault is for it.
+    /// Injects the fault. Returns the time of the hit if the fault is for the owner.
     async fn carry_out(&mut self, strike: &Strike, owner: usize) -> Option<Instant> {
         let lasts = Duration::from_secs_f64(strike.lasts_s);
         match strike.fault {
@@ -169,7 +169,7 @@ impl<'a> Striker<'a> {
         process.signal(Signal::SIGTERM);
         match process.ended(END_PATIENCE).await {
             Some(status) if status.success() => return hit,
-            Some(status) => eprintln!("chaos: supervisor {name} ended badly after SIGTERM: {status}"),
+            Some(status) => eprintln!("chaos: supervisor {name} failed after SIGTERM: {status}"),
             None => {
                 eprintln!("chaos: supervisor {name} does not end after SIGTERM");
                 tokio::task::block_in_place(|| process.kill());
@@ -190,7 +190,7 @@ impl<'a> Striker<'a> {
         self.stage.robot_links.iter().enumerate().filter(|(at, _)| is_victim(*at)).map(|(_, link)| link).collect()
     }
 
-    /// The owner's link, the other one's, or both: the owner's more often.
+    /// The owner's link, the other supervisor's, or both; the owner's is struck more often.
     fn supervisor_links(&self, victims: u8, owner: usize, link: impl Fn(&Supervisor) -> &Proxy) -> Vec<&Proxy> {
         let (of_owner, of_other) = (link(&self.stage.supervisors[owner]), link(&self.stage.supervisors[1 - owner]));
         match victims % 4 {

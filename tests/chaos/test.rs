@@ -1,10 +1,10 @@
-//! A minute of chaos with ten hostile robots among a hundred; then controls: faults that the harness must detect.
+//! A minute of chaos with ten hostile robots among a hundred; then the controls: defects that the harness must detect.
 
 use std::process::Command;
 
 use serde_json::Value;
 
-/// Runs the program `chaos`; gives its exit code and its result.
+/// Runs the program `chaos` and returns its exit code and its result.
 fn chaos(arguments: &[&str]) -> (i32, Value) {
     let output = Command::new(env!("CARGO_BIN_EXE_chaos"))
         .args(["--json", "--program", env!("CARGO_BIN_EXE_vibrissa-under-test")])
@@ -12,7 +12,7 @@ fn chaos(arguments: &[&str]) -> (i32, Value) {
         .output()
         .expect("a program of ours");
     let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    // Shown if the test fails.
+    // Visible if the test fails.
     println!("{said}{told}");
     let result = told.lines().last().and_then(|line| serde_json::from_str(line).ok());
     (output.status.code().expect("an exit code"), result.expect("a line of JSON"))
@@ -22,7 +22,7 @@ fn count(result: &Value, name: &str) -> u64 {
     result[name].as_u64().unwrap_or_else(|| panic!("no {name}: {result}"))
 }
 
-/// One after the other: each needs the whole machine.
+/// The runs follow one another, because each needs the whole machine.
 #[test]
 fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     let (code, result) = chaos(&["--seed", "1", "--seconds", "60"]);
@@ -35,7 +35,7 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     let control = |name: &str, seconds: &str| {
         // No hostile robots: the harness must catch each control alone.
         let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name, "--hostile", "0"]);
-        assert_eq!(code, 1, "{name} is not caught");
+        assert_eq!(code, 1, "{name} is not detected");
         result
     };
     assert!(count(&control("receipt-before-commit", "22"), "missing") > 0);

@@ -1,4 +1,4 @@
-"""What the stack must keep."""
+"""Checks of the running stack."""
 
 import json
 import re
@@ -27,10 +27,10 @@ def everything_is_healthy(stack):
         def state(name=name):
             return stack.inspect(name)["State"]
         if name in ENDS:
-            until(f"the end of {name}", lambda: state()["Status"] == "exited")
+            until(f"{name} has exited", lambda: state()["Status"] == "exited")
             assert state()["ExitCode"] == 0, stack.logs(name)
         elif "healthcheck" in stack.resolved["services"][name]:
-            until(f"health of {name}", lambda: state()["Health"]["Status"] == "healthy")
+            until(f"{name} is healthy", lambda: state()["Health"]["Status"] == "healthy")
         else:
             assert state()["Running"] and stack.inspect(name)["RestartCount"] == 0, stack.logs(name)
 
@@ -66,7 +66,7 @@ def folders_in_memory_have_their_owners(stack):
         ("supervisor-1", "/tmp"): "0:0",
     }
     for (service, folder), owner in expected.items():
-        # Older versions of runc take the mode from the image if it has the folder.
+        # Older versions of runc take the mode from the image if the folder exists there.
         told = stack.execute(service, "stat", "-c", "%u:%g", folder).strip()
         assert told == owner, f"{service}: {folder} has {told}, not {owner}"
         assert "mode=" in stack.inspect(service)["HostConfig"]["Tmpfs"][folder], folder
@@ -85,7 +85,7 @@ def health_checks_of_the_broker_leave_no_lines(stack):
         return len(stack.inspect("broker")["State"]["Health"]["Log"])
     before, lines = checks(), len(stack.logs("broker").splitlines())
     began = time.monotonic()
-    # Docker keeps the last five.
+    # Docker keeps the last five results.
     until("a health check", lambda: time.monotonic() - began > 25 and (checks() > before or checks() == 5), 60)
     new = stack.logs("broker").splitlines()[lines:]
     assert not [line for line in new if "127.0.0.1" in line or "<unknown>" in line], new
@@ -111,7 +111,7 @@ def supervisors_are_no_superusers(stack):
 
 def contacts_are_recorded(stack):
     before = int(stack.sql(CONTACTS))
-    until("200 contacts more", lambda: int(stack.sql(CONTACTS)) > before + 200)
+    until("200 more contacts", lambda: int(stack.sql(CONTACTS)) > before + 200)
 
 
 def prometheus_sees_both_supervisors(stack):
@@ -119,7 +119,7 @@ def prometheus_sees_both_supervisors(stack):
         answer = stack.http(9090, "/api/v1/query?query=sum(up%7Bjob%3D%22vibrissa%22%7D)")
         result = json.loads(answer[1])["data"]["result"] if answer and answer[0] == 200 else []
         return result and result[0]["value"][1] == "2"
-    until("both targets up", up)
+    until("both targets are up", up)
 
 
 def _state(stack):
@@ -130,15 +130,15 @@ def _state(stack):
 
 def a_simulator_that_is_killed_remembers_its_cuts(stack):
     cut = ("crawler-1", "left", 1)
-    until("the cut of crawler-1/left/1 found", lambda: int(stack.sql(TRIMS)) == 1, 400)
-    until("its length known", lambda: abs(float(stack.sql(CUT)) - 65) < 1.5)
+    until("the cut of crawler-1/left/1 is detected", lambda: int(stack.sql(TRIMS)) == 1, 400)
+    until("its length is estimated", lambda: abs(float(stack.sql(CUT)) - 65) < 1.5)
     before = _state(stack)[cut]["plant"]
     assert before["length_mm"] == 65.0, before
     restarts = stack.inspect("simulator")["RestartCount"]
     stack.kill("simulator")
-    until("the simulator again", lambda: stack.inspect("simulator")["RestartCount"] > restarts)
+    until("the simulator is restarted", lambda: stack.inspect("simulator")["RestartCount"] > restarts)
     contacts = int(stack.sql(CONTACTS))
-    until("500 contacts more", lambda: int(stack.sql(CONTACTS)) > contacts + 500)
+    until("500 more contacts", lambda: int(stack.sql(CONTACTS)) > contacts + 500)
     after = _state(stack)[cut]["plant"]
     assert (after["length_mm"], after["changes"], after["rubber"]) == (65.0, before["changes"], before["rubber"]), after
     assert after["contacts"] > before["contacts"] - 100, after
@@ -151,29 +151,30 @@ def an_outage_of_the_database_is_logged_once(stack):
     before = {name: stack.logs(name).count("cannot keep the leases") for name in names}
     run("docker", "pause", stack.container("postgres"))
     try:
-        until("no readiness", lambda: not stack.is_ready("supervisor-1"))
+        until("supervisor-1 is not ready", lambda: not stack.is_ready("supervisor-1"))
         time.sleep(8)
     finally:
         run("docker", "unpause", stack.container("postgres"))
-    until("an owner", lambda: stack.sql(OWNER))
+    until("the fleet has an owner", lambda: stack.sql(OWNER))
     lines = {name: stack.logs(name).count("cannot keep the leases") - before[name] for name in names}
-    # The owner of the fleet must say it, and whoever says it must not repeat it.
+    # The owner of the fleet must log it, and no supervisor may repeat it.
     assert sum(lines.values()) > 0 and max(lines.values()) <= 2, f"lines that say that leases cannot be kept: {lines}"
     return f"lines: {lines}"
 
 
 def the_other_supervisor_takes_over_after_a_kill(stack):
     until("readiness", lambda: stack.is_ready("supervisor-1") and stack.is_ready("supervisor-2"))
-    owner = until("an owner", lambda: stack.sql(OWNER))
+    owner = until("the fleet has an owner", lambda: stack.sql(OWNER))
     began = time.monotonic()
-    # On purpose, so that the engine does not start it again: it might be the first to take the fleet up.
+    # `docker kill` counts as intended, so the engine does not restart the container, which could acquire the fleet
+    # first.
     container = stack.container(owner)
     run("docker", "kill", container)
-    heir = until("another owner", lambda: next((name for name in [stack.sql(OWNER)] if name and name != owner), None), 30)
+    heir = until("the fleet has another owner", lambda: next((name for name in [stack.sql(OWNER)] if name and name != owner), None), 30)
     seconds = time.monotonic() - began
     contacts_are_recorded(stack)
     run("docker", "start", container)
-    until(f"{owner} again", lambda: stack.inspect(owner)["State"]["Health"]["Status"] == "healthy")
+    until(f"{owner} is healthy again", lambda: stack.inspect(owner)["State"]["Health"]["Status"] == "healthy")
     return f"{owner} to {heir} in {seconds:.1f} s"
 
 
@@ -186,7 +187,7 @@ def no_anonymous_volume_remains(stack, before):
     assert set(stack.volumes()) == set(before)
 
 
-# In this order: the later ones disturb.
+# The order matters: later checks disturb the stack.
 CHECKS = [
     one_build_for_each_image,
     everything_is_healthy,

@@ -1,4 +1,4 @@
-"""The container engine: the one that runs, or one of its own that ends with the check."""
+"""The container engine: a running one, or a private one that is stopped after the check."""
 
 import os
 import shutil
@@ -7,12 +7,12 @@ import subprocess
 import time
 from pathlib import Path
 
-# How long the daemon may take to start or to end, s.
+# Time limit for the daemon's start and stop, s.
 DAEMON_PATIENCE_S = 60
 
 
 def run(*command, **options):
-    """Runs a command that must succeed; its output as text."""
+    """Runs a command that must succeed. Returns its output as text."""
     ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
     if ended.returncode != 0:
         raise RuntimeError(f"{' '.join(map(str, command))} ended with {ended.returncode}:\n{ended.stdout}{ended.stderr}")
@@ -20,7 +20,7 @@ def run(*command, **options):
 
 
 def client_with_buildkit():
-    """The folder of a docker client that can build with BuildKit: it has it built in before version 23, or as a plug-in."""
+    """Folder of a docker client with BuildKit, which is built in before version 23 and a plug-in later."""
     for folder in os.environ["PATH"].split(os.pathsep):
         client = Path(folder, "docker")
         if not os.access(client, os.X_OK):
@@ -34,12 +34,12 @@ def client_with_buildkit():
 
 
 def answers():
-    """Whether an engine runs."""
+    """Whether a container engine is running."""
     return subprocess.run(["docker", "info"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
 
 
 class Engine:
-    """Use as a context: a daemon that was started here is stopped, and its files go with the folder."""
+    """A context manager. It stops a daemon that it has started; the daemon's files are in the given folder."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -49,7 +49,7 @@ class Engine:
         os.environ["PATH"] = client_with_buildkit() + os.pathsep + os.environ["PATH"]
         os.environ["DOCKER_BUILDKIT"] = "1"
         if answers():
-            print("the container engine that runs here is used", flush=True)
+            print("using the running container engine", flush=True)
             return self
         socket = self.folder / "docker.sock"
         os.environ["DOCKER_HOST"] = f"unix://{socket}"
@@ -64,7 +64,7 @@ class Engine:
             if self.daemon.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError("dockerd did not start:\n" + (self.folder / "dockerd.log").read_text()[-3000:])
             time.sleep(0.2)
-        print("dockerd was started, with a folder of its own", flush=True)
+        print("started dockerd with a private folder", flush=True)
         return self
 
     def __exit__(self, *_):
@@ -79,7 +79,7 @@ class Engine:
 
 
 class Images:
-    """Stand-ins for the images that the stack names, under tags of their own; all go with `remove`."""
+    """Stand-ins for the images of the stack, under private tags. `remove` deletes all of them."""
 
     def __init__(self, folder, prefix, binaries, archives):
         self.folder, self.prefix, self.binaries, self.archives = Path(folder), prefix, Path(binaries), Path(archives)

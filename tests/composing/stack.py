@@ -1,4 +1,4 @@
-"""The stack of docker-compose.yml as a project of its own."""
+"""The stack of docker-compose.yml as a private Compose project."""
 
 import json
 import os
@@ -12,21 +12,21 @@ from pathlib import Path
 from .engine import run
 
 PROJECT = Path(__file__).parent.parent.parent
-# Which stand-in is for which image.
+# Stand-in for each image.
 STAND_INS = {"eclipse-mosquitto": "mosquitto", "postgres": "postgres", "prom/prometheus": "prometheus", "grafana/grafana": "grafana"}
-# How long one thing may take to come true, s.
+# Default time limit of waits, s.
 PATIENCE_S = 180
 
 
 def until(what, look, patience_s=PATIENCE_S):
-    """What `look` gives, as soon as that is something."""
+    """Calls `look` until its result is true, and returns the result."""
     deadline = time.monotonic() + patience_s
     while True:
         found = look()
         if found:
             return found
         if time.monotonic() > deadline:
-            raise AssertionError(f"did not come true within {patience_s} s: {what}")
+            raise AssertionError(f"timed out after {patience_s} s waiting for: {what}")
         time.sleep(0.2)
 
 
@@ -37,11 +37,11 @@ class Stack:
         self.resolved = None
 
     def prepare(self):
-        """Resolves docker-compose.yml; other than there are only images, the folder of the secrets, and the arguments of builds."""
+        """Resolves docker-compose.yml. Only images, the folder of the secrets and build arguments are replaced."""
         secrets = self.folder / "secrets"
         run(PROJECT / "deploy" / "make-secrets", secrets)
         text = run("docker-compose", "--file", PROJECT / "docker-compose.yml", "config", cwd=PROJECT)
-        # With the system's Python: it has the reader of YAML that docker-compose 1.29 brings.
+        # The system's Python has the YAML reader, which docker-compose 1.29 depends on.
         reader = "import json, sys, yaml; json.dump(yaml.safe_load(sys.stdin), sys.stdout)"
         resolved = json.loads(run("/usr/bin/python3", "-c", reader, input=text))
         for service in resolved["services"].values():
@@ -75,7 +75,7 @@ class Stack:
         return run("docker", "exec", self.container(service), *command)
 
     def is_ready(self, service):
-        """Whether a supervisor says so; the image asks its listener for monitoring."""
+        """Whether a supervisor is ready, according to its listener for monitoring."""
         command = ["docker", "exec", self.container(service), "vibrissa-readyz"]
         return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
 
@@ -84,15 +84,15 @@ class Stack:
         return ended.stdout.decode(errors="replace")
 
     def kill(self, service):
-        """As a crash: the engine does not know that it was on purpose, and starts it again."""
+        """Kills a service like a crash: the engine does not know that it was intended, and restarts it."""
         os.kill(self.inspect(service)["State"]["Pid"], signal.SIGKILL)
 
     def sql(self, query):
-        """One row of the database, as the superuser."""
+        """Runs a query as the superuser and returns its output."""
         return self.execute("postgres", "psql", "-X", "-U", "vibrissa", "-d", "vibrissa", "-Atc", query).strip()
 
     def http(self, port, path):
-        """Status and body of GET on this host's loopback; none if nobody answers."""
+        """Status and body of a GET on this host's loopback; None if there is no answer."""
         try:
             with urllib.request.urlopen(f"http://127.0.0.1:{port}{path}", timeout=5) as answer:
                 return answer.status, answer.read().decode()

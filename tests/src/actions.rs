@@ -1,4 +1,4 @@
-//! Actions as operators ask for them.
+//! Builds operator actions and waits for their answers.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use vibrissa_supervisor::mailroom::Mailroom;
 
 use crate::wait::PATIENCE;
 
-/// An action of the fleet `f`, about nothing in particular yet.
+/// A new action for fleet `f` without a robot, array or whisker.
 #[must_use]
 pub fn asks(kind: &str, parameters: &str) -> NewAction {
     NewAction {
@@ -32,24 +32,26 @@ pub fn asks(kind: &str, parameters: &str) -> NewAction {
     }
 }
 
-/// The same about robot `r`, and a whisker of its array `left` if there is one.
+/// The same for robot `r`; with a whisker number, for that whisker of array `left`.
 #[must_use]
 pub fn asks_of(kind: &str, parameters: &str, whisker: Option<i64>) -> NewAction {
     let array = whisker.map(|_| crate::robot::ARRAY.to_owned());
     NewAction { robot: Some("r".to_owned()), array, whisker, ..asks(kind, parameters) }
 }
 
-/// Asks, and gives what became of it.
+/// Stores the action, wakes the fleet's owner and returns the answered action.
 ///
 /// # Panics
-/// It was asked before, or nobody answers.
+/// The action was stored before, or it is not answered in time.
 pub async fn answered(store: &Store, mailroom: &Mailroom, action: &NewAction) -> Action {
-    let Asked::New(action_id) = store.ask(action).await.expect("a database") else { panic!("{action:?} is not new") };
+    let Asked::New(action_id) = store.ask(action).await.expect("a database") else {
+        panic!("{action:?} was stored before")
+    };
     if let Some(fleet) = &action.fleet {
         mailroom.ring(&Name::new(fleet).expect("a name"));
     }
     let answer = mailroom.answer(store, action_id, PATIENCE + Duration::from_secs(2)).await;
     let answer = answer.expect("a database").expect("asked just now");
-    assert!(!answer.is_pending(), "nobody has answered {answer:?}");
+    assert!(!answer.is_pending(), "the action is still pending: {answer:?}");
     answer
 }

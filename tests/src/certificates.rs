@@ -1,4 +1,4 @@
-//! Authorities and certificates of the test's own.
+//! Creates private certificate authorities and certificates for a test.
 
 use std::path::{Path, PathBuf};
 
@@ -10,33 +10,33 @@ use rcgen::{
 /// A certificate and its key, in PEM.
 #[derive(Debug, Clone)]
 pub struct Identity {
-    /// The certificate.
+    /// Certificate in PEM.
     pub certificate: String,
-    /// Its private key.
+    /// Private key in PEM.
     pub key: String,
 }
 
-/// From when to when a certificate is valid.
+/// Validity period of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Validity {
-    /// Now.
+    /// The certificate is valid now.
     Now,
-    /// Not any more.
+    /// The certificate has expired.
     Over,
-    /// Not yet.
+    /// The certificate becomes valid in the future.
     Ahead,
 }
 
-/// Who signs certificates.
+/// A certificate authority.
 pub struct Authority {
     issuer: CertifiedIssuer<'static, KeyPair>,
 }
 
 impl Authority {
-    /// A new one, with that name.
+    /// A new authority with the given common name.
     ///
     /// # Panics
-    /// No key can be made.
+    /// A key cannot be generated.
     #[must_use]
     pub fn new(name: &str) -> Self {
         let mut params = CertificateParams::default();
@@ -47,19 +47,19 @@ impl Authority {
         Self { issuer: CertifiedIssuer::self_signed(params, key).expect("a certificate") }
     }
 
-    /// Its own certificate, in PEM.
+    /// The authority's own certificate, in PEM.
     #[must_use]
     pub fn certificate(&self) -> String {
         self.issuer.pem()
     }
 
-    /// For a server with those names or addresses.
+    /// Issues a server certificate for the given host names or addresses.
     #[must_use]
     pub fn server(&self, names: &[&str], validity: Validity) -> Identity {
         self.signed(names, validity, ExtendedKeyUsagePurpose::ServerAuth)
     }
 
-    /// For a client of that name.
+    /// Issues a client certificate with the given common name.
     #[must_use]
     pub fn client(&self, name: &str) -> Identity {
         self.signed(&[name], Validity::Now, ExtendedKeyUsagePurpose::ClientAuth)
@@ -82,10 +82,10 @@ impl Authority {
     }
 }
 
-/// Writes a file into a folder; gives its path.
+/// Writes a file into a folder and returns its path.
 ///
 /// # Panics
-/// It cannot be written.
+/// The file cannot be written.
 pub fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, text).expect("a writable temporary folder");

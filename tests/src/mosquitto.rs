@@ -1,4 +1,4 @@
-//! A Mosquitto of the test's own: on a free port, in a temporary folder, stopped by its process.
+//! Runs a private Mosquitto on a free port with its files in a temporary folder.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{BufRead, BufReader};
@@ -14,19 +14,19 @@ use tempfile::TempDir;
 
 use crate::certificates::{Authority, Identity, write};
 
-/// Below the ports that systems give to outgoing connections: none of those can take a broker's port while
-/// it is down.
+/// Ports below the range that systems use for outgoing connections: such a connection cannot occupy a broker's port
+/// while the broker is down.
 const PORTS: std::ops::Range<u16> = 12_000..30_000;
 
-/// How a configuration begins the settings of a listener.
+/// Keyword that begins a listener in a configuration.
 const LISTENER: &str = "listener ";
 
-/// The name of OpenSSL's settings in a broker's folder, if it has any.
+/// Name of the OpenSSL settings in a broker's folder; the file is optional.
 const OPENSSL_SETTINGS: &str = "openssl.cnf";
 const TLS_1_2_SETTINGS: &str = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]\nsystem_default = limits\n\
                                 [limits]\nMaxProtocol = TLSv1.2\n";
 
-/// A running broker; dropped, it is killed.
+/// A running broker, killed on drop.
 #[derive(Debug)]
 pub struct Mosquitto {
     process: Child,
@@ -36,21 +36,21 @@ pub struct Mosquitto {
     log: Log,
 }
 
-/// What it has said since it was first started.
+/// Lines of the broker's log since its first start.
 type Log = Arc<Mutex<Vec<String>>>;
 
-/// A broker that stands still; dropped, it goes on.
+/// A broker stopped by SIGSTOP; it continues on drop.
 #[derive(Debug)]
 pub struct Frozen(Pid);
 
 impl Drop for Frozen {
     fn drop(&mut self) {
-        // It may have been killed.
+        // The broker may have been killed meanwhile.
         let _ = kill(self.0, Signal::SIGCONT);
     }
 }
 
-/// What a broker is told beside its port.
+/// Settings of a broker beside its port.
 #[derive(Debug, Default)]
 pub struct Builder {
     tls: Option<Tls>,
@@ -63,7 +63,7 @@ pub struct Builder {
     has_old_tls: bool,
 }
 
-/// What a listener shows of itself, and wants to see.
+/// Certificates of a listener: its own, and the authority of its clients.
 #[derive(Debug)]
 struct Tls {
     server: Identity,
@@ -71,78 +71,78 @@ struct Tls {
 }
 
 impl Builder {
-    /// Its port speaks TLS.
+    /// Makes the listener use TLS.
     #[must_use]
     pub fn tls(mut self, server: Identity) -> Self {
         self.tls = Some(Tls { server, clients: None });
         self
     }
 
-    /// Its port speaks TLS, and wants certificates that come from that authority.
+    /// Makes the listener use TLS and require client certificates of this authority.
     #[must_use]
     pub fn tls_with_clients_of(mut self, server: Identity, authority: &Authority) -> Self {
         self.tls = Some(Tls { server, clients: Some(authority.certificate()) });
         self
     }
 
-    /// It speaks TLS 1.2 and nothing newer, which only OpenSSL's own settings can do.
+    /// Limits the broker to TLS 1.2, which requires settings of OpenSSL itself.
     #[must_use]
     pub fn tls_1_2(mut self) -> Self {
         self.has_old_tls = true;
         self
     }
 
-    /// A user with a password; with any, nobody else may connect.
+    /// Adds a user with a password. As soon as there is a user, anonymous clients are refused.
     #[must_use]
     pub fn user(mut self, name: &str, password: &str) -> Self {
         self.users.push((name.to_owned(), password.to_owned()));
         self
     }
 
-    /// A user of the supervisors' listener in a configuration from [`Self::file`].
+    /// Adds a user to the supervisors' listener of a configuration from [`Self::file`].
     #[must_use]
     pub fn supervisor(mut self, name: &str, password: &str) -> Self {
         self.supervisors.push((name.to_owned(), password.to_owned()));
         self
     }
 
-    /// Who may read and write what: the text of an `acl_file`.
+    /// Sets the access rules: the text of an `acl_file`.
     #[must_use]
     pub fn acl(mut self, text: &str) -> Self {
         self.acl = Some(text.to_owned());
         self
     }
 
-    /// A further line of its configuration.
+    /// Adds a line to the configuration.
     #[must_use]
     pub fn line(mut self, line: &str) -> Self {
         self.lines.push(line.to_owned());
         self
     }
 
-    /// Mosquitto's own limits and defaults: queues of 1,000 messages, and small packets that wait.
+    /// Uses Mosquitto's own limits and defaults: queues of 1,000 messages, and Nagle's algorithm delays small packets.
     #[must_use]
     pub fn default_limits(mut self) -> Self {
         self.has_default_limits = true;
         self
     }
 
-    /// Takes the configuration from that text, such as a file that is shipped: the ports of its listeners (the first for
-    /// robots, the second, if there is one, for supervisors), the paths of files and the user that it runs as are put in.
+    /// Uses this configuration text, such as a shipped file. The ports of its listeners (the first for robots, an
+    /// optional second one for supervisors), the paths of files and the user of the process are replaced.
     #[must_use]
     pub fn file(mut self, text: &str) -> Self {
         self.file = Some(text.to_owned());
         self
     }
 
-    /// Starts the broker and waits until it says that it runs.
+    /// Starts the broker and waits until it logs that it runs.
     ///
     /// # Panics
     /// Mosquitto is not installed, or does not start.
     #[must_use]
     pub fn start(&self) -> Mosquitto {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        // Between the look at a port and the broker's start another test may take it.
+        // Another test may take the port between the check and the broker's start.
         for _ in 0..5 {
             let (port, second) = (free_port(), free_port());
             self.configure(folder.path(), [port, second]);
@@ -162,7 +162,7 @@ impl Builder {
             Some(text) => substituted(text, folder, ports),
             None => self.settings(folder, ports[0]),
         };
-        // As root it would change to a user that cannot read the folder.
+        // As root, Mosquitto would change to a user that cannot read the folder.
         settings.push("user root".to_owned());
         settings.extend(self.lines.iter().cloned());
         write(folder, "mosquitto.conf", &(settings.join("\n") + "\n"));
@@ -211,7 +211,7 @@ impl Builder {
     }
 }
 
-/// A shipped configuration with what must differ in a test: ports, paths and where the log goes.
+/// A shipped configuration with ports, paths and log destination replaced for the test.
 fn substituted(text: &str, folder: &Path, ports: [u16; 2]) -> Vec<String> {
     let mut ports = ports.into_iter();
     let line = |line: &str| {
@@ -219,7 +219,7 @@ fn substituted(text: &str, folder: &Path, ports: [u16; 2]) -> Vec<String> {
         let file = || Path::new(value).file_name().expect("a file").to_string_lossy().into_owned();
         match setting {
             "listener" => format!("{LISTENER}{} 127.0.0.1", ports.next().expect("at most two listeners")),
-            // With its information it says that it runs.
+            // The log level `information` includes the line that the broker runs.
             "log_dest" => "log_dest stderr\nlog_type information".to_owned(),
             "password_file" | "acl_file" | "certfile" | "keyfile" | "cafile" => {
                 format!("{setting} {}", folder.join(file()).display())
@@ -230,10 +230,10 @@ fn substituted(text: &str, folder: &Path, ports: [u16; 2]) -> Vec<String> {
     text.lines().map(line).collect()
 }
 
-/// Adds a user to a password file, which is made if it is not there.
+/// Adds a user to a password file and creates the file if needed.
 ///
 /// # Panics
-/// Mosquitto's program for that is not installed, or fails.
+/// `mosquitto_passwd` is not installed or fails.
 pub fn add_user(passwords: &Path, name: &str, password: &str) {
     let mut command = Command::new("mosquitto_passwd");
     if !passwords.exists() {
@@ -244,7 +244,7 @@ pub fn add_user(passwords: &Path, name: &str, password: &str) {
 }
 
 impl Mosquitto {
-    /// Starts a broker that asks nobody anything, and waits until it says that it runs.
+    /// Starts a broker without authentication and waits until it runs.
     ///
     /// # Panics
     /// Mosquitto is not installed, or does not start.
@@ -253,7 +253,8 @@ impl Mosquitto {
         Builder::default().start()
     }
 
-    /// Starts a broker with its own default limits: a queue of 1,000 messages, small messages that wait.
+    /// Starts a broker with Mosquitto's default limits: queues of 1,000 messages, and Nagle's algorithm delays small
+    /// packets.
     ///
     /// # Panics
     /// As [`Self::start`].
@@ -262,31 +263,32 @@ impl Mosquitto {
         Builder::default().default_limits().start()
     }
 
-    /// A broker that is told more.
+    /// A broker with further settings.
     #[must_use]
     pub fn builder() -> Builder {
         Builder::default()
     }
 
-    /// The folder with its files: `mosquitto.conf`, and `passwords`, `acl`, `server.crt` and others as told.
+    /// The broker's folder: `mosquitto.conf` and, depending on the settings, `passwords`, `acl`, `server.crt` and
+    /// others.
     #[must_use]
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Where it listens, on 127.0.0.1.
+    /// Port of the first listener on 127.0.0.1.
     #[must_use]
     pub fn port(&self) -> u16 {
         self.port
     }
 
-    /// Where it listens for supervisors, on 127.0.0.1: [`Self::port`] unless its configuration has a second listener.
+    /// Port of the supervisors' listener on 127.0.0.1: [`Self::port`] unless the configuration has a second listener.
     #[must_use]
     pub fn supervisor_port(&self) -> u16 {
         self.supervisor_port
     }
 
-    /// Its process.
+    /// Process id of the broker.
     #[must_use]
     pub fn pid(&self) -> u32 {
         self.process.id()
@@ -301,7 +303,7 @@ impl Mosquitto {
         self.log.lock().expect("no panic while it was held").clone()
     }
 
-    /// How many lines of its log hold that text.
+    /// Number of log lines that contain this text.
     ///
     /// # Panics
     /// The thread that reads the log has panicked.
@@ -311,10 +313,10 @@ impl Mosquitto {
         lines.iter().filter(|line| line.contains(text)).count()
     }
 
-    /// Stops it in its tracks (SIGSTOP): connections stand, and nothing is answered.
+    /// Freezes the broker (SIGSTOP): connections stay open, and it answers nothing.
     ///
     /// # Panics
-    /// Its process is not ours any more.
+    /// The broker's process has ended.
     #[must_use]
     pub fn freeze(&self) -> Frozen {
         let pid = Pid::from_raw(i32::try_from(self.process.id()).expect("a process id"));
@@ -322,19 +324,19 @@ impl Mosquitto {
         Frozen(pid)
     }
 
-    /// Kills the broker (SIGKILL): connections break, and everything that it had is gone.
+    /// Kills the broker (SIGKILL): connections break, and all messages and sessions are lost.
     ///
     /// # Panics
-    /// Its process is not ours any more.
+    /// The broker's process has ended.
     pub fn kill(&mut self) {
         self.process.kill().expect("our process");
         self.process.wait().expect("our process");
     }
 
-    /// Starts it again on the same port.
+    /// Starts the broker again on the same port.
     ///
     /// # Panics
-    /// It does not start.
+    /// The broker does not start.
     pub fn restart(&mut self) {
         self.process = run(self.folder.path(), &self.log).expect("Mosquitto did not start again");
     }
@@ -348,18 +350,18 @@ impl Drop for Mosquitto {
     }
 }
 
-/// A port of 127.0.0.1 that nothing listens on.
+/// A port of 127.0.0.1 on which no process listens.
 ///
 /// # Panics
-/// There is none.
+/// No free port is found.
 #[must_use]
 pub fn free_port() -> u16 {
-    // The standard library's hasher starts at random: tests that run at once look at different ports.
+    // The standard library's hasher has a random seed, so tests that run in parallel try different ports.
     let any = || PORTS.start + (RandomState::new().build_hasher().finish() % PORTS.len() as u64) as u16;
     (0..100).map(|_| any()).find(|&port| TcpListener::bind(("127.0.0.1", port)).is_ok()).expect("a free port")
 }
 
-/// The process, once it runs; none if it has ended instead.
+/// Starts the process and waits until it runs. None if it ends instead.
 fn run(folder: &Path, lines: &Log) -> Option<Child> {
     let program = ["/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto", "/opt/homebrew/sbin/mosquitto"]
         .into_iter()
@@ -376,7 +378,7 @@ fn run(folder: &Path, lines: &Log) -> Option<Child> {
         .expect("Mosquitto must be installed for this test");
     let log = BufReader::new(process.stderr.take().expect("piped"));
     let (running, ran) = std::sync::mpsc::channel();
-    // Reads on after that, so that the broker never waits for its log to be read.
+    // Reading goes on afterwards so that a full pipe never blocks the broker.
     let lines = lines.clone();
     std::thread::spawn(move || {
         for line in log.lines().map_while(Result::ok) {

@@ -54,18 +54,18 @@ impl MqttProxy {
         Self { port, loss, ending, listening: tokio::spawn(listen(listener, link)) }
     }
 
-    /// Where it listens, on 127.0.0.1.
+    /// Port of the proxy on 127.0.0.1.
     #[must_use]
     pub fn port(&self) -> u16 {
         self.port
     }
 
-    /// Loses this from now on, on connections that stand as well as on new ones.
+    /// Loses this traffic from now on, on existing and new connections.
     pub fn lose(&self, loss: Loss) {
         self.loss.send_replace(loss);
     }
 
-    /// Ends every connection that there is as the broker would: with DISCONNECT and that reason.
+    /// Ends every existing connection as a broker would: with DISCONNECT and this reason code.
     pub fn end_for(&self, reason: u8) {
         self.ending.send_replace(reason);
     }
@@ -99,14 +99,14 @@ async fn listen(listener: TcpListener, link: Link) {
 }
 
 async fn join(client: TcpStream, mut link: Link) {
-    // A new connection ignores reasons given before.
+    // A new connection ignores earlier reasons.
     link.ending.mark_unchanged();
     let Ok(broker) = TcpStream::connect(link.broker).await else { return };
     let _ = (client.set_nodelay(true), broker.set_nodelay(true));
     let (from_client, to_client) = client.into_split();
     let (from_broker, to_broker) = broker.into_split();
     let to_broker = Arc::new(Mutex::new(to_broker));
-    // Either end ends both.
+    // The end of one direction also ends the other one.
     tokio::select! {
         () = upstream(from_client, &to_broker, link.loss.clone()) => {}
         () = downstream(from_broker, to_client, &to_broker, link) => {}
@@ -142,7 +142,7 @@ async fn downstream(
             packet = read(&mut from) => packet,
             Ok(()) = link.ending.changed() => {
                 let reason = *link.ending.borrow();
-                // Without properties: a length of 0.
+                // A DISCONNECT without properties.
                 let _ = to.write_all(&[DISCONNECT << 4, 2, reason, 0]).await;
                 return;
             }
@@ -153,7 +153,7 @@ async fn downstream(
             Loss::FromBroker => true,
             Loss::Topics(lost) if packet.kind() == PUBLISH => {
                 let is_lost = lost.iter().any(|filter| matches(filter, packet.topic()));
-                // The broker must not wait for an acknowledgement: it would hold everything else back.
+                // The proxy acknowledges the message, or the broker would wait and hold back everything else.
                 if let Some([high, low]) = packet.packet_id().filter(|_| is_lost)
                     && to_broker.lock().await.write_all(&[PUBACK << 4, 2, high, low]).await.is_err()
                 {
@@ -175,10 +175,10 @@ fn matches(filter: &str, topic: &[u8]) -> bool {
         && levels.next().is_none()
 }
 
-/// A whole packet.
+/// A complete MQTT packet.
 struct Packet {
     bytes: Vec<u8>,
-    /// Where the packet's body begins, after the length.
+    /// Offset of the packet's body, after the length.
     body: usize,
 }
 
@@ -187,20 +187,20 @@ impl Packet {
         self.bytes[0] >> 4
     }
 
-    /// Of a PUBLISH.
+    /// Topic of a PUBLISH packet.
     fn topic(&self) -> &[u8] {
         let body = &self.bytes[self.body..];
         let length = usize::from(u16::from_be_bytes([body[0], body[1]]));
         &body[2..2 + length]
     }
 
-    /// Of a PUBLISH with QoS 1.
+    /// Packet id of a PUBLISH packet with QoS 1.
     fn packet_id(&self) -> Option<[u8; 2]> {
         let at = self.body + 2 + self.topic().len();
         (self.bytes[0] & 0b0110 != 0).then(|| [self.bytes[at], self.bytes[at + 1]])
     }
 
-    /// Makes a filter one that nothing matches, of the same length.
+    /// Replaces a filter by one of the same length that matches nothing.
     fn spoil(&mut self, filter: &str) {
         let length = u16::try_from(filter.len()).expect("a filter").to_be_bytes();
         let wanted = [&length, filter.as_bytes()].concat();
@@ -211,7 +211,7 @@ impl Packet {
     }
 }
 
-/// The next packet; none at the end of the connection.
+/// Reads the next packet. None at the end of the connection.
 async fn read(from: &mut OwnedReadHalf) -> Option<Packet> {
     let mut bytes = vec![from.read_u8().await.ok()?];
     let mut length = 0_usize;

@@ -1,4 +1,4 @@
-//! A plain MQTT client for tests: it hears what a fleet and its supervisor say, and can say anything.
+//! A plain MQTT client for tests: it receives the messages of a fleet and its supervisor, and can publish anything.
 
 use std::time::Duration;
 
@@ -10,25 +10,25 @@ use vibrissa_protocol::{Message, RobotTopic, Topic, decode, encode};
 
 use crate::wait::PATIENCE;
 
-/// Larger than anything that a test sends.
+/// Largest packet size in bytes; no test sends more.
 const PACKET_MAX: u32 = 8 << 20;
 
-/// A message as it came.
+/// A message as it was received.
 #[derive(Debug, Clone)]
 pub struct Heard {
-    /// What it says.
+    /// Decoded content of the message.
     pub message: Message,
-    /// Its bytes.
+    /// Payload as received.
     pub payload: Vec<u8>,
-    /// Whether it was retained before.
+    /// Whether the broker had retained the message.
     pub retained: bool,
-    /// The quality of service it came with: the lower of the sender's and ours, which is 1.
+    /// Quality of service of the delivery: the lower of the sender's and the subscription's, which is 1.
     pub qos: QoS,
-    /// What is left of its time in the broker.
+    /// Remaining message expiry interval, seconds.
     pub expiry_s: Option<u32>,
 }
 
-/// A client that is subscribed to messages of the contract.
+/// A client with subscriptions to messages of the contract.
 pub struct Observer {
     client: AsyncClient,
     heard: mpsc::UnboundedReceiver<Heard>,
@@ -36,18 +36,18 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// Connects and subscribes to everything of the fleet `f`; what is retained comes first.
+    /// Connects and subscribes to everything of fleet `f`; retained messages come first.
     pub async fn connect(port: u16, name: &str) -> Self {
         Self::subscribed(port, name, &["whisker/v1/f/#"]).await
     }
 
-    /// Connects and subscribes.
+    /// Connects and subscribes to the given topic filters.
     ///
     /// # Panics
-    /// There is no broker.
+    /// No broker answers in time.
     pub async fn subscribed(port: u16, name: &str, filters: &[&str]) -> Self {
         let mut options = MqttOptions::new(name, ("127.0.0.1", port));
-        // The client keeps a table of this size; its default is the protocol's 65,535.
+        // The client allocates a table of this size; the default is the protocol's limit of 65,535.
         options.set_max_packet_size(Some(PACKET_MAX)).set_outgoing_inflight_upper_limit(256);
         let (client, mut event_loop) = AsyncClient::builder(options).capacity(100).build();
         for filter in filters {
@@ -59,7 +59,7 @@ impl Observer {
                 match event_loop.poll().await {
                     Ok(Event::Incoming(Packet::SubAck(_))) => missing -= 1,
                     Ok(_) => {}
-                    // A broker that was started again may not listen yet.
+                    // A broker that was restarted may not listen yet.
                     Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
                 }
             }
@@ -70,7 +70,7 @@ impl Observer {
         Self { client, heard, poller }
     }
 
-    /// The next message; none if there is none for `patience`.
+    /// The next message. None if no message arrives within `patience`.
     ///
     /// # Panics
     /// The connection broke.
@@ -79,10 +79,10 @@ impl Observer {
         Some(heard.expect("the observer's connection broke"))
     }
 
-    /// The next message that `choose` takes; others are passed over.
+    /// The next message for which `choose` returns a value; other messages are discarded.
     ///
     /// # Panics
-    /// None comes.
+    /// No such message arrives in time.
     pub async fn expect<T>(&mut self, what: &str, mut choose: impl FnMut(Heard) -> Option<T>) -> T {
         let found = async {
             loop {
@@ -92,23 +92,23 @@ impl Observer {
                 }
             }
         };
-        tokio::time::timeout(PATIENCE, found).await.unwrap_or_else(|_| panic!("did not hear: {what}"))
+        tokio::time::timeout(PATIENCE, found).await.unwrap_or_else(|_| panic!("not received in time: {what}"))
     }
 
-    /// Speaks as the supervisor to robot `r`.
+    /// Publishes a message to robot `r` as the supervisor would.
     pub async fn send(&self, topic: RobotTopic, message: &impl Serialize) {
         self.publish(&format!("whisker/v1/f/r/{topic}"), encode(message), false).await;
     }
 
-    /// Says anything, with QoS 1; returns when the broker has it.
+    /// Publishes any payload with QoS 1 and returns when the broker has acknowledged it.
     ///
     /// # Panics
-    /// The broker does not take it.
+    /// The broker does not acknowledge it in time.
     pub async fn publish(&self, topic: &str, payload: Vec<u8>, retain: bool) {
         let options = PublishOptions::new(QoS::AtLeastOnce).retain(retain);
         let taken = async {
             let notice = self.client.publish_tracked(topic, payload, options).await.expect("a connected client");
-            // A topic that nobody listens to is a failure here, but none for a test.
+            // The client reports a topic without subscribers as a failure; tests accept it.
             let _ = notice.wait_async().await;
         };
         tokio::time::timeout(PATIENCE, taken).await.unwrap_or_else(|_| panic!("cannot publish on {topic}"));

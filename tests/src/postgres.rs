@@ -1,4 +1,4 @@
-//! A PostgreSQL of the test's own: on a free port, in a temporary folder, with `fsync` on, stopped by its process.
+//! Runs a private PostgreSQL on a free port with its data in a temporary folder; `fsync` is on.
 
 use std::fs::File;
 use std::os::unix::fs::chown;
@@ -17,18 +17,18 @@ use crate::certificates::write;
 use crate::mosquitto::free_port;
 use crate::wait;
 
-/// The superuser, who needs no password on this machine.
+/// Name of the superuser, who needs no password on this machine.
 const USER: &str = "vibrissa";
-/// The role that supervisors use when they are deployed.
+/// Database role of supervisors in a deployment.
 const SUPERVISOR: &str = "supervisor";
-/// The shipped file that makes it.
+/// The shipped file that creates this role.
 const SUPERVISOR_SQL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/postgres/supervisor.sql");
-/// The database that is there from the start, empty.
+/// Name of the database that exists, empty, after the start.
 pub const DATABASE: &str = "vibrissa";
-/// How long an orderly end may take before it is a disorderly one.
+/// Time limit of an orderly shutdown; afterwards the server is killed.
 const END_PATIENCE: Duration = Duration::from_secs(5);
 
-/// A running server; dropped, it is stopped.
+/// A running server, stopped on drop.
 #[derive(Debug)]
 pub struct Postgres {
     folder: TempDir,
@@ -60,7 +60,7 @@ impl Postgres {
         server
     }
 
-    /// Starts a server in which supervisors have the role that is shipped: [`Self::supervisor_url`].
+    /// Starts a server with the shipped role for supervisors; see [`Self::supervisor_url`].
     ///
     /// # Panics
     /// As [`Self::start`].
@@ -70,10 +70,10 @@ impl Postgres {
         server
     }
 
-    /// Runs the shipped `deploy/postgres/supervisor.sql` in its database.
+    /// Runs the shipped `deploy/postgres/supervisor.sql` in the database.
     ///
     /// # Panics
-    /// It fails.
+    /// The script fails.
     pub fn make_supervisor(&self) {
         let password = write(self.folder.path(), "supervisor.password", "none\n");
         let mut psql = self.client("psql");
@@ -82,31 +82,31 @@ impl Postgres {
         assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     }
 
-    /// Its database's URL for the role of [`Self::make_supervisor`], as seen through that port of 127.0.0.1.
+    /// URL of the database for the role of [`Self::make_supervisor`], through this port of 127.0.0.1.
     #[must_use]
     pub fn supervisor_url(port: u16) -> String {
         format!("postgres://{SUPERVISOR}@127.0.0.1:{port}/{DATABASE}")
     }
 
-    /// Where it listens, on 127.0.0.1.
+    /// Port of the server on 127.0.0.1.
     #[must_use]
     pub fn port(&self) -> u16 {
         self.port
     }
 
-    /// Its process, whose children serve connections; none while it is down.
+    /// Process id of the server, whose child processes serve the connections. None while it is down.
     #[must_use]
     pub fn pid(&self) -> Option<u32> {
         self.process.as_ref().map(Child::id)
     }
 
-    /// Its database's URL as seen through that port of 127.0.0.1: its own, or that of a proxy before it.
+    /// URL of the database through this port of 127.0.0.1: the server's own, or that of a proxy in front of it.
     #[must_use]
     pub fn url(port: u16) -> String {
         format!("postgres://{USER}@127.0.0.1:{port}/{DATABASE}")
     }
 
-    /// How to connect to its database.
+    /// Options for a connection to the database.
     #[must_use]
     pub fn connect(&self) -> PgConnectOptions {
         self.options(DATABASE)
@@ -116,7 +116,7 @@ impl Postgres {
         PgConnectOptions::new().host("127.0.0.1").port(self.port).username(USER).database(database)
     }
 
-    /// One of PostgreSQL's client programs, told where the server is and whom to be.
+    /// One of PostgreSQL's client programs with the server's address and user set.
     #[must_use]
     pub fn client(&self, program: &str) -> Command {
         let mut client = Command::new(path_of(program));
@@ -124,27 +124,27 @@ impl Postgres {
         client
     }
 
-    /// Kills the server with all its processes, as a power failure would: nothing can be tidied up.
+    /// Kills the server with all its processes, without cleanup, as after a power failure.
     ///
     /// # Panics
-    /// Its processes are not ours any more.
+    /// The server's processes have ended.
     pub fn kill(&mut self) {
         let Some(mut process) = self.process.take() else { return };
         let server = pid_of(&process);
-        // A stopped server makes no new process while they are counted.
+        // A stopped server creates no new process while its processes are listed.
         kill(server, Signal::SIGSTOP).expect("our process");
         for child in children(server) {
-            // It may have just ended by itself.
+            // It may have just ended on its own.
             let _ = kill(child, Signal::SIGKILL);
         }
         process.kill().expect("our process");
         process.wait().expect("our process");
     }
 
-    /// Starts it again on the same port; returns when it has recovered and answers.
+    /// Starts the server again on the same port; returns when it has recovered and accepts connections.
     ///
     /// # Panics
-    /// It does not start.
+    /// The server does not start.
     pub async fn restart(&mut self) {
         let log = File::options().create(true).append(true).open(self.folder.path().join("log")).expect("a log");
         let process = command("postgres", self.folder.path())
@@ -164,7 +164,7 @@ impl Postgres {
         .await;
     }
 
-    /// What it says of itself.
+    /// The server's log.
     fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
     }
@@ -173,7 +173,7 @@ impl Postgres {
 impl Drop for Postgres {
     fn drop(&mut self) {
         let Some(process) = &mut self.process else { return };
-        // "Immediate": no checkpoint, but its shared memory is given back.
+        // SIGQUIT is PostgreSQL's immediate shutdown: it writes no checkpoint but frees the shared memory.
         let _ = kill(pid_of(process), Signal::SIGQUIT);
         let deadline = std::time::Instant::now() + END_PATIENCE;
         while std::time::Instant::now() < deadline {
@@ -191,20 +191,20 @@ fn pid_of(process: &Child) -> Pid {
     Pid::from_raw(i32::try_from(process.id()).expect("a process id"))
 }
 
-/// The processes that a process has started; Linux.
+/// Child processes of a process (Linux only).
 fn children(parent: Pid) -> Vec<Pid> {
     let entries = std::fs::read_dir("/proc").expect("Linux");
     let of_parent = |entry: std::fs::DirEntry| {
         let pid: i32 = entry.file_name().to_str()?.parse().ok()?;
         let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
-        // After the name, which may hold anything, come the state and the parent.
+        // The process name may contain any character; after it follow the state and the parent's id.
         let parent_of_it: i32 = stat.rsplit_once(") ")?.1.split(' ').nth(1)?.parse().ok()?;
         (parent_of_it == parent.as_raw()).then(|| Pid::from_raw(pid))
     };
     entries.filter_map(Result::ok).filter_map(of_parent).collect()
 }
 
-/// One of the server's programs, run in the folder, and never as root: the server refuses that.
+/// One of the server's programs, run in the folder, never as root: the server refuses to run as root.
 fn command(program: &str, folder: &Path) -> Command {
     let mut command = Command::new(path_of(program));
     command.current_dir(folder).env_remove("PGDATA");
@@ -214,7 +214,7 @@ fn command(program: &str, folder: &Path) -> Command {
     command
 }
 
-/// Debian keeps the server's programs off the search path; the newest version is taken.
+/// Path of a server program. Debian keeps these off the search path; the newest version is used.
 fn path_of(program: &str) -> PathBuf {
     let versions = std::fs::read_dir("/usr/lib/postgresql").into_iter().flatten().filter_map(Result::ok);
     let newest = versions
@@ -224,7 +224,7 @@ fn path_of(program: &str) -> PathBuf {
     newest.map_or_else(|| PathBuf::from(program), |(_, path)| path.join("bin").join(program))
 }
 
-/// Whom to be instead of root: `postgres`, whom its package makes.
+/// User and group to use instead of root: `postgres`, created by PostgreSQL's package.
 fn account() -> Option<(u32, u32)> {
     let id = |arguments: &[&str]| -> Option<u32> {
         String::from_utf8(Command::new("id").args(arguments).output().ok()?.stdout).ok()?.trim().parse().ok()
@@ -249,7 +249,7 @@ mod tests {
         connection.execute("INSERT INTO t VALUES (1)").await.unwrap();
         let server_pid = pid_of(server.process.as_ref().unwrap());
         let pids = children(server_pid);
-        assert!(pids.len() > 2, "its writers and our connection's: {pids:?}");
+        assert!(pids.len() > 2, "expected the background writers and one connection: {pids:?}");
         server.kill();
         assert!(connection.execute("SELECT 1").await.is_err());
         for pid in pids {

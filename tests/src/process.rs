@@ -1,4 +1,4 @@
-//! `vibrissa run` as a process of its own, which can be stopped in every way that there is.
+//! Runs `vibrissa run` as a child process, which a test can kill, freeze or stop.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -9,20 +9,20 @@ use std::time::Duration;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
-/// How it is started, each time.
+/// Command line and environment, used at each start.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// The program.
+    /// Path of the program.
     pub program: PathBuf,
-    /// Its arguments.
+    /// Arguments of the program.
     pub arguments: Vec<String>,
-    /// What it finds in its environment.
+    /// Additional environment variables.
     pub environment: Vec<(String, String)>,
-    /// Where its standard error is appended.
+    /// File to which its standard error is appended.
     pub log: PathBuf,
 }
 
-/// A process that may run or not; dropped, it is killed.
+/// A process that may or may not run; killed on drop.
 #[derive(Debug)]
 pub struct Process {
     launch: Launch,
@@ -30,14 +30,14 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts it.
+    /// Starts the process.
     pub fn start(launch: Launch) -> Self {
         let mut process = Self { launch, running: None };
         process.restart();
         process
     }
 
-    /// Starts it again after it has ended.
+    /// Starts the process again after it has ended.
     ///
     /// # Panics
     /// The program cannot be started.
@@ -53,44 +53,44 @@ impl Process {
             .spawn()
             .unwrap_or_else(|problem| panic!("cannot start {}: {problem}", launch.program.display()));
         let lines = BufReader::new(child.stdout.take().expect("piped")).lines();
-        // Read on, so that it never waits for being heard.
+        // Reading goes on so that a full pipe never blocks the process.
         std::thread::spawn(move || lines.map_while(Result::ok).for_each(drop));
         self.running = Some(child);
     }
 
-    /// Its process id.
+    /// Id of the running process.
     ///
     /// # Panics
-    /// It does not run.
+    /// The process is not running.
     #[must_use]
     pub fn pid(&self) -> u32 {
         self.running.as_ref().expect("a running process").id()
     }
 
-    /// Sends it a signal: SIGSTOP and SIGCONT freeze and revive it.
+    /// Sends a signal to the process: SIGSTOP freezes it, SIGCONT revives it.
     ///
     /// # Panics
-    /// It does not run.
+    /// The process is not running.
     pub fn signal(&self, signal: Signal) {
         let running = self.running.as_ref().expect("a running process");
         let pid = Pid::from_raw(i32::try_from(running.id()).expect("a process id"));
         kill(pid, signal).expect("our process");
     }
 
-    /// Kills it: it cannot tidy up.
+    /// Kills the process without any cleanup.
     ///
     /// # Panics
-    /// It does not run.
+    /// The process is not running.
     pub fn kill(&mut self) {
         let mut running = self.running.take().expect("a running process");
         running.kill().expect("our process");
         running.wait().expect("our process");
     }
 
-    /// Waits for its end, after SIGTERM for instance; none if it goes on for longer than `patience`.
+    /// Waits for the process to end, after SIGTERM for instance. None if it still runs after `patience`.
     ///
     /// # Panics
-    /// It does not run.
+    /// The process is not running.
     pub async fn ended(&mut self, patience: Duration) -> Option<ExitStatus> {
         let deadline = tokio::time::Instant::now() + patience;
         loop {
@@ -104,10 +104,10 @@ impl Process {
         }
     }
 
-    /// Its exit status, if it has ended by itself since it was last started.
+    /// Exit status of the process if it has ended on its own since its last start.
     ///
     /// # Panics
-    /// It does not run.
+    /// The process is not running.
     pub fn ended_already(&mut self) -> Option<ExitStatus> {
         let status = self.running.as_mut()?.try_wait().expect("our process");
         if status.is_some() {
@@ -116,7 +116,7 @@ impl Process {
         status
     }
 
-    /// Whether it was started and has not ended, as far as is known.
+    /// Whether the process was started and, as far as is known, has not ended.
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.running.is_some()
@@ -126,7 +126,7 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         if let Some(running) = &mut self.running {
-            // It may have ended already; a frozen one ends as well.
+            // It may have ended already. A frozen process can be killed, too.
             let _ = running.kill();
             let _ = running.wait();
         }

@@ -1,4 +1,4 @@
-//! A Prometheus of the test's own: on a free port, in a temporary folder, stopped by its process.
+//! Runs a private Prometheus on a free port with its data in a temporary folder.
 
 use std::fs::File;
 use std::io;
@@ -12,7 +12,7 @@ use tokio::net::TcpStream;
 use crate::mosquitto::free_port;
 use crate::wait;
 
-/// A running server; dropped, it is killed.
+/// A running server, killed on drop.
 #[derive(Debug)]
 pub struct Prometheus {
     process: Child,
@@ -21,7 +21,7 @@ pub struct Prometheus {
 }
 
 impl Prometheus {
-    /// Starts it with that text as its configuration, and waits until it is ready.
+    /// Starts the server with this configuration and waits until it is ready.
     ///
     /// # Panics
     /// Prometheus is not installed, or does not start.
@@ -48,13 +48,13 @@ impl Prometheus {
         server
     }
 
-    /// The data of an answer of its API: `query` with parameters, say.
+    /// The data of an answer of its API, for example of `query` with parameters.
     ///
     /// # Errors
-    /// It refuses the request, with its reason.
+    /// Prometheus refuses the request; the text is its reason.
     ///
     /// # Panics
-    /// It does not answer.
+    /// Prometheus does not answer.
     pub async fn ask(&self, what: &str, parameters: &[(&str, &str)]) -> Result<Value, String> {
         let parameters: Vec<String> =
             parameters.iter().map(|(name, value)| format!("{}={}", escaped(name), escaped(value))).collect();
@@ -67,7 +67,7 @@ impl Prometheus {
         }
     }
 
-    /// What it says of itself.
+    /// The server's log.
     fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
     }
@@ -81,7 +81,7 @@ impl Drop for Prometheus {
     }
 }
 
-/// Status and body, in HTTP/1.0: what is longer is not sent in chunks then.
+/// Status and body of an answer. HTTP/1.0 avoids chunked answers.
 async fn get(port: u16, path: &str) -> io::Result<(u16, String)> {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).await?;
     stream.write_all(format!("GET {path} HTTP/1.0\r\n\r\n").as_bytes()).await?;
@@ -93,7 +93,7 @@ async fn get(port: u16, path: &str) -> io::Result<(u16, String)> {
     Ok((status, body.to_owned()))
 }
 
-/// Text as part of a URL.
+/// Escapes text for use in a URL.
 fn escaped(text: &str) -> String {
     let one = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => char::from(byte).to_string(),

@@ -1,4 +1,4 @@
-//! A TCP link that can be cut and stalled: between a client and a server on 127.0.0.1.
+//! A TCP link between a client and a server on 127.0.0.1 that can be cut and stalled.
 
 use std::future::pending;
 use std::net::SocketAddr;
@@ -9,19 +9,19 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 use tokio::task::{JoinHandle, JoinSet};
 
-/// What is under way inside at most, per connection and direction: no more than a link holds.
+/// Bytes buffered per connection and direction, about as many as a network link holds.
 const BUFFER: usize = 16 << 10;
 
-/// How the link is.
+/// Shared state of the link.
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
-    /// Counts cuts: connections of an earlier count are over.
+    /// Number of cuts so far; a connection of an earlier count is closed.
     cuts: u64,
-    /// Nothing passes.
+    /// Whether no data passes.
     stalled: bool,
 }
 
-/// A listener that passes everything on to a server, in both directions; dropped, all its connections are cut.
+/// A listener that forwards everything to a server, in both directions. All its connections are cut on drop.
 #[derive(Debug)]
 pub struct Proxy {
     port: u16,
@@ -30,7 +30,7 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// Listens on a free port of 127.0.0.1 for what is to go to another one.
+    /// Listens on a free port of 127.0.0.1 and forwards to another port.
     ///
     /// # Panics
     /// There is no free port.
@@ -42,18 +42,18 @@ impl Proxy {
         Self { port, state, listening }
     }
 
-    /// Where it listens, on 127.0.0.1.
+    /// Port of the proxy on 127.0.0.1.
     #[must_use]
     pub fn port(&self) -> u16 {
         self.port
     }
 
-    /// Ends every connection that there is now; new ones can be made at once.
+    /// Closes every existing connection; new ones can be made at once.
     pub fn cut(&self) {
         self.state.send_modify(|state| state.cuts += 1);
     }
 
-    /// Lets nothing pass, without a sign of it, or lets everything pass again that has waited meanwhile.
+    /// Silently stops all data, or lets it pass again together with the data that has waited.
     pub fn stall(&self, stalled: bool) {
         self.state.send_modify(|state| state.stalled = stalled);
     }
@@ -70,7 +70,7 @@ async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Receive
     loop {
         tokio::select! {
             accepted = listener.accept() => {
-                // Too many open files, perhaps: whoever was not accepted tries again.
+                // Perhaps there are too many open files; the refused client tries again.
                 let Ok((client, _)) = accepted else { continue };
                 connections.spawn(join(client, server, state.clone()));
             }
@@ -79,14 +79,14 @@ async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Receive
     }
 }
 
-/// One connection, until either side ends it or it is cut.
+/// Runs one connection until either side closes it or it is cut.
 async fn join(client: TcpStream, server: SocketAddr, state: watch::Receiver<State>) {
     let born_at = state.borrow().cuts;
     let passing = async {
-        // A stalled link lets nobody see whether there is a server.
+        // While the link is stalled, the client must not notice whether there is a server.
         passable(&mut state.clone()).await;
         let Ok(server) = TcpStream::connect(server).await else { return };
-        // It is no part of the link's properties whether small messages wait: the ends decide that.
+        // The two ends decide whether small messages are delayed; the link must not delay them.
         let _ = (client.set_nodelay(true), server.set_nodelay(true));
         let (from_client, to_client) = client.into_split();
         let (from_server, to_server) = server.into_split();
@@ -100,7 +100,7 @@ async fn join(client: TcpStream, server: SocketAddr, state: watch::Receiver<Stat
     }
 }
 
-/// One direction. What is not read waits with its sender: nobody can send much more than passes.
+/// Forwards one direction. Unread data waits at the sender, which can send little more than passes.
 async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut state: watch::Receiver<State>) {
     let mut buffer = vec![0; BUFFER];
     while let Ok(length @ 1..) = from.read(&mut buffer).await {
@@ -109,7 +109,7 @@ async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut state: watch:
             return;
         }
     }
-    // An end passes the link like everything else.
+    // The end of a stream is delayed by a stall like data.
     passable(&mut state).await;
     let _ = to.shutdown().await;
 }
@@ -121,7 +121,7 @@ async fn passable(state: &mut watch::Receiver<State>) {
 }
 
 async fn is_cut(mut state: watch::Receiver<State>, born_at: u64) {
-    // Without a sender the proxy is gone: that is a cut, too.
+    // The sender is gone if the proxy was dropped, which is a cut, too.
     let _ = state.wait_for(|state| state.cuts > born_at).await;
 }
 
@@ -135,7 +135,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_millis(200);
 
-    /// A server that says again whatever it is told.
+    /// A server that echoes its input.
     async fn echo() -> u16 {
         let listener = TcpListener::bind(("127.0.0.1", 0)).await.unwrap();
         let port = listener.local_addr().unwrap().port();
@@ -187,12 +187,12 @@ mod tests {
         says_again(&mut stream, b"one").await;
         proxy.stall(true);
         let mut sent = 0_usize;
-        // Far more than all the system's buffers of a connection.
+        // Far more than all system buffers of a connection.
         while let Ok(length) = timeout(SOON, stream.write(&[7; 65_536])).await {
             sent += length.unwrap();
-            assert!(sent < 64 << 20, "a stalled link takes everything");
+            assert!(sent < 64 << 20, "the stalled link does not stop the sender");
         }
-        assert!(timeout(SOON, stream.read(&mut [0; 8])).await.is_err(), "nothing passes");
+        assert!(timeout(SOON, stream.read(&mut [0; 8])).await.is_err(), "no data may pass a stalled link");
         proxy.stall(false);
         let mut back = vec![0; sent];
         stream.read_exact(&mut back).await.unwrap();

@@ -1,18 +1,18 @@
-//! Python programs with what they need, in virtual environments that are kept with the build.
+//! Runs Python programs in virtual environments that are cached in the build folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
 
-/// One environment is made at a time.
+/// Only one environment is created at a time.
 static MAKING: Mutex<()> = Mutex::new(());
 
-/// The programs' folder of an environment with the packages of a requirements file of `tests/`; made anew for other
-/// requirements. Where the file has hashes they are checked.
+/// The folder of programs of an environment with the packages of a requirements file in `tests/`. A changed
+/// requirements file creates a new environment. Hashes in the file are verified.
 ///
 /// # Panics
-/// There is no Python 3 with `venv`, or the packages cannot be had.
+/// Python 3 with `venv` is missing, or the packages cannot be installed.
 #[must_use]
 pub fn environment(requirements: &str, target: &str) -> PathBuf {
     let _making = MAKING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

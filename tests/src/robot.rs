@@ -1,4 +1,4 @@
-//! A robot made by hand: the test says what it says, and when. It sends nothing by itself and answers nothing.
+//! A robot controlled by the test: it sends only what the test tells it to send, and answers nothing on its own.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -19,22 +19,22 @@ use vibrissa_simulator::fleet::now_us;
 use crate::observer::{Heard, Observer};
 use crate::wait::{self, PATIENCE};
 
-/// The array that it has.
+/// Name of its only array.
 pub const ARRAY: &str = "left";
-/// Contacts of one message.
+/// Number of contacts per message.
 const CONTACTS_PER_MESSAGE: usize = 20;
-/// From one contact to the next by the robot's clock.
+/// Time between two contacts by the robot's clock, microseconds.
 const CONTACT_US: u64 = 1_000;
 
-/// A robot of the fleet `f`.
+/// A robot of fleet `f`.
 pub struct HandRobot {
-    /// Its connection, to say anything with it.
+    /// Its connection, which can also publish anything else.
     pub mqtt: Observer,
-    /// Its boot.
+    /// Its current boot id.
     pub boot_id: BootId,
     /// Its clock, in microseconds since 1970 UTC.
     pub clock_us: u64,
-    /// What is on it.
+    /// Factsheet of its array.
     pub array: ArrayFacts,
     name: Name,
     model: Model,
@@ -45,16 +45,17 @@ pub struct HandRobot {
     contacts: u64,
 }
 
-/// How a whisker is in truth.
+/// True state of a whisker.
 struct State {
     length_mm: f64,
     pressure_mpa: f64,
 }
 
-/// How long it waits for a receipt before it sends again: the supervisor sends them twice a second, if there are few messages.
+/// Time without a receipt after which contacts are sent again. With few messages the supervisor sends receipts twice a
+/// second.
 const SEND_AGAIN: Duration = Duration::from_millis(600);
 
-/// A neighbour of each beside it, at 0.1 MPa.
+/// An array of whiskers at 0.1 MPa in which each whisker is a neighbour of the next.
 #[must_use]
 pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
     let count = lengths_mm.len() as u16;
@@ -73,7 +74,7 @@ pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
 }
 
 impl HandRobot {
-    /// Connects to a broker and is born; returns when the supervisor has taken its first message.
+    /// Connects to a broker and publishes its birth; returns when the supervisor has accepted its first message.
     pub async fn born(port: u16, name: &str, array: ArrayFacts) -> Self {
         let mut robot = Self::connect(port, name, array).await;
         robot.birth().await;
@@ -81,10 +82,10 @@ impl HandRobot {
         robot
     }
 
-    /// Connects to a broker and says nothing yet.
+    /// Connects to a broker without publishing anything.
     ///
     /// # Panics
-    /// There is no broker.
+    /// No broker answers in time.
     pub async fn connect(port: u16, name: &str, array: ArrayFacts) -> Self {
         let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request]
             .map(|kind| format!("whisker/v1/f/{name}/{kind}"));
@@ -105,20 +106,20 @@ impl HandRobot {
         }
     }
 
-    /// One of its topics.
+    /// Its topic of this kind.
     #[must_use]
     pub fn topic(&self, kind: RobotTopic) -> String {
         format!("whisker/v1/f/{}/{kind}", self.name)
     }
 
-    /// The number of its next message on a topic; it counts as sent.
+    /// Takes the sequence number of its next message on a topic.
     pub fn next_seq(&mut self, kind: RobotTopic) -> u64 {
         let next = self.seqs.entry(kind).or_default();
         *next += 1;
         *next - 1
     }
 
-    /// Says anything on one of its topics.
+    /// Publishes any payload on one of its topics.
     pub async fn say(&self, kind: RobotTopic, payload: impl Into<Vec<u8>>) {
         self.mqtt.publish(&self.topic(kind), payload.into(), kind.is_retained()).await;
     }
@@ -127,7 +128,7 @@ impl HandRobot {
         self.say(kind, encode(message)).await;
     }
 
-    /// Online, with its factsheet and a status.
+    /// Publishes its connection state ONLINE, its factsheet and a status.
     pub async fn birth(&mut self) {
         self.connection(ConnectionState::Online).await;
         let factsheet = self.factsheet();
@@ -135,7 +136,7 @@ impl HandRobot {
         self.status().await;
     }
 
-    /// Says what became of its connection.
+    /// Publishes a connection state.
     pub async fn connection(&mut self, state: ConnectionState) {
         let seq = self.next_seq(RobotTopic::Connection);
         let message = Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(self.clock_us), state };
@@ -155,7 +156,7 @@ impl HandRobot {
         }
     }
 
-    /// Says how its chambers are: each holds what it shall.
+    /// Publishes a status in which each chamber has its target pressure.
     pub async fn status(&mut self) {
         let whiskers = self.array.whiskers.iter().zip(&self.state).map(|(facts, state)| WhiskerStatus {
             array: self.array.array.clone(),
@@ -172,7 +173,7 @@ impl HandRobot {
         self.tell(RobotTopic::Status, &status).await;
     }
 
-    /// A new boot, with every chamber at its nominal pressure: said or not by [`HandRobot::birth`].
+    /// Begins a new boot with every chamber at its nominal pressure, without publishing it; see [`HandRobot::birth`].
     pub fn restart(&mut self) {
         self.boot_id = boot_id(self.name.as_str(), self.clock_us);
         self.seqs.clear();
@@ -181,15 +182,15 @@ impl HandRobot {
         }
     }
 
-    /// Cuts a whisker.
+    /// Cuts a whisker to this length.
     pub fn cut(&mut self, whisker: u16, length_mm: f64) {
         self.state[usize::from(whisker)].length_mm = length_mm;
     }
 
-    /// Its next contact of a whisker.
+    /// The next contact of a whisker.
     pub fn contact(&mut self, whisker: u16) -> Contact {
         let State { length_mm, pressure_mpa } = self.state[usize::from(whisker)];
-        // Every contact ratio and deflection, in an order that repeats only after long.
+        // Covers all contact ratios and deflections in an order that repeats only after many contacts.
         let spread = |step: f64| (self.contacts as f64 * step).fract();
         let (ratio, deflection_mm) = (0.5 + 0.5 * spread(0.618_034), 0.5 + 4.0 * spread(0.754_878));
         self.contacts += 1;
@@ -212,19 +213,19 @@ impl HandRobot {
         }
     }
 
-    /// A message of contacts, with the next number.
+    /// A contacts message with the next sequence number.
     pub fn message(&mut self, contacts: Vec<Contact>) -> Contacts {
         Contacts { boot_id: self.boot_id.clone(), seq: self.next_seq(RobotTopic::Contacts), contacts }
     }
 
-    /// Sends a message of contacts; gives it back.
+    /// Sends a contacts message and returns it.
     pub async fn send(&mut self, contacts: Vec<Contact>) -> Contacts {
         let message = self.message(contacts);
         self.tell(RobotTopic::Contacts, &message).await;
         message
     }
 
-    /// Touches with a whisker that many times.
+    /// Sends this number of contacts of a whisker.
     pub async fn touch(&mut self, whisker: u16, contacts: usize) {
         let contacts: Vec<Contact> = (0..contacts).map(|_| self.contact(whisker)).collect();
         for some in contacts.chunks(CONTACTS_PER_MESSAGE) {
@@ -232,10 +233,11 @@ impl HandRobot {
         }
     }
 
-    /// The next message from the supervisor that `choose` takes; the others are kept for later.
+    /// The next message from the supervisor for which `choose` returns a value; other messages remain for later
+    /// calls.
     ///
     /// # Panics
-    /// None comes.
+    /// No such message arrives in time.
     pub async fn hear<T>(&mut self, what: &str, mut choose: impl FnMut(&Heard) -> Option<T>) -> T {
         if let Some((at, found)) = self.heard.iter().enumerate().find_map(|(at, one)| Some((at, choose(one)?))) {
             self.heard.remove(at);
@@ -250,7 +252,7 @@ impl HandRobot {
         }
     }
 
-    /// The next setpoint, and how it came.
+    /// The next setpoint, with the message that carried it.
     pub async fn setpoint(&mut self) -> (Setpoint, Heard) {
         let heard =
             self.hear("a setpoint", |heard| matches!(heard.message, Message::Setpoint(_)).then(|| heard.clone()));
@@ -259,7 +261,7 @@ impl HandRobot {
         (setpoint.clone(), heard)
     }
 
-    /// The setpoints that have come and were not taken by [`HandRobot::setpoint`].
+    /// Received setpoints that [`HandRobot::setpoint`] has not returned yet.
     #[must_use]
     pub fn setpoints_left(&self) -> Vec<&Setpoint> {
         let mut left = Vec::new();
@@ -271,7 +273,7 @@ impl HandRobot {
         left
     }
 
-    /// Waits until every contacts message of this boot so far is receipted.
+    /// Waits until every contacts message of this boot is receipted.
     pub async fn receipted(&mut self) -> Receipt {
         let next = self.seqs.get(&RobotTopic::Contacts).copied().unwrap_or_default();
         let boot_id = self.boot_id.clone();
@@ -282,8 +284,8 @@ impl HandRobot {
         .await
     }
 
-    /// Waits until the supervisor takes this robot's contacts: before its factsheet is known there they come
-    /// too early, and must be sent again.
+    /// Waits until the supervisor accepts this robot's contacts. Contacts that arrive before the factsheet are not
+    /// receipted and must be sent again.
     pub async fn settle(&mut self) {
         let message = self.message(Vec::new());
         wait::until("a receipt for an empty message", async || {
@@ -302,7 +304,7 @@ impl HandRobot {
         .await;
     }
 
-    /// Says what became of a setpoint; the chamber has the pressure then if it was applied.
+    /// Answers a setpoint; APPLIED also sets the pressure of the chamber.
     pub async fn answer(&mut self, setpoint: &Setpoint, state: SetpointOutcome, error: Option<SetpointError>) {
         let whisker = &mut self.state[usize::from(setpoint.whisker)];
         if state == SetpointOutcome::Applied {

@@ -1,27 +1,27 @@
-//! Waiting for something to come true, with an end.
+//! Waits, up to a time limit, for a condition.
 
 use std::time::{Duration, Instant};
 
-/// How long a test waits for anything.
+/// Time limit of all waits in tests.
 pub const PATIENCE: Duration = Duration::from_secs(20);
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What `look` finds, as soon as it finds something.
+/// Calls `look` until it returns a value, and returns that value.
 ///
 /// # Panics
-/// It does not come true within [`PATIENCE`]; the message says `what`.
+/// `look` returns no value within [`PATIENCE`]; the message contains `what`.
 pub async fn until<T>(what: &str, mut look: impl AsyncFnMut() -> Option<T>) -> T {
     let deadline = Instant::now() + PATIENCE;
     loop {
         if let Some(found) = look().await {
             return found;
         }
-        assert!(Instant::now() < deadline, "did not come true: {what}");
+        assert!(Instant::now() < deadline, "timed out waiting for: {what}");
         tokio::time::sleep(PAUSE).await;
     }
 }
 
-/// Waits until `holds`.
+/// Waits until `holds` returns true.
 ///
 /// # Panics
 /// As [`until`].

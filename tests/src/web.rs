@@ -1,4 +1,4 @@
-//! Just enough of an HTTP client.
+//! A minimal HTTP client.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -8,40 +8,40 @@ use serde_json::Value;
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 
-/// An answer.
+/// An HTTP answer.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// Status.
+    /// HTTP status code.
     pub status: u16,
-    /// Headers, their names in lower case.
+    /// Headers, with names in lower case.
     pub headers: BTreeMap<String, String>,
-    /// Body.
+    /// Body as text.
     pub body: String,
 }
 
 impl Answer {
-    /// The body, which must be JSON.
+    /// Parses the body as JSON.
     ///
     /// # Panics
-    /// It is not.
+    /// The body is not JSON.
     #[must_use]
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.body).unwrap_or_else(|problem| panic!("{problem}: {}", self.body))
     }
 }
 
-/// Asks with a method and headers, without a body.
+/// Sends a request with a method and headers, without a body.
 ///
 /// # Errors
-/// Nobody answers, or not in HTTP.
+/// The server does not answer, or not in HTTP.
 pub async fn ask(address: SocketAddr, method: &str, path: &str, headers: &[(&str, &str)]) -> io::Result<Answer> {
     send(address, method, path, headers, None).await
 }
 
-/// Asks with a method, headers, and a body of JSON.
+/// Sends a request with a method, headers, and a JSON body.
 ///
 /// # Errors
-/// Nobody answers, or not in HTTP.
+/// The server does not answer, or not in HTTP.
 pub async fn send(
     address: SocketAddr,
     method: &str,
@@ -70,10 +70,10 @@ pub async fn send(
     Ok(Answer { status, headers, body: body.to_owned() })
 }
 
-/// The beginning of an answer that does not end: its status line and headers, and the connection with what follows.
+/// Sends a GET whose answer is an endless stream. Returns its status and the events that follow.
 ///
 /// # Errors
-/// Nobody answers, or not in HTTP.
+/// The server does not answer, or not in HTTP.
 pub async fn open(address: SocketAddr, path: &str, headers: &[(&str, &str)]) -> io::Result<(u16, Events)> {
     let mut stream = BufReader::new(TcpStream::connect(address).await?);
     let headers: String = headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
@@ -90,23 +90,23 @@ pub async fn open(address: SocketAddr, path: &str, headers: &[(&str, &str)]) -> 
     Ok((status, Events(stream)))
 }
 
-/// Server-sent events as they come.
+/// A stream of server-sent events.
 #[derive(Debug)]
 pub struct Events(BufReader<TcpStream>);
 
-/// One event.
+/// A server-sent event.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ServerEvent {
-    /// Its name.
+    /// Name of the event.
     pub event: String,
-    /// Its id.
+    /// Id of the event.
     pub id: String,
-    /// Its data.
+    /// Data of the event.
     pub data: String,
 }
 
 impl Events {
-    /// The next event; none once the server has ended the stream.
+    /// The next event. None once the server has ended the stream.
     ///
     /// # Errors
     /// The connection is broken.
@@ -122,7 +122,7 @@ impl Events {
                 Some(("event", text)) => text.clone_into(&mut event.event),
                 Some(("id", text)) => text.clone_into(&mut event.id),
                 Some(("data", text)) => text.clone_into(&mut event.data),
-                // The end of an event, a comment, or the size of a chunk.
+                // An empty line ends an event; a comment or the size of a chunk is skipped.
                 _ if line.trim_end().is_empty() && !event.event.is_empty() => return Ok(Some(event)),
                 _ => {}
             }
@@ -130,10 +130,10 @@ impl Events {
     }
 }
 
-/// Status and body of an answer to GET.
+/// Status and body of the answer to a GET request.
 ///
 /// # Errors
-/// Nobody answers, or not in HTTP.
+/// The server does not answer, or not in HTTP.
 pub async fn try_get(address: SocketAddr, path: &str) -> io::Result<(u16, String)> {
     ask(address, "GET", path, &[]).await.map(|answer| (answer.status, answer.body))
 }

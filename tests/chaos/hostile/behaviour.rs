@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-/// One thing that a hostile robot does for some seconds.
+/// Something a hostile robot does for some seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Behaviour {
     /// Factsheets with control characters, unknown models and extreme layouts; they are retained.
@@ -11,32 +11,32 @@ pub enum Behaviour {
     ExtremeContacts,
     /// Contacts outside the contract's ranges.
     BadContacts,
-    /// Contacts and statuses years ahead or back.
+    /// Contacts and statuses with times years in the future or past.
     WrongClocks,
     /// A hundred births in a second, each with a new boot.
     ManyBoots,
     /// Messages for other robots, for made-up robots, and in the supervisor's name.
     OthersTopics,
-    /// Other contents under numbers that were sent before.
+    /// New contents with sequence numbers that were sent before.
     KnownNumbers,
-    /// Answers to setpoints that nobody sent, and contradictory ones to those that somebody sent.
+    /// Answers to setpoints that nobody sent, and contradictory answers to real setpoints.
     ForgedAnswers,
     /// 2,000 messages in a second, for two seconds.
     Flood,
     /// Messages that are larger than the contract allows, up to 8 MiB.
     HugeMessages,
-    /// Bytes that are no messages.
+    /// Bytes that are not messages.
     Garbage,
     /// Connections under the supervisor's client ids, guessed from the boot id in receipts.
     Takeover,
-    /// Cuts that need setpoints, and no answer to any setpoint.
+    /// Cuts that need setpoints, without answers to any setpoint.
     Deaf,
-    /// Cuts that need setpoints, and false answers to the setpoints.
+    /// Cuts that need setpoints, with false answers to the setpoints.
     Lies,
 }
 
 impl Behaviour {
-    /// Its name, as options and reports have it.
+    /// Name of the behaviour in options and reports.
     #[must_use]
     pub fn name(self) -> String {
         self.to_possible_value().expect("no behaviour is hidden").get_name().to_owned()

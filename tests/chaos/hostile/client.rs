@@ -12,9 +12,9 @@ use super::tally::Tally;
 use crate::scenario::FLEET;
 use crate::stage::ROBOT_PASSWORD;
 
-/// Messages that may wait in the client; it drops the rest.
+/// Largest number of messages that wait in the client; it drops further ones.
 const WAITING: usize = 4_000;
-/// Setpoints that are remembered.
+/// Largest number of setpoints that are remembered.
 const SETPOINTS: usize = 64;
 /// The largest packet in bytes: above the largest message of any behaviour.
 const PACKET_MAX: u32 = 16 << 20;
@@ -22,7 +22,7 @@ const PACKET_MAX: u32 = 16 << 20;
 /// Messages that the supervisor sent to the robot.
 #[derive(Debug, Default)]
 pub struct Heard {
-    /// Receipts so far.
+    /// Number of receipts so far.
     pub receipts: u64,
     /// The supervisor's boot id, from the newest receipt.
     pub supervisor: Option<String>,
@@ -30,7 +30,7 @@ pub struct Heard {
     pub setpoints: VecDeque<Setpoint>,
 }
 
-/// The connection; dropped, it breaks.
+/// The connection, closed on drop.
 pub struct Client {
     client: AsyncClient,
     heard: Arc<Mutex<Heard>>,
@@ -63,7 +63,8 @@ impl Client {
         Self { client, heard, poller }
     }
 
-    /// Publishes a message, and returns whether the client had room for it. It waits in the client until there is a connection.
+    /// Publishes a message, and returns whether the client had room for it. It waits in the client until there is a
+    /// connection.
     pub fn say(&self, topic: &str, payload: Vec<u8>, quality: QoS, is_retained: bool) -> bool {
         self.client.try_publish(topic, payload, PublishOptions::new(quality).retain(is_retained)).is_ok()
     }
@@ -81,7 +82,7 @@ async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Ar
         match events.poll().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 for topic in &own {
-                    // A full queue is emptied by this loop: then nothing is heard until the next connection.
+                    // A full queue is emptied by this loop; then nothing is received until the next connection.
                     let _ = client.try_subscribe(topic.to_string(), QoS::AtLeastOnce);
                 }
             }
@@ -105,7 +106,7 @@ async fn poll(client: AsyncClient, mut events: EventLoop, robot: Name, heard: Ar
                 }
             }
             Ok(_) => {}
-            // The broker is away, or has had enough; the client would try again at once.
+            // The broker is down or refuses the client, which would otherwise try again at once.
             Err(_) => tokio::time::sleep(Duration::from_millis(200)).await,
         }
     }

@@ -16,19 +16,19 @@ use super::client::connect_as;
 use super::robot::{ARRAY, Robot};
 use crate::scenario::FLEET;
 
-/// Between two messages of a behaviour that does not flood.
+/// Pause between two messages of a behaviour that does not flood.
 const PAUSE: Duration = Duration::from_millis(25);
-/// A flood: so many bursts, one every 10 ms, of so many messages each.
+/// Bursts of a flood, one every 10 ms, and messages per burst.
 const FLOOD: (u32, u32) = (200, 20);
-/// Of each client id of the supervisor.
+/// Connections under each client id of the supervisor.
 const TAKEOVERS: u32 = 10;
 /// Seconds to wait for a setpoint.
 const SETPOINT_PATIENCE_S: u32 = 3;
 /// The largest `t_us` of the contract.
 const TIME_MOST_US: u64 = vibrissa_protocol::INTEGER_LIMIT - 1;
 
-/// Contact ratio, deflection in mm and strain of contacts that made the state of a whisker of 69.3 mm non-finite. They lay inside
-/// the contract's ranges at that time.
+/// Contact ratio, deflection in mm and strain of contacts that once made the state of a whisker of 69.3 mm non-finite.
+/// They were inside the contract's ranges at that time.
 const TRIPLES: [(f64, f64, f64); 3] = [(5e-324, 1e-9, -0.0117), (0.85, 1000.0, 5e-324), (0.45, 999.999, 1.0)];
 const TRIPLES_LENGTH_MM: f64 = 69.3;
 
@@ -148,7 +148,7 @@ impl Robot {
         }
     }
 
-    /// The shipped access list forbids all of it.
+    /// The shipped access list forbids all of these topics.
     async fn others_topics(&mut self) {
         let supervised = ["setpoint", "receipt", "request"].map(|kind| format!("{}/{kind}", self.name));
         for number in 0..12_u64 {
@@ -186,7 +186,7 @@ impl Robot {
             self.tell_as(RobotTopic::Contacts, seq / 2, json!({ "contacts": [] }));
             sleep(PAUSE).await;
         }
-        // Numbers of the boot before are known, too.
+        // The supervisor knows the numbers of the previous boot, too.
         self.stand_up(70.0).await;
         let boot = std::mem::replace(&mut self.boot_id, old_boot);
         for seq in 0..10 {

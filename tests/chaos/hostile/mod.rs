@@ -44,7 +44,7 @@ impl Drop for Hostile {
 }
 
 impl Hostile {
-    /// Starts robots of those names. Each repeats all behaviours, and each starts with another one.
+    /// Starts robots with these names. Each robot repeats all behaviours, starting with a different one.
     pub fn start(names: &[Name], links: &[Proxy], behaviours: &[Behaviour], seed: u64) -> Self {
         let tally = Arc::new(Tally::new(behaviours));
         let shared = Shared {
@@ -58,7 +58,7 @@ impl Hostile {
         let robots = names.iter().zip(links.iter().cycle());
         let tasks = robots.enumerate().filter(|_| !order.is_empty()).map(|(at, (name, link))| {
             let robot = Robot::new(name.clone(), link.port(), random.random(), &shared);
-            // Each begins elsewhere in the order.
+            // Each robot starts at a different place in the order.
             let mut own = order.clone();
             own.rotate_left(at * order.len() / names.len().max(1));
             tokio::spawn(live(robot, own))
@@ -66,17 +66,17 @@ impl Hostile {
         Self { tally, tasks: tasks.collect() }
     }
 
-    /// Stops all of them; their connections break.
+    /// Stops all robots and breaks their connections.
     pub fn stop(&self) {
         self.tasks.iter().for_each(JoinHandle::abort);
     }
 
-    /// Setpoints that they received, repetitions included.
+    /// Number of setpoints that they received, repetitions included.
     pub fn setpoints(&self) -> u64 {
         self.tally.setpoints()
     }
 
-    /// Messages and connections so far, by the name of the behaviour.
+    /// Messages and connections so far, by name of the behaviour.
     pub fn counts(&self) -> std::collections::BTreeMap<String, u64> {
         self.tally.counts()
     }

@@ -20,11 +20,11 @@ use super::client::Client;
 use super::tally::Tally;
 use crate::scenario::FLEET;
 
-/// The array that it pretends to have, with two whiskers.
+/// Name of its array, which has two whiskers.
 pub const ARRAY: &str = "left";
-/// The only model of whiskers that the supervisors have loaded.
+/// Name of the only whisker model that the supervisors have loaded.
 pub const MODEL: &str = "nguyen-2021";
-/// The longest wait for the supervisor.
+/// Time limit of waits for the supervisor.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A hostile robot.
@@ -35,18 +35,18 @@ pub struct Robot {
     pub(super) random: ChaCha8Rng,
     pub(super) messages: Arc<Messages>,
     pub(super) tally: Arc<Tally>,
-    /// Lets one robot flood at a time.
+    /// Permit to flood, held by one robot at a time.
     pub(super) flooding: Arc<Semaphore>,
     pub(super) boot_id: String,
     pub(super) behaviour: Behaviour,
-    /// The present messages only prepare for the behaviour, and do not count.
+    /// Whether current messages only prepare the behaviour and are not counted.
     is_preparing: bool,
     model: Model,
     seqs: [u64; RobotTopic::ALL.len()],
 }
 
 impl Robot {
-    /// Connects through a link.
+    /// Connects through the link on this port.
     pub fn new(name: Name, port: u16, seed: u64, shared: &super::Shared) -> Self {
         Self {
             client: Client::start(port, &name, shared.tally.clone()),
@@ -64,26 +64,26 @@ impl Robot {
         }
     }
 
-    /// One of its own topics.
+    /// Its own topic of this kind.
     pub fn topic(&self, kind: RobotTopic) -> String {
         format!("whisker/v1/{FLEET}/{}/{kind}", self.name)
     }
 
-    /// The next number of a topic.
+    /// Takes the next sequence number of a topic.
     pub fn seq(&mut self, kind: RobotTopic) -> u64 {
         let next = &mut self.seqs[kind as usize];
         *next += 1;
         *next - 1
     }
 
-    /// Publishes on any topic, and counts the message for the present behaviour.
+    /// Publishes on any topic and counts the message for the current behaviour.
     pub fn say_on(&self, topic: &str, payload: impl Into<Vec<u8>>, quality: QoS, is_retained: bool) {
         if self.client.say(topic, payload.into(), quality, is_retained) && !self.is_preparing {
             self.tally.count(self.behaviour);
         }
     }
 
-    /// Publishes on one of its own topics, with the contract's quality of service.
+    /// Publishes on one of its own topics with the contract's quality of service.
     pub fn say(&self, kind: RobotTopic, payload: impl Into<Vec<u8>>) {
         let quality = match kind.quality_of_service() {
             QualityOfService::AtMostOnce => QoS::AtMostOnce,
@@ -92,13 +92,13 @@ impl Robot {
         self.say_on(&self.topic(kind), payload, quality, kind.is_retained());
     }
 
-    /// Sends a message with those fields under the next number.
+    /// Sends a message with these fields and the next sequence number.
     pub fn tell(&mut self, kind: RobotTopic, fields: Value) {
         let seq = self.seq(kind);
         self.tell_as(kind, seq, fields);
     }
 
-    /// The same under any number.
+    /// Sends a message with these fields and any sequence number.
     pub fn tell_as(&mut self, kind: RobotTopic, seq: u64, mut fields: Value) {
         fields["boot_id"] = json!(self.boot_id);
         fields["seq"] = json!(seq);
@@ -160,13 +160,13 @@ impl Robot {
         self.is_preparing = false;
     }
 
-    /// Sends a message of contacts that a whisker of that length would measure at 0.1 MPa.
+    /// Sends contacts as a whisker of that length would measure them at 0.1 MPa.
     pub fn touch(&mut self, whisker: u16, length_mm: f64, contacts: usize) {
         let contacts: Vec<Value> = (0..contacts).map(|_| self.contact(whisker, length_mm, now_us())).collect();
         self.tell(RobotTopic::Contacts, json!({ "contacts": contacts }));
     }
 
-    /// A contact that a whisker of that length would measure at 0.1 MPa.
+    /// A contact as a whisker of that length would measure it at 0.1 MPa.
     pub fn contact(&mut self, whisker: u16, length_mm: f64, t_us: u64) -> Value {
         let (ratio, deflection_mm) = (self.random.random_range(0.7..1.0), self.random.random_range(0.5..4.0));
         let morphology = self.model.morphology(Megapascal::known(0.1));
@@ -177,7 +177,8 @@ impl Robot {
             "strain": strain, "pressure_mpa": 0.1, "temperature_c": 24.0})
     }
 
-    /// Has whisker 0 learned and cut, so that setpoints are decided for it.
+    /// Lets the baseline of whisker 0 be learned and then cuts the whisker, so that the supervisor decides on
+    /// setpoints.
     pub async fn be_cut(&mut self) {
         self.stand_up(70.0).await;
         self.is_preparing = true;
@@ -190,7 +191,7 @@ impl Robot {
         self.is_preparing = false;
     }
 
-    /// The setpoints received since the last call.
+    /// Setpoints received since the last call.
     pub fn setpoints(&self) -> Vec<Setpoint> {
         self.client.heard().setpoints.drain(..).collect()
     }

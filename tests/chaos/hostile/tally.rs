@@ -13,7 +13,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// All counts are zero.
+    /// Starts with all counts at zero.
     pub fn new(behaviours: &[Behaviour]) -> Self {
         Self { counts: behaviours.iter().map(|&one| (one, AtomicU64::new(0))).collect(), setpoints: AtomicU64::new(0) }
     }
@@ -23,7 +23,7 @@ impl Tally {
         self.setpoints.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Setpoints that hostile robots received, repetitions included.
+    /// Number of setpoints that hostile robots received, repetitions included.
     pub fn setpoints(&self) -> u64 {
         self.setpoints.load(Ordering::Relaxed)
     }
@@ -35,7 +35,7 @@ impl Tally {
         }
     }
 
-    /// Messages and connections so far, by the name of the behaviour.
+    /// Messages and connections so far, by name of the behaviour.
     pub fn counts(&self) -> BTreeMap<String, u64> {
         self.counts.iter().map(|(one, count)| (one.name(), count.load(Ordering::Relaxed))).collect()
     }

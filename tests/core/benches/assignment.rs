@@ -1,5 +1,5 @@
-//! How fast a whole decision is: 100 broken whiskers in an array of 1,000, each with nine candidates that are
-//! asked of the mechanics, the assignment, and the setpoints. It must stay under 50 ms.
+//! Measures one complete decision: 100 broken whiskers in an array of 1,000, nine candidates each, with the predictions
+//! of the mechanics, the assignment and the setpoints. It must stay below 50 ms.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ fn decision(c: &mut Criterion) {
         let effects = array.decide();
         let took = begun.elapsed();
         let commands = effects.iter().filter(|effect| matches!(effect, Effect::Command(_))).count();
-        assert_eq!(commands, 100, "everyone is served");
+        assert_eq!(commands, 100, "every broken whisker must be compensated");
         took
     });
     let best = best.min().unwrap_or_default();
@@ -31,7 +31,7 @@ fn decision(c: &mut Criterion) {
 }
 
 fn assignment_alone(c: &mut Criterion) {
-    // Each target has nine candidates, some of which others want too.
+    // Each target has nine candidates, some of which are candidates of other targets, too.
     let offers: Vec<Offer> = (0..100)
         .flat_map(|target| (0..9).map(move |k| (target, (target * 8 + k * 3) % 800)))
         .enumerate()

@@ -1,4 +1,4 @@
-//! How fast the mechanics answer: one sensitivity, one setpoint, one length.
+//! Measures the mechanics: one sensitivity, one setpoint, one length.
 
 use std::hint::black_box;
 

@@ -1,5 +1,5 @@
-//! Closed forms against numerical quadrature of the printed integrals, for a whisker whose tapers differ;
-//! searches against fine grids.
+//! Compares closed forms with numerical quadrature of the printed integrals, for a whisker with different tapers, and
+//! searches with fine grids.
 
 use vibrissa_core::mechanics::{
     CONTACT_RATIOS, Calibration, Formulation, Geometry, Model, Objective, Offset, Solution, compensation_error,
@@ -11,14 +11,14 @@ use super::{assert_close, compensator, mm, mpa, ratio, target};
 
 const RELATIVE: f64 = 1e-9;
 
-/// Simpson's rule on 2000 intervals.
+/// Simpson's rule with 2000 intervals.
 fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (n, step) = (2000, (to - from) / 2000.0);
     let inner: f64 = (1..n).map(|k| f(from + step * f64::from(k)) * if k % 2 == 1 { 4.0 } else { 2.0 }).sum();
     (f(from) + f(to) + inner) * step / 3.0
 }
 
-/// A wall that grows thinner toward the base: D2 / L2 and Dm / Lm differ.
+/// A wall that becomes thinner towards the base: D2 / L2 and Dm / Lm differ.
 fn unequal_tapers() -> Geometry {
     Geometry {
         d1_large_mm: 22.0,
@@ -42,7 +42,7 @@ fn unequal_tapers() -> Geometry {
     }
 }
 
-/// Outer and inner cone of one length: the other case in which a term of eq. 24's closed form vanishes.
+/// An outer and an inner cone of equal length, the other case in which a term of eq. 24's closed form vanishes.
 fn equal_cones() -> Geometry {
     Geometry { lm_mm: 190.0, ..unequal_tapers() }
 }
@@ -85,7 +85,7 @@ fn brute_force_elongation() {
     }
 }
 
-/// delta1, delta2, delta3, kappa and f, from the integrals of eq. 8 and 30 with Table 2's sizes.
+/// delta1, delta2, delta3, kappa and f from the integrals of eq. 8 and 30 with the sizes of Table 2.
 fn response_by_quadrature(model: &Model, contact_mm: f64, pressure_mpa: f64) -> [f64; 5] {
     let (g, cal) = (model.geometry(), model.calibration());
     let k2 = cal.c + cal.a * (-cal.b_per_mpa * pressure_mpa).exp();
@@ -133,7 +133,7 @@ fn brute_force_response() {
     }
 }
 
-/// Mean of eq. 35 at a pressure, contact ratio by contact ratio.
+/// Mean of eq. 35 over all contact ratios at a pressure.
 fn mean_error(model: &Model, length_mm: f64, before_mpa: f64, target_mm: f64, target_mpa: f64, q: f64) -> f64 {
     let at = |a: f64, length_mm: f64, q: f64| {
         model.sensitivity_per_mm(ContactRatio::new(a).unwrap(), mm(length_mm), &model.morphology(mpa(q))).unwrap()
@@ -184,7 +184,7 @@ fn brute_force_least_mean_error() {
                 _ => Solution::InRange(*ours),
             };
             assert_eq!(solution, expected);
-            // One valley: the search may trust its grid.
+            // The error has a single minimum, so the search may rely on its grid.
             let valleys = errors.windows(3).filter(|w| w[1] < w[0] && w[1] < w[2]).count();
             assert!(valleys <= 1, "{valleys} valleys for {length_mm} mm as {target_mm} mm");
         }

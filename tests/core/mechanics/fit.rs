@@ -1,4 +1,4 @@
-//! Fits of readings that were made from known calibrations.
+//! Fits of readings that were generated from known calibrations.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ fn truth() -> Calibration {
     Calibration { c: 0.55, a: 1.3, b_per_mpa: 12.0, youngs_modulus_mpa: 1.2, elongation_gain_mm: 9.5 }
 }
 
-/// Five readings per pressure, as the paper took them, with a relative error.
+/// Five readings per pressure, as in the paper, with a relative error.
 fn readings(relative_sd: f64, seed: u64) -> Vec<CalibrationRow> {
     let model = Model::new(Geometry::nguyen_2021(), truth(), Formulation::Published).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -51,7 +51,7 @@ fn property_exact_readings_give_the_parameters_back() {
     assert_eq!(fit.residuals[0].k2, None);
 }
 
-/// 95 % intervals hold the truth in about 95 of 100 repetitions; 300 repetitions, 3.5 standard deviations.
+/// 95 % intervals must contain the true value in about 95 % of 300 repetitions, within 3.5 standard deviations.
 #[test]
 fn property_intervals_hold_the_truth_as_often_as_they_say() {
     let repetitions = 300;
@@ -74,7 +74,7 @@ fn property_intervals_hold_the_truth_as_often_as_they_say() {
     }
     for (name, held) in ["c", "a", "b", "G", "k2"].iter().zip(held) {
         let share = f64::from(held) / repetitions as f64;
-        // The fitted k2 behind G is not exact either, which its interval leaves out: it may hold less often.
+        // The interval of G ignores the error of the fitted k2, so it may contain the true value less often.
         let least = if *name == "G" { 0.8 } else { 0.905 };
         assert!((least..=0.995).contains(&share), "{name}: {share}");
     }
@@ -90,7 +90,7 @@ fn property_without_elongations_the_gain_is_the_geometrys() {
     assert!(Model::new(Geometry::nguyen_2021(), fit.calibration, Formulation::Published).is_ok());
 }
 
-/// A strain fixes E k2 alone: twice the E, half the k2, the same curve otherwise.
+/// A strain only determines the product E k2: twice the modulus E gives half the k2 and otherwise the same curve.
 #[test]
 fn property_only_the_product_of_modulus_and_k2_is_measured() {
     let rows = readings(0.01, 3);
@@ -120,7 +120,7 @@ fn property_readings_that_determine_nothing_are_refused_by_name() {
     let mut rows = all.clone();
     rows.iter_mut().skip(2).for_each(|row| row.elongation = None);
     assert_eq!(refusal(&rows), FitError::OneElongation);
-    // A modulus that does not fall, and one that rises.
+    // Strains of a constant modulus, and of one that rises with pressure.
     for power in [1.0, 0.5] {
         let rows: Vec<CalibrationRow> = PRESSURES_MPA
             .iter()

@@ -1,4 +1,4 @@
-//! `golden.json`: computed by an independent implementation with numerical quadrature.
+//! Compares with `golden.json`, which an independent implementation has computed by numerical quadrature.
 
 use serde_json::Value;
 use vibrissa_core::mechanics::{
@@ -152,7 +152,7 @@ fn golden_setpoints() {
             };
             let difference_mpa = (ours.pressure.mpa() - number(expected, "Q")).abs();
             assert!(difference_mpa < 1e-9, "pressure off by {difference_mpa} MPa: {expected}");
-            // k2 falls by at most 15.3 per MPa.
+            // The slope of k2 is at most 15.3 per MPa.
             assert_close("k2", ours.k2, number(expected, "k2"), 1.6e-8);
             assert!((100.0 * ours.error.mean - number(expected, "mean_error_percent")).abs() < 1e-6);
             assert_eq!(ours.error.ratios_used(), CONTACT_RATIOS.len());

@@ -1,4 +1,4 @@
-//! The mechanics against independent numbers, the paper, brute force, and rules that must hold everywhere.
+//! Compares the mechanics with independent numbers, the paper and brute force, and checks general properties.
 
 mod brute_force;
 mod fit;
@@ -25,7 +25,7 @@ fn target(length_mm: f64, pressure_mpa: f64) -> Target {
     Target { length: mm(length_mm), pressure: mpa(pressure_mpa) }
 }
 
-/// A compensator that may use every pressure the paper examined.
+/// A compensator that may use all pressures examined in the paper.
 fn compensator(length_mm: f64, pressure_mpa: f64) -> Compensator {
     Compensator {
         length: mm(length_mm),
@@ -35,7 +35,7 @@ fn compensator(length_mm: f64, pressure_mpa: f64) -> Compensator {
     }
 }
 
-/// Equal to within a relative difference; zero must be met to within the same absolute one.
+/// Panics unless the values agree within a relative difference; an expected zero uses the same value as absolute limit.
 #[track_caller]
 fn assert_close(what: &str, ours: f64, expected: f64, relative: f64) {
     let allowed = relative * if expected == 0.0 { 1.0 } else { expected.abs() };

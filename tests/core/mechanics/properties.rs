@@ -1,4 +1,4 @@
-//! Rules that hold for every whisker the model answers for.
+//! Properties that hold for every whisker in the model's range.
 
 use proptest::prelude::*;
 use vibrissa_core::mechanics::{
@@ -13,7 +13,7 @@ fn formulations() -> impl Strategy<Value = Formulation> {
     prop_oneof![Just(Formulation::Published), Just(Formulation::Consistent)]
 }
 
-/// The paper's shape with calibrations up to 20 % off.
+/// The paper's geometry with calibration parameters up to 20 % off.
 fn models() -> impl Strategy<Value = Model> {
     (formulations(), prop::array::uniform5(0.8..1.2)).prop_map(|(formulation, by)| {
         let known = Calibration::nguyen_2021();
@@ -43,8 +43,8 @@ proptest! {
         prop_assert!(at(a, length_mm * farther) < at(a, length_mm));
     }
 
-    /// At the tip of the paper's whisker, where setpoints are solved. Shorter, softer, or nearer to the
-    /// chamber there is a peak, see the next.
+    /// Holds at the tip of the paper's whisker, where setpoints are computed. For shorter or softer whiskers, or nearer
+    /// to the chamber, the sensitivity has a peak; see the next test.
     #[test]
     fn property_sensitivity_rises_with_pressure(
         formulation in formulations(), length_mm in 52.0..120.0, pressure_mpa in 0.0..0.199, step_mpa in 1e-4..0.2,
@@ -65,7 +65,7 @@ proptest! {
         let curve: Vec<f64> = (0..=100).map(|k| at(0.002 * f64::from(k))).collect();
         let first_fall = curve.windows(2).position(|w| w[1] <= w[0]).unwrap_or(curve.len());
         prop_assert!(curve.windows(2).skip(first_fall).all(|w| w[1] < w[0]));
-        // At zero pressure it always rises.
+        // From zero pressure on it rises at first.
         prop_assert!(first_fall > 0);
     }
 
@@ -207,7 +207,7 @@ fn property_contact_on_the_chamber_is_refused_and_left_out() {
     let model = Model::nguyen_2021(Formulation::Published);
     let morphology = model.morphology(mpa(0.1));
     let chamber_end_mm = model.chamber_end(&morphology).mm();
-    // 0.45 of 30 mm under pressure is 13.8 mm: on the chamber.
+    // 0.45 of 30 mm is 13.8 mm under pressure, which lies on the chamber.
     let refusal = model.response(ratio(0.45), mm(30.0), &morphology).unwrap_err();
     assert!(refusal.contact_mm < chamber_end_mm);
     let solution = solve_setpoint(

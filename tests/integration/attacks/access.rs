@@ -25,7 +25,7 @@ async fn regress_without_tokens_what_comes_through_a_proxy_is_refused() {
         assert_eq!(answer.status, 401, "{name}: {}", answer.body);
         assert!(answer.body.contains("proxy") && answer.body.contains("http.token_file"), "{}", answer.body);
     }
-    // As nginx asks by default.
+    // The default request of nginx as a proxy.
     let answer = raw_status(started.http, "GET /v1/fleets HTTP/1.0\r\nHost: localhost\r\n\r\n").await;
     assert_eq!(answer, "HTTP/1.0 401 Unauthorized");
     assert!(started.log().contains("needs no token"), "{}", started.log());
@@ -55,7 +55,7 @@ async fn regress_another_sites_page_reads_nothing_and_does_not_use_up_the_rate_l
     let place = Place::sqlite();
     let started = place.start(&OPEN);
     let from = |site: &str| format!("GET /v1/fleets HTTP/1.1\r\nSec-Fetch-Site: {site}\r\nSec-Fetch-Mode: no-cors\r\n");
-    // More than the burst that one caller may send.
+    // More requests than the burst that one caller may send.
     let foreign: Vec<String> = (0..1500).map(|n| from(if n % 2 == 0 { "cross-site" } else { "same-site" })).collect();
     let statuses = started.statuses(&foreign).await;
     assert_eq!((statuses.len(), statuses.iter().filter(|&&status| status == 403).count()), (1500, 1500));
@@ -88,7 +88,7 @@ async fn regress_one_caller_cannot_take_all_streams() {
     assert_eq!((refused.status, &told["type"]), (429, &json!("/problems/too-many-requests")), "{told}");
     assert!(told["detail"].as_str().unwrap().contains("10 open event streams"), "{told}");
     assert_eq!(refused.headers["retry-after"], "1");
-    assert_eq!(stream(&other).await.0, 200, "another token of the same name has its own");
+    assert_eq!(stream(&other).await.0, 200, "another token of the same name must have its own limit");
     streams.pop();
     until("the place of the stream that was closed", async || Some(stream(&one).await).filter(|found| found.0 == 200))
         .await;

@@ -1,4 +1,4 @@
-//! Fleets that take only the robots that somebody has listed.
+//! Fleets with a list of allowed robots.
 
 use std::fs;
 
@@ -17,7 +17,7 @@ async fn robot(supervised: &Supervised, name: &str) -> HandRobot {
     robot
 }
 
-/// Sends contacts until that many more messages were refused because their robot is not allowed.
+/// Sends contacts until this many more messages were refused because their robot is not on the list.
 async fn is_refused(supervised: &Supervised, robot: &mut HandRobot) {
     let before = supervised.refused("not_allowed").await;
     until_true("it is refused", async || {
@@ -51,9 +51,9 @@ async fn a_file_says_who_is_allowed_and_is_read_again_when_it_changes() {
     let told = supervised.ask("GET", PATH, &[], None).await.json();
     assert_eq!((&told["in_file"], &told["robots"]), (&json!(["honest"]), &Value::Null));
 
-    // A file that is wrong changes nothing.
+    // An invalid file leaves the list in force.
     write("f/honest\nf/stranger\nnonsense\n");
-    until_true("the log says what is wrong", async || {
+    until_true("the log has the error", async || {
         let log = fs::read_to_string(supervised.folder.path().join("log")).unwrap();
         log.contains("line 3: must be FLEET/ROBOT")
     })
@@ -78,7 +78,7 @@ async fn set(supervised: &Supervised, method: &str, body: &Value) {
     let tag = supervised.ask("GET", PATH, &[], None).await.headers["etag"].clone();
     let answer = supervised.ask(method, PATH, &[("If-Match", &tag)], Some(body)).await;
     assert_eq!((answer.status, &answer.json()["state"]), (200, &json!("DONE")), "{}", answer.body);
-    // The list that was read is not in force any more.
+    // The list that was read is no longer in force, so its tag does not match.
     let answer = supervised.ask(method, PATH, &[("If-Match", &tag)], Some(body)).await;
     assert_eq!(answer.status, 412, "{}", answer.body);
 }
@@ -95,7 +95,7 @@ async fn a_list_is_set_over_http(kind: Kind) {
     set(&supervised, "PUT", &json!({ "robots": ["honest"], "reason": "strangers" })).await;
     let mut stranger = robot(&supervised, "stranger").await;
     is_refused(&supervised, &mut stranger).await;
-    // One that was known is refused, too.
+    // A robot that was known before is refused, too.
     is_refused(&supervised, &mut known).await;
     honest.touch(0, 20).await;
     honest.receipted().await;
@@ -114,7 +114,7 @@ async fn a_list_is_set_over_http(kind: Kind) {
     is_refused(&supervised, &mut known).await;
     set(&supervised, "DELETE", &json!({ "reason": "all are friends" })).await;
     is_taken(&mut known).await;
-    until_true("nobody is shown as turned away any more", async || {
+    until_true("the list of refused robots is empty", async || {
         let told = supervised.ask("GET", PATH, &[], None).await.json();
         told["turned_away"] == json!([]) && told["robots"].is_null() && told["version"] == 3
     })

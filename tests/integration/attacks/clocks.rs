@@ -1,4 +1,4 @@
-//! Robots whose times are wrong.
+//! Robots that send wrong times.
 
 use vibrissa_protocol::{Contact, SetpointOutcome};
 use vibrissa_simulator::fleet::now_us;
@@ -8,10 +8,10 @@ use vibrissa_tests::wait::until_true;
 use crate::supervised::{LEARNED, Supervised};
 
 const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
-/// The time to live that the program has by default, and a pressure on its way from 0.1 MPa to 0 at 0.02 MPa/s.
+/// The program's default time to live, plus the time of a pressure change from 0.1 MPa to 0 at 0.02 MPa/s.
 const VALID_FOR_US: u64 = 15_000_000;
 
-/// A learned robot `r`; its clock is right.
+/// Robot `r` with learned baselines and a correct clock.
 async fn learned(supervised: &Supervised) -> HandRobot {
     let mut robot = supervised.robot("r").await;
     robot.touch(0, LEARNED + 20).await;
@@ -28,7 +28,7 @@ async fn one_wrong_time_decides_nothing(supervised: Supervised) {
         let right = robot.contact(0);
         robot.send(vec![right, wrong]).await;
     }
-    // Also a whole message of them, and a status.
+    // A whole message of wrong times, and a status.
     let wrong = Contact { t_us: now_us() + YEAR_US, ..robot.contact(0) };
     robot.send(vec![wrong]).await;
     robot.clock_us = now_us() + YEAR_US;
@@ -46,7 +46,7 @@ async fn one_wrong_time_decides_nothing(supervised: Supervised) {
     robot.clock_us = now_us();
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
 
-    // All contacts with plausible times are recorded, and none of the future.
+    // All contacts with plausible times are recorded, those from the future are not.
     robot.receipted().await;
     until_true("every contact with a time recorded", async || {
         supervised.number("SELECT count(*) FROM contacts").await == (LEARNED as i64 + 20) + 2 + 80
@@ -72,7 +72,7 @@ async fn a_setpoint_that_had_to_wait_is_dropped(supervised: Supervised) {
     robot.status().await;
     robot.touch(0, 1).await;
     robot.receipted().await;
-    // The broker is away for the supervisor alone, longer than the setpoint lives.
+    // Only the supervisor loses the broker, for longer than the setpoint's time to live.
     supervised.proxy.stall(true);
     supervised.proxy.cut();
     supervised.set_by_hand(0, 0.05).await;
@@ -86,7 +86,7 @@ async fn a_setpoint_that_had_to_wait_is_dropped(supervised: Supervised) {
     robot.receipted().await;
     supervised.set_by_hand(1, 0.06).await;
     let (setpoint, _) = robot.setpoint().await;
-    assert_eq!((setpoint.whisker, setpoint.pressure_mpa), (1, 0.06), "nothing that is too late comes before it");
+    assert_eq!((setpoint.whisker, setpoint.pressure_mpa), (1, 0.06), "no expired setpoint may come first");
     assert!(supervised.metric("vibrissa_setpoints_expired_unsent_total{fleet=\"f\"}").await >= 1.0);
 }
 

@@ -1,4 +1,4 @@
-//! Whoever reaches the port of HTTP opens connections: many, silent ones, and such that take their time.
+//! Attacks with HTTP connections: many, silent and slow ones.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -16,9 +16,9 @@ use crate::http_program::HttpProgram;
 
 const IDLE: usize = 10_000;
 const TRICKLING: usize = 1_000;
-/// Limit of the program's memory in bytes.
+/// Limit of the program's memory, bytes.
 const MEMORY_MAX: u64 = 150_000_000;
-/// Bytes of a connection.
+/// Limit of the memory per connection, bytes.
 const CONNECTION_MAX: u64 = 64 * 1024;
 
 const OPEN: &str = "vibrissa_http_connections{listener=\"main\"}";
@@ -27,7 +27,7 @@ fn closed(reason: &str) -> String {
     format!("vibrissa_http_connections_closed_total{{listener=\"main\",reason=\"{reason}\"}}")
 }
 
-/// Lets this process have a socket for each connection of the test.
+/// Raises this process's limit of open files to one per connection of the test.
 fn raise_descriptors() {
     let (_, hard) = getrlimit(Resource::RLIMIT_NOFILE).unwrap();
     setrlimit(Resource::RLIMIT_NOFILE, hard, hard).unwrap();
@@ -46,7 +46,7 @@ async fn connect(to: SocketAddr) -> TcpStream {
     }
 }
 
-/// An open connection that has had one answer.
+/// An open connection that has received an answer.
 async fn served(to: SocketAddr) -> TcpStream {
     let mut stream = connect(to).await;
     stream.write_all(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n").await.unwrap();
@@ -57,7 +57,7 @@ async fn served(to: SocketAddr) -> TcpStream {
     stream
 }
 
-/// Sends a head that never ends, byte by byte; again whenever it is closed.
+/// Sends an endless request head byte by byte, on a new connection whenever the server closes it.
 async fn trickle(to: SocketAddr, stop: Arc<AtomicBool>) {
     while !stop.load(Ordering::Relaxed) {
         let Ok(mut stream) = TcpStream::connect(to).await else { continue };
@@ -70,7 +70,7 @@ async fn trickle(to: SocketAddr, stop: Arc<AtomicBool>) {
     }
 }
 
-/// Milliseconds that honest requests take, each over a connection of its own, in order.
+/// Durations of honest requests in milliseconds, ascending, each over a connection of its own.
 async fn honest(to: SocketAddr, requests: usize) -> Vec<f64> {
     let mut took = Vec::new();
     for number in 0..requests {
@@ -133,7 +133,8 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
     trickling.abort_all();
 }
 
-/// Asks as programs do, once more if the connection is closed; in a flood that is possible while this test's own machine is busy.
+/// Sends a request and repeats it once if the connection is closed, as clients do: during a flood the limit may close
+/// it while this machine is busy.
 async fn answered(to: SocketAddr) {
     for _ in 0..2 {
         if let Ok((status, body)) = try_get(to, "/v1/whiskers").await {
@@ -144,7 +145,7 @@ async fn answered(to: SocketAddr) {
     assert_eq!(try_get(to, "/v1/whiskers").await.unwrap().0, 200);
 }
 
-/// The limit closes whoever has waited longest: not an honest client, and no live stream.
+/// Beyond the limit the longest waiting connection is closed, but no honest client and no live stream.
 #[tokio::test(flavor = "multi_thread")]
 async fn regress_connections_without_end_leave_honest_requests_and_streams_alone() {
     let _turn = crate::turn().await;
@@ -154,14 +155,15 @@ async fn regress_connections_without_end_leave_honest_requests_and_streams_alone
     assert_eq!(status, 200);
     let mut attackers: JoinSet<()> = JoinSet::new();
     for number in 0..300_u32 {
-        // From three addresses, so that both limits are reached; each opens another as soon as one is closed.
+        // Three addresses reach both limits, per address and in total; each opens a new connection as soon as one is
+        // closed.
         let from = SocketAddr::from(([127, 0, 0, 2 + (number % 3) as u8], 0));
         attackers.spawn(async move {
             loop {
                 let socket = TcpSocket::new_v4().unwrap();
                 socket.bind(from).unwrap();
                 if let Ok(mut stream) = socket.connect(http).await {
-                    // Until it is closed.
+                    // Waits until the server closes it.
                     let _ = stream.read_u8().await;
                 }
                 tokio::time::sleep(Duration::from_millis(20)).await;
@@ -175,12 +177,12 @@ async fn regress_connections_without_end_leave_honest_requests_and_streams_alone
     }
     let quiet = tokio::time::timeout(Duration::from_millis(500), events.next()).await;
     assert!(!matches!(quiet, Ok(Ok(None) | Err(_))), "the stream has ended: {quiet:?}");
-    // Monitoring has connections of its own.
+    // Monitoring has separate connections.
     assert_eq!(try_get(program.monitoring, "/livez").await.unwrap().0, 200);
     attackers.shutdown().await;
     let logged = program.logged();
     let notices = logged.lines().filter(|line| line.contains("too many HTTP connections")).count();
-    assert!((1..=3).contains(&notices), "it is said, and not each time: {logged}");
+    assert!((1..=3).contains(&notices), "it must be logged, but not each time: {logged}");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -192,7 +194,7 @@ async fn regress_connections_never_take_the_last_file_descriptor() {
         silent.push(connect(program.http).await);
     }
     until_true("connections were closed", async || program.metric(&closed("DISPLACED")).await > 200.0).await;
-    // Each opens files of the database.
+    // Each request opens files of the database.
     for _ in 0..20 {
         assert_eq!(try_get(program.http, "/v1/whiskers").await.unwrap().0, 200);
     }
@@ -204,7 +206,7 @@ async fn regress_connections_never_take_the_last_file_descriptor() {
 async fn until_closed(stream: &mut TcpStream) -> String {
     let mut answer = Vec::new();
     let read = tokio::time::timeout(Duration::from_secs(60), stream.read_to_end(&mut answer)).await;
-    // A reset is an end, too.
+    // A reset counts as closed, too.
     assert!(read.is_ok(), "still open after a minute");
     String::from_utf8_lossy(&answer).into_owned()
 }
@@ -236,12 +238,12 @@ async fn slow_body(to: SocketAddr) -> String {
     until_closed(&mut stream).await
 }
 
-/// Asks for far more than buffers hold, and reads none of it.
+/// Requests far more than buffers hold, and reads nothing for a while.
 async fn slow_reader(to: SocketAddr) -> String {
     let mut stream = connect(to).await;
     let request = "GET /docs/swagger-ui-bundle.js HTTP/1.1\r\nHost: localhost\r\n\r\n";
     stream.write_all(request.repeat(50).as_bytes()).await.unwrap();
-    // The first bytes come; the server gives up on the rest, and only then they are read.
+    // The server sends the first bytes and gives up before the rest is read.
     tokio::time::sleep(Duration::from_secs(22)).await;
     until_closed(&mut stream).await
 }
@@ -255,7 +257,7 @@ async fn regress_a_slow_head_a_slow_body_and_a_slow_reader_are_ended() {
     assert!(body.starts_with("HTTP/1.1 408 ") && body.contains("/problems/too-slow-body"), "{body}");
     assert!(answer.starts_with("HTTP/1.1 200 "));
     let whole = ask(program.http, "GET", "/docs/swagger-ui-bundle.js", &[]).await.unwrap().body.len();
-    assert!(answer.len() < 50 * whole, "all of it came");
+    assert!(answer.len() < 50 * whole, "the whole answer was sent");
     for reason in ["SLOW_REQUEST", "SLOW_ANSWER"] {
         until_true(reason, async || program.metric(&closed(reason)).await == 1.0).await;
     }
@@ -267,12 +269,12 @@ async fn regress_a_head_larger_than_is_read_is_refused() {
     let program = HttpProgram::start(&[]);
     let long = "x".repeat(20_000);
     let answer = ask(program.http, "GET", "/livez", &[("X-Long", &long)]).await;
-    // The server may have closed before all was sent.
+    // The server may close the connection before the request is complete.
     assert!(answer.is_err() || answer.is_ok_and(|answer| answer.status == 431));
     assert_eq!(try_get(program.http, "/livez").await.unwrap().0, 200);
 }
 
-/// Waits until so many answers of `/livez` are there.
+/// Waits until this many answers of `/livez` have arrived.
 async fn answers(stream: &mut TcpStream, count: usize) {
     let mut text = Vec::new();
     while String::from_utf8_lossy(&text).matches("alive\n").count() < count {
@@ -282,7 +284,7 @@ async fn answers(stream: &mut TcpStream, count: usize) {
     assert_eq!(String::from_utf8_lossy(&text).matches("HTTP/1.1 200 OK").count(), count);
 }
 
-/// Between requests a connection releases its buffers; bytes that were read ahead must not get lost with them.
+/// Between requests a connection releases its buffers, but not bytes that it has already read.
 #[tokio::test]
 async fn requests_that_come_before_others_are_answered_are_all_answered() {
     let program = HttpProgram::start(&[]);
@@ -293,7 +295,7 @@ async fn requests_that_come_before_others_are_answered_are_all_answered() {
     answers(&mut stream, 2).await;
     stream.write_all(end.as_bytes()).await.unwrap();
     answers(&mut stream, 1).await;
-    // More than a buffer holds, in pieces that end anywhere.
+    // More than a buffer holds, split at arbitrary places.
     let many = request.repeat(1000);
     let (mut read, mut write) = stream.split();
     let sent = async {
@@ -313,7 +315,7 @@ async fn requests_that_come_before_others_are_answered_are_all_answered() {
     answers(&mut stream, 1).await;
 }
 
-/// A body that nobody reads must not be taken for the next request: behind a proxy it would be somebody else's.
+/// The rest of a body must not be parsed as the next request: behind a proxy it would run as another client's request.
 #[tokio::test]
 async fn what_is_left_of_a_body_is_no_request() {
     let program = HttpProgram::start(&[]);
@@ -328,7 +330,7 @@ async fn what_is_left_of_a_body_is_no_request() {
                 let read = tokio::time::timeout(PATIENCE, stream.read_buf(&mut answer)).await;
                 assert!(matches!(read, Ok(Ok(1..))), "{method} {path}: {read:?}");
             }
-            // The server may have closed already.
+            // The server may have closed the connection already.
             let _ = stream.write_all(smuggled.as_bytes()).await;
             let mut more = Vec::new();
             let _ = tokio::time::timeout(Duration::from_millis(300), stream.read_to_end(&mut more)).await;

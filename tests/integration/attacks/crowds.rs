@@ -1,4 +1,4 @@
-//! Robots that are made up, and boots that are.
+//! Invented robots and invented boots.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -39,7 +39,7 @@ async fn births_alone_make_no_robots(kind: Kind) {
     robot.touch(0, 20).await;
     robot.receipted().await;
     assert_eq!(supervised.robots().await, ["honest"]);
-    // Even among the crowd, a robot that sends a factsheet is accepted.
+    // A robot that sends a factsheet is accepted even during the crowd.
     HandRobot::born(supervised.port(), "late", array(ArrayType::Type2, &[70.0])).await;
     assert_eq!(supervised.robots().await, ["honest", "late"]);
 }
@@ -127,7 +127,7 @@ async fn a_boot_that_was_one_too_many_is_taken_later() {
         robot.birth().await;
     }
     until_true("a boot is refused", async || supervised.refused("too_many_boots").await >= 1.0).await;
-    // Within a minute there is room for another boot, the last one; then the supervisor requests its factsheet.
+    // Within a minute one more boot is allowed, which is the last one; then the supervisor requests its factsheet.
     let asked = async {
         loop {
             let heard = robot.mqtt.next(Duration::from_secs(90)).await.expect("a request for the factsheet");
@@ -154,7 +154,8 @@ async fn new_robots_wait_for_room_and_no_more_are_taken_than_there_is_room_for()
         robots.push(robot);
     }
     until_true("one more than a minute's", async || supervised.refused("too_many_new_robots").await >= 1.0).await;
-    // The supervisor requests the factsheet again without a new message of the robot, and accepts it once there is room.
+    // The supervisor requests the factsheet again without a new message of the robot, and accepts it once the limit
+    // allows.
     let last = robots.last_mut().unwrap();
     until_true("the last one is known", async || {
         if let Some(heard) = last.mqtt.next(Duration::from_secs(5)).await

@@ -1,4 +1,4 @@
-//! Values that a database does not take, and a database that fails: no word of it reaches a client.
+//! Values that a database refuses, and failures of the database: no error text of the database reaches a client.
 
 use std::net::SocketAddr;
 
@@ -13,7 +13,7 @@ use vibrissa_tests::web::{Answer, ask, send, try_get};
 
 use crate::http_program::HttpProgram;
 
-/// Words that appear only in texts of databases, drivers and statements, in lower case.
+/// Words that appear only in errors of databases, drivers and statements, in lower case.
 const WORDS: [&str; 12] = [
     "sqlx",
     "sqlite",
@@ -36,7 +36,7 @@ fn assert_says_nothing_of_the_database(what: &str, answer: &Answer) {
     }
 }
 
-/// Asks until it is not for asking too often that nothing is answered.
+/// The answer to a request, repeated while the rate limit refuses it.
 async fn asked(http: SocketAddr, method: &str, path: &str, body: Option<&Value>) -> Answer {
     until("an answer", async || {
         Some(send(http, method, path, &[], body).await.unwrap()).filter(|answer| answer.status != 429)
@@ -53,7 +53,7 @@ fn assert_is_refused(what: &str, field: &str, answer: &Answer) {
     assert_says_nothing_of_the_database(what, answer);
 }
 
-/// Sends a NUL character in each parameter of every route, and in cursors and bodies.
+/// Sends a NUL character in each parameter of every route, in cursors and in bodies.
 async fn nul_everywhere(http: SocketAddr) {
     let document: Value = try_get(http, "/openapi.json").await.unwrap().1.parse().unwrap();
     let mut count = 0;
@@ -96,7 +96,7 @@ async fn nul_everywhere(http: SocketAddr) {
         let answer = asked(http, "GET", &format!("/v1/{path}?cursor={cursor}"), None).await;
         assert_is_refused(&format!("a cursor of {path}"), "cursor", &answer);
     }
-    // Names of fields, and what lies deep.
+    // Names of fields, and deeply nested fields.
     let body = json!({ "model": "m", "youngs_modulus_mpa": 1.0, "rows": [{ "pressure_mpa": 0.1, "a\0b": 1 }] });
     let answer = asked(http, "POST", "/v1/calibrations", Some(&body)).await;
     assert_is_refused("a field's name", "rows[0].a\\u0000b", &answer);
@@ -116,11 +116,11 @@ async fn regress_a_nul_anywhere_in_a_request_is_refused_on_postgresql() {
     assert!(!program.logged().contains("a query failed"), "{}", program.logged());
 }
 
-/// Takes a table away, and brings it back.
+/// Renames a table, so that queries fail, and restores it.
 const RENAME: &str = "ALTER TABLE trims RENAME TO others";
 const RENAME_BACK: &str = "ALTER TABLE others RENAME TO trims";
 
-/// A list whose table is missing: the client gets a request's name, under which the log has the database's words.
+/// A list whose table is missing: the client receives a request id, under which the log contains the database's error.
 async fn a_table_is_missing(program: &HttpProgram, words: &str) {
     let answer = ask(program.http, "GET", "/v1/trims", &[("X-Request-Id", "the-one-that-fails")]).await.unwrap();
     assert_eq!(answer.status, 503, "{}", answer.body);
@@ -148,7 +148,7 @@ async fn regress_an_error_of_postgresql_is_logged_and_not_told() {
     a_table_is_missing(&program, "does not exist").await;
     sqlx::raw_sql(RENAME_BACK).execute(&mut connection).await.unwrap();
 
-    // Nor is what drivers say of a server that is away; operators learn what does not work.
+    // Nor may the driver's errors about a stopped server reach clients; operators see which operation fails.
     server.kill();
     for path in ["/v1/whiskers", "/v1/setpoints/1", "/v1/events"] {
         let answer = ask(program.http, "GET", path, &[]).await.unwrap();

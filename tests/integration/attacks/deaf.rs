@@ -1,4 +1,4 @@
-//! A supervisor that its broker has forgotten notices it, says so, and subscribes again.
+//! A supervisor notices that its broker has lost a subscription, reports it, and subscribes again.
 
 use std::time::{Duration, Instant};
 
@@ -19,7 +19,7 @@ fn from_robots() -> Vec<RobotTopic> {
     RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).collect()
 }
 
-/// A fleet for each topic that robots send: it loses that one.
+/// One fleet per topic of robots, which loses messages of this topic.
 fn losses() -> Vec<(Name, RobotTopic, String)> {
     let of = |kind: RobotTopic| {
         let fleet = Name::new(&format!("lost-{kind}")).unwrap();
@@ -29,7 +29,7 @@ fn losses() -> Vec<(Name, RobotTopic, String)> {
     from_robots().into_iter().map(of).collect()
 }
 
-/// Every filter in words that `/readyz` must have.
+/// Every filter that `/readyz` must name.
 fn filters() -> Vec<String> {
     losses().into_iter().map(|(_, _, filter)| filter).collect()
 }
@@ -41,12 +41,12 @@ fn start(folder: &tempfile::TempDir, fleets: &str, proxy: &MqttProxy) -> Supervi
 
 async fn every_topic_is_missed(supervisor: &Supervised) {
     for (fleet, kind, filter) in losses() {
-        // One after the other may be connecting again.
+        // The fleets may reconnect at different times.
         supervisor.says(false, &["did not come back within 2 s".to_owned(), filter]).await;
         metric_reaches(supervisor, FAILURES, &format!("fleet=\"{fleet}\",topic=\"{kind}\""), 1.0).await;
         let others = supervisor.metric(FAILURES, &format!("fleet=\"{fleet}\"")).await
             - supervisor.metric(FAILURES, &format!("fleet=\"{fleet}\",topic=\"{kind}\"")).await;
-        assert_eq!(others, 0.0, "{fleet}: nothing else is missed");
+        assert_eq!(others, 0.0, "{fleet}: no other topic may be reported");
     }
 }
 
@@ -55,11 +55,11 @@ async fn regress_each_subscription_that_a_broker_loses_is_noticed_and_made_again
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
     let proxy = MqttProxy::to(broker.port()).await;
     let fleets: Vec<String> = losses().iter().map(|(fleet, _, _)| fleet.to_string()).collect();
-    // The broker acknowledges them all.
+    // The broker acknowledges all of these subscriptions.
     proxy.lose(Loss::Subscriptions(filters()));
     let mut supervisor = start(&folder, &fleets.join(","), &proxy);
     every_topic_is_missed(&supervisor).await;
-    assert_eq!(supervisor.metric(CONNECTED, "").await, 0.0, "never heard");
+    assert_eq!(supervisor.metric(CONNECTED, "").await, 0.0, "it must never be connected");
     proxy.lose(Loss::Nothing);
     supervisor.says(true, &[]).await;
     assert_eq!(supervisor.metric(CONNECTED, "").await, 5.0);
@@ -79,11 +79,14 @@ async fn regress_each_topic_that_a_broker_stops_passing_on_is_noticed_and_subscr
     every_topic_is_missed(&supervisor).await;
     proxy.lose(Loss::Nothing);
     supervisor.says(true, &[]).await;
-    assert!(supervisor.metric("vibrissa_broker_connections_total", "").await >= connections + 5.0, "new connections");
+    assert!(
+        supervisor.metric("vibrissa_broker_connections_total", "").await >= connections + 5.0,
+        "expected new connections"
+    );
     supervisor.terminate().await;
 }
 
-/// With a robot that goes on: nothing of it is lost.
+/// A robot keeps sending, and none of its messages is lost.
 #[tokio::test]
 async fn regress_one_direction_that_is_lost_is_noticed_and_robots_are_heard_again() {
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
@@ -96,7 +99,8 @@ async fn regress_one_direction_that_is_lost_is_noticed_and_robots_are_heard_agai
         let lost = Instant::now();
         proxy.lose(loss.clone());
         supervisor.says(false, &[]).await;
-        // Without traffic that could hold a probe up: one period and one patience, and time for a busy machine.
+        // Without other traffic a loss is noticed within one probe period and one time limit; the rest is for a busy
+        // machine.
         assert!(lost.elapsed() < Duration::from_secs(10), "{loss:?}: {:?}", lost.elapsed());
         metric_reaches(&supervisor, FAILURES, "", failures + 5.0).await;
         let message = robot.message(Vec::new());
@@ -121,11 +125,11 @@ async fn a_broker_that_does_not_take_probes_is_named_and_robots_are_heard_all_th
     robot.touch(0, 5).await;
     robot.receipted().await;
     supervisor.says(false, &words).await;
-    assert_eq!(supervisor.metric(FAILURES, "").await, 0.0, "that is no deafness: the connection stays");
+    assert_eq!(supervisor.metric(FAILURES, "").await, 0.0, "a refused publication must not end the connection");
     supervisor.terminate().await;
 }
 
-/// Contacts as fast as they go: probes wait behind them, and nobody is called deaf for it.
+/// Probes wait behind contacts that are sent at full speed; that must not count as a loss.
 #[tokio::test]
 async fn a_burst_does_not_pass_for_deafness() {
     let _turn = crate::turn().await;
@@ -145,7 +149,7 @@ async fn a_burst_does_not_pass_for_deafness() {
         rate: None,
         connections: 2,
         window: 1_000,
-        // The more wait, the later a probe comes.
+        // The more messages wait, the later a probe arrives.
         unreceipted: Some(100_000),
         no_receipts: false,
         learn: 0,
@@ -165,7 +169,7 @@ async fn the_embedded_broker_returns_every_probe() {
     let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-port", &port.to_string()]);
     supervisor.says(true, &[]).await;
     let mut seen = Vec::new();
-    // Three rounds, each with a time of its own.
+    // Three rounds of probes, which have different delays.
     until_true("three rounds of probes", async || {
         let round_trip = supervisor.metric(ROUND_TRIP, "").await;
         if seen.last() != Some(&round_trip) {
@@ -175,6 +179,10 @@ async fn the_embedded_broker_returns_every_probe() {
     })
     .await;
     assert_eq!(supervisor.metric(FAILURES, "").await, 0.0);
-    assert_eq!(supervisor.metric("vibrissa_messages_refused_total", "").await, 0.0, "a probe is no message");
+    assert_eq!(
+        supervisor.metric("vibrissa_messages_refused_total", "").await,
+        0.0,
+        "a probe must not count as a message"
+    );
     supervisor.terminate().await;
 }

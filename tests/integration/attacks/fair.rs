@@ -1,6 +1,6 @@
-//! One robot that sends as fast as it can, among others.
+//! One robot floods the supervisor while others send at their usual rate.
 //!
-//! `cargo test --release -p vibrissa-tests --test attacks fair -- --nocapture --test-threads=1` prints the times.
+//! `cargo test --release -p vibrissa-tests --test attacks fair -- --nocapture --test-threads=1` prints the delays.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -13,24 +13,24 @@ use vibrissa_tests::wait::until_true;
 
 use crate::with_limits::{Kind, Supervised};
 
-/// Robots beside the one that floods.
+/// Number of robots beside the flooding one.
 const ROBOTS: usize = 40;
-/// Contacts of each message of theirs.
+/// Number of contacts in each of their messages.
 const CONTACTS: usize = 5;
-/// From one message of a robot to the next.
+/// Time between two messages of a robot.
 const EVERY: Duration = Duration::from_millis(100);
-/// Contacts of each message of the flood.
+/// Number of contacts in each message of the flood.
 const FLOOD_CONTACTS: usize = 100;
-/// How long times are taken, without the flood and with it.
+/// Length of each measurement, without and with the flood.
 const MEASURED: Duration = Duration::from_secs(8);
-/// How long the flood lasts before times are taken with it.
+/// Length of the flood before the measurement with it.
 const FILLING: Duration = Duration::from_secs(4);
-/// A robot that has heard nothing for this long is cut off.
+/// A robot without a receipt for this time counts as cut off.
 const GIVE_UP: Duration = Duration::from_secs(30);
-/// The longest wait of an honest robot for a receipt.
+/// Longest time that an honest robot may wait for a receipt.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Sends for a while, whatever comes back; gives the robot back with the times until its messages were receipted.
+/// Sends messages for a while. Returns the robot and the delays of its receipts.
 async fn work(mut robot: HandRobot, lasts: Duration) -> (HandRobot, Vec<Duration>) {
     let begun = Instant::now();
     let (mut next, mut waiting, mut times) = (begun, BTreeMap::new(), Vec::new());
@@ -58,7 +58,7 @@ async fn work(mut robot: HandRobot, lasts: Duration) -> (HandRobot, Vec<Duration
     }
 }
 
-/// All of them at once; the times ascending.
+/// Lets all robots send at the same time. Returns the delays, ascending.
 async fn measure(robots: &mut Vec<HandRobot>) -> Vec<Duration> {
     let mut tasks = JoinSet::new();
     for robot in robots.drain(..) {
@@ -130,7 +130,7 @@ async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
     let with = measure(&mut robots).await;
     let messages = supervised.metric("vibrissa_received_to_commit_seconds_count{fleet=\"f\"}").await - contacts;
     let shed = supervised.metric("vibrissa_messages_shed_over_share_total{fleet=\"f\"}").await;
-    // It panics if the flood has ended before.
+    // Panics if the flood has ended early.
     stop.send(()).unwrap();
     flooding.join().unwrap();
 
@@ -151,7 +151,7 @@ async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
         with.last().unwrap(),
         messages / begun.elapsed().as_secs_f64(),
     );
-    assert!(*with.last().unwrap() <= PATIENCE, "an honest robot has waited for {:?}", with.last());
+    assert!(*with.last().unwrap() <= PATIENCE, "an honest robot waited for {:?}", with.last());
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -1,4 +1,4 @@
-//! Messages that no robot that keeps the contract would send: they change nothing, and are counted.
+//! Messages that violate the contract: they have no effect and are counted.
 
 use vibrissa_protocol::{BootId, Contacts, RobotTopic, SetpointError, SetpointOutcome, encode};
 use vibrissa_tests::wait::until_true;
@@ -14,7 +14,7 @@ async fn forgeries_are_counted(supervised: Supervised) {
     const DUPLICATES: &str = "vibrissa_messages_duplicate_total{fleet=\"f\"}";
     let before = supervised.metric(DUPLICATES).await;
 
-    // The same again is a duplicate, and something else under its number a forgery.
+    // A repeated message is a duplicate; other contents under its number are a forgery.
     robot.say(RobotTopic::Contacts, encode(&said)).await;
     let mut forged = Contacts { contacts: said.contacts.clone(), ..said.clone() };
     forged.contacts[1].strain *= 1.000_001;
@@ -28,7 +28,7 @@ async fn forgeries_are_counted(supervised: Supervised) {
     let mut unknown = setpoint.clone();
     unknown.command_id = "00000000-0000-5000-8000-000000000000".to_owned();
     robot.answer(&unknown, SetpointOutcome::Applied, None).await;
-    // Another robot speaks of this one's.
+    // Another robot answers for this robot.
     other.answer(&setpoint, SetpointOutcome::Failed, Some(SetpointError::Leak)).await;
     let own = std::mem::replace(&mut robot.boot_id, BootId::new("never-born").unwrap());
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
@@ -39,11 +39,11 @@ async fn forgeries_are_counted(supervised: Supervised) {
         [("conflicting_duplicate", 1.0), ("state_backward", 1.0), ("unknown_boot", 1.0), ("unknown_command", 2.0)];
     supervised.has_refused(&expected).await;
     let applying = "SELECT count(*) FROM setpoints WHERE state = 'APPLYING'";
-    until_true("the state that was said first", async || supervised.number(applying).await == 1).await;
+    until_true("the setpoint has the first reported state", async || supervised.number(applying).await == 1).await;
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
     let applied = "SELECT count(*) FROM setpoints WHERE state = 'APPLIED'";
-    until_true("its end", async || supervised.number(applied).await == 1).await;
-    // To say it again is allowed, and to say otherwise is not.
+    until_true("the setpoint is applied", async || supervised.number(applied).await == 1).await;
+    // A repeated answer is allowed, a contradictory one is refused.
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
     robot.answer(&setpoint, SetpointOutcome::Failed, Some(SetpointError::Leak)).await;
     let mut expected = expected;

@@ -1,7 +1,8 @@
-//! Robots send messages at the limits of the contract to the real program. An honest robot gets each receipt within two seconds,
-//! and the database contains only finite numbers.
+//! Robots send messages at the limits of the contract to the real program. An honest robot must get each receipt within
+//! two seconds, and the database must contain only finite numbers.
 //!
-//! `FUZZ_SEED=7` sends other messages. `FUZZ_WITHOUT=factsheet,times` makes some of them ordinary, to find the cause of a failure.
+//! `FUZZ_SEED=7` sends other messages. `FUZZ_WITHOUT=factsheet,times` makes parts of them ordinary, to find the cause
+//! of a failure.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -25,23 +26,23 @@ use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::robot::{ARRAY, HandRobot, array};
 
-/// The seed of all messages, unless the environment sets another.
+/// Seed of all messages, unless the environment sets another one.
 const SEED: u64 = 1;
-/// Robots that send extreme messages, and the messages of each.
+/// Number of robots that send extreme messages, and of messages per robot.
 const ROBOTS: usize = 8;
 const MESSAGES: usize = 2_500;
-/// From one message of such a robot to its next: together they send a thousand per second.
+/// Time between two messages of such a robot; together they send a thousand per second.
 const PACE: Duration = Duration::from_millis(8);
-/// The limit from an honest robot's message to its receipt.
+/// Longest time from an honest robot's message to its receipt.
 const RECEIPT: Duration = Duration::from_secs(2);
-/// The honest robot sends a message again after this time without a receipt.
+/// Time without a receipt after which the honest robot sends a message again.
 const AGAIN: Duration = Duration::from_millis(700);
-/// Messages and log lines in the report of a failure.
+/// Number of messages and log lines in the report of a failure.
 const SHOWN: usize = 12;
-/// The limit from SIGTERM to the end of the program.
+/// Longest time from SIGTERM to the end of the program.
 const END: Duration = Duration::from_secs(15);
 
-/// The newest extreme messages of all robots.
+/// The latest extreme messages of all robots.
 type Newest = Arc<Mutex<VecDeque<String>>>;
 
 fn launch(database: &str, broker_port: u16, http: SocketAddr, log: &Path) -> Launch {
@@ -121,7 +122,7 @@ async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc
     }
 }
 
-/// Measures how long the machine delays a thread that sleeps and writes to the disk, in microseconds, summed: the program waits for
+/// Sums the machine's delays, in microseconds, of a thread that sleeps and writes to the disk: the program waits for
 /// the same processors and the same disk.
 fn watch_lag(folder: &Path) -> Arc<AtomicU64> {
     const STEP: Duration = Duration::from_millis(20);
@@ -132,7 +133,7 @@ fn watch_lag(folder: &Path) -> Arc<AtomicU64> {
         while let Some(lag_us) = weak.upgrade() {
             let begun = Instant::now();
             std::thread::sleep(STEP);
-            // Databases wait for the disk at each commit.
+            // Like a database, which waits for the disk at each commit.
             file.set_len(begun.elapsed().as_micros() as u64 % 8192)
                 .and_then(|()| file.sync_all())
                 .expect("a file of ours");
@@ -142,7 +143,7 @@ fn watch_lag(folder: &Path) -> Arc<AtomicU64> {
     lag_us
 }
 
-/// Sends a message of contacts until its receipt comes, and returns the time without the machine's own delay.
+/// Sends a contacts message until its receipt arrives. Returns the time without the machine's own delay.
 async fn receipted(robot: &mut HandRobot, lag_us: &AtomicU64) -> Option<Duration> {
     let (begun, lag_before) = (Instant::now(), lag_us.load(Ordering::Relaxed));
     let taken = || {
@@ -166,7 +167,7 @@ async fn receipted(robot: &mut HandRobot, lag_us: &AtomicU64) -> Option<Duration
     None
 }
 
-/// The whole run on a database.
+/// Runs the whole test on a database.
 async fn fuzz(database: &str) {
     let _turn = crate::turn().await;
     let seed = std::env::var("FUZZ_SEED").ok().map_or(SEED, |text| text.parse().expect("a number"));
@@ -193,7 +194,7 @@ async fn fuzz(database: &str) {
             None => {
                 let newest: Vec<String> = newest.lock().unwrap().iter().cloned().collect();
                 let log = std::fs::read_to_string(&log).unwrap_or_default();
-                // Alarms are the expected result of such messages.
+                // Alarms are the expected result of extreme messages.
                 let end = log.lines().rev().filter(|line| !line.contains("alarm")).take(SHOWN);
                 let end: String = end.map(|line| format!("  {line}\n")).collect();
                 panic!(
@@ -206,7 +207,7 @@ async fn fuzz(database: &str) {
         }
         receipts += 1;
         while let Some(ended) = timeout(Duration::from_millis(50), hostile.join_next()).await.ok().flatten() {
-            ended.expect("a hostile robot's connection holds");
+            ended.expect("the connections of hostile robots must persist");
         }
     }
     let said = said.load(Ordering::Relaxed);
@@ -214,7 +215,7 @@ async fn fuzz(database: &str) {
     assert_eq!(said, (ROBOTS * MESSAGES) as u64);
 
     program.signal(Signal::SIGTERM);
-    let status = program.ended(END).await.expect("the program ends after SIGTERM");
+    let status = program.ended(END).await.expect("the program must end after SIGTERM");
     assert!(status.success(), "{status}");
     let address: DatabaseAddress = database.parse().unwrap();
     let store = Store::open(&address, "test").await.unwrap();
@@ -255,7 +256,7 @@ async fn assert_finite_in_sqlite(file: &Path) {
     assert!(columns.len() > 20, "{} columns", columns.len());
     for row in columns {
         let (table, column): (String, String) = (row.get(0), row.get(1));
-        // SQLite stores NaN as NULL, and the columns that must have a number refuse NULL.
+        // SQLite stores NaN as NULL, and columns that require a number refuse NULL.
         let sql = format!("SELECT count(*) FROM \"{table}\" WHERE abs(\"{column}\") > 1.7976931348623157e308");
         let count: i64 = sqlx::query_scalar(AssertSqlSafe(sql)).fetch_one(&mut connection).await.unwrap();
         assert_eq!(count, 0, "{table}.{column}");

@@ -1,4 +1,4 @@
-//! Pages of other sites: what the service sends can be framed, guessed at or run by none of them.
+//! Headers that protect against pages of other sites: no framing, no content sniffing, no foreign scripts.
 
 use vibrissa_tests::web::ask;
 

@@ -1,4 +1,4 @@
-//! `vibrissa run` as a process of its own whose HTTP is attacked, with the embedded broker.
+//! Runs `vibrissa run` with the embedded broker as a separate process whose HTTP server is attacked.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -15,19 +15,19 @@ use vibrissa_tests::web::try_get;
 /// Path of the program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
-/// A running program; dropped, it is killed.
+/// A running program, killed on drop.
 pub(crate) struct HttpProgram {
     process: Child,
-    /// Where everything is served.
+    /// Address of the API and the console.
     pub(crate) http: SocketAddr,
-    /// Where monitoring is served.
+    /// Address of the monitoring listener.
     pub(crate) monitoring: SocketAddr,
     log: PathBuf,
     folder: TempDir,
 }
 
 impl HttpProgram {
-    /// On SQLite, with more arguments.
+    /// Starts the program on SQLite with further arguments.
     pub(crate) fn start(arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
@@ -40,7 +40,7 @@ impl HttpProgram {
         Self::run(tempfile::tempdir().unwrap(), &database, &[], Command::new(PROGRAM))
     }
 
-    /// On SQLite, with so few file descriptors.
+    /// Starts the program on SQLite with this limit of file descriptors.
     pub(crate) fn with_descriptors(descriptors: u32) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
@@ -65,10 +65,7 @@ impl HttpProgram {
         std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
         let address = || {
             let line = says.recv_timeout(2 * PATIENCE).unwrap_or_else(|problem| {
-                panic!(
-                    "the program does not say where it serves ({problem}): {}",
-                    std::fs::read_to_string(&log).unwrap()
-                )
+                panic!("the program does not print its address ({problem}): {}", std::fs::read_to_string(&log).unwrap())
             });
             line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap()
         };
@@ -81,19 +78,19 @@ impl HttpProgram {
         std::fs::read_to_string(&self.log).unwrap()
     }
 
-    /// The URL of its SQLite database.
+    /// URL of its SQLite database.
     pub(crate) fn sqlite(&self) -> String {
         format!("sqlite:{}", self.folder.path().join("v.sqlite3").display())
     }
 
-    /// Memory that it has in use, bytes.
+    /// Resident memory in bytes.
     pub(crate) fn resident_bytes(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
     }
 
-    /// A metric of HTTP, by its name with labels; asked where no attack is.
+    /// Value of an HTTP metric by name with labels, from the listener that is not attacked.
     pub(crate) async fn metric(&self, name: &str) -> f64 {
         let (status, text) = try_get(self.monitoring, "/metrics").await.unwrap();
         assert_eq!(status, 200, "{text}");

@@ -14,7 +14,8 @@ use vibrissa_simulator::fleet::now_us;
 
 use crate::started::{Place, Started};
 
-/// An identity provider with one key under several names, each with other members. It counts requests for its keys.
+/// An identity provider with one key under several ids, each with different members. It counts the requests for its
+/// keys.
 struct Provider {
     issuer: String,
     key: KeyPair,
@@ -72,7 +73,7 @@ impl Provider {
         ])
     }
 
-    /// A token that is good in itself.
+    /// A token that is valid apart from its header.
     fn token(&self, header: &Header) -> String {
         let claims = json!({ "iss": self.issuer, "aud": "vibrissa", "sub": "ann", "vibrissa_role": "viewer",
                              "vibrissa_fleets": "*", "exp": now_us() / 1_000_000 + 600 });
@@ -117,6 +118,6 @@ async fn unknown_keys_do_not_make_it_ask_the_provider_each_time() {
         assert_eq!(status, 401, "{told}");
     }
     assert_eq!(status(&started, &provider.token(&header("good"))).await.0, 200);
-    // One every ten seconds at most: a slow machine may take that long for the requests above.
+    // At most one request per ten seconds; a slow machine may need that long for the requests above.
     assert!(provider.asked.load(Ordering::SeqCst) <= 3, "{}", provider.asked.load(Ordering::SeqCst));
 }

@@ -1,4 +1,4 @@
-//! `vibrissa run` for tests of its connections to the broker.
+//! Runs `vibrissa run` for tests of its connections to the broker.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::{PATIENCE, until, until_true};
 use vibrissa_tests::web::try_get;
 
-/// A running program; dropped, it is killed.
+/// A running program, killed on drop.
 pub(crate) struct Supervised {
     process: Process,
     http: u16,
@@ -17,8 +17,8 @@ pub(crate) struct Supervised {
 }
 
 impl Supervised {
-    /// Starts it under that name with further arguments. Its log and a SQLite database, unless the arguments name another
-    /// database, are in the folder.
+    /// Starts the program under this name with further arguments. The folder contains its log and, unless the arguments
+    /// name another database, a SQLite database.
     pub(crate) fn start(folder: &Path, name: &str, arguments: &[&str]) -> Self {
         let http = free_port();
         let listen = format!("127.0.0.1:{http}");
@@ -38,7 +38,7 @@ impl Supervised {
         Self { process: Process::start(launch), http, log }
     }
 
-    /// The answer of `/readyz`: whether it is ready, and the text with the reasons; `None` without an answer.
+    /// State and text of `/readyz`; None without an answer.
     pub(crate) async fn ready(&self) -> Option<(bool, String)> {
         let (status, body) = try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()?;
         let told: Value = serde_json::from_str(&body).unwrap();
@@ -46,7 +46,7 @@ impl Supervised {
         Some((status == 200, body))
     }
 
-    /// Waits until `/readyz` says this, with these words in it; gives its text.
+    /// Waits until `/readyz` reports this state with these words. Returns its text.
     pub(crate) async fn says(&self, is_ready: bool, words: &[String]) -> String {
         let mut last = None;
         until(&format!("ready: {is_ready} with {words:?}"), async || {
@@ -61,7 +61,7 @@ impl Supervised {
         .await
     }
 
-    /// The sum of a metric's series whose labels contain that text.
+    /// Sum of a metric's series whose labels contain this text.
     pub(crate) async fn metric(&self, name: &str, labels: &str) -> f64 {
         let (_, text) = try_get(([127, 0, 0, 1], self.http).into(), "/metrics").await.unwrap();
         let series = text.lines().filter_map(|line| line.rsplit_once(' '));
@@ -78,19 +78,19 @@ impl Supervised {
         std::fs::read_to_string(&self.log).unwrap()
     }
 
-    /// How many lines of its log hold that text.
+    /// Number of log lines that contain this text.
     pub(crate) fn logged(&self, text: &str) -> usize {
         self.log().lines().filter(|line| line.contains(text)).count()
     }
 
-    /// Ends it in good order.
+    /// Stops the program in an orderly way.
     pub(crate) async fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
-        assert!(self.process.ended(PATIENCE).await.expect("it ends").success());
+        assert!(self.process.ended(PATIENCE).await.expect("the program must end").success());
     }
 }
 
-/// Waits until a metric is at least so high.
+/// Waits until a metric reaches this value.
 pub(crate) async fn metric_reaches(supervised: &Supervised, name: &str, labels: &str, goal: f64) {
     until_true(&format!("{name}{{{labels}}} of {goal}"), async || supervised.metric(name, labels).await >= goal).await;
 }

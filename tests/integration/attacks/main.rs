@@ -1,4 +1,5 @@
-//! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead a fleet.
+//! Attacks on the real program: one robot with its own password, or anyone who reaches a port, tries to stop or mislead
+//! a fleet.
 
 #![allow(
     clippy::unwrap_used,
@@ -36,7 +37,7 @@ mod with_limits;
 
 use tokio::sync::{Mutex, MutexGuard};
 
-/// The turn of a test that loads all processors or measures times: one at a time, beside tests that mostly wait.
+/// Lock for tests that load all processors or measure times: they run one at a time, beside tests that mostly wait.
 pub(crate) async fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::const_new(());
     TURN.lock().await

@@ -23,7 +23,7 @@ use crate::http_program::HttpProgram;
 #[tokio::test]
 async fn the_listener_for_monitoring_serves_nothing_else() {
     let program = HttpProgram::start(&[]);
-    // As a Prometheus on another host asks, through a proxy and by any name.
+    // A request of a Prometheus on another host, through a proxy and under any name.
     let headers = [("Host", "supervisor-1:9464"), ("X-Forwarded-For", "192.0.2.1")];
     until_true("ready", async || try_get(program.monitoring, "/readyz").await.unwrap().0 == 200).await;
     for (path, status) in [
@@ -51,10 +51,10 @@ async fn regress_whoever_comes_through_a_proxy_to_loopback_needs_a_token() {
         }
     }
     let through_proxy = ask(program.http, "GET", "/livez", &[("X-Forwarded-For", "192.0.2.1")]).await.unwrap();
-    assert_eq!(through_proxy.status, 200, "whether it runs is no secret");
+    assert_eq!(through_proxy.status, 200, "liveness must be public");
 }
 
-/// The listener of this test is on loopback; the address given to `Access::new` decides.
+/// The listener of this test is on loopback, but the rules depend on the address given to `Access::new`.
 #[tokio::test]
 async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_fleets() {
     let folder = tempfile::tempdir().unwrap();
@@ -80,7 +80,7 @@ async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_flee
             async |headers: &[(&str, &str)]| ask(http, "GET", path, headers).await.map(|answer| answer.status).unwrap();
         assert_eq!(status(&[]).await, 401, "{path}");
         assert_eq!(status(&[("Authorization", "Bearer vbr_000000000000_AAAA")]).await, 401, "{path}");
-        assert_eq!(status(&[("Authorization", &of_one)]).await, 403, "{path}: it tells of other fleets, too");
+        assert_eq!(status(&[("Authorization", &of_one)]).await, 403, "{path}: it includes other fleets");
         assert_eq!(status(&[("Authorization", &of_all)]).await, 200, "{path}");
     }
     assert_eq!(try_get(http, "/livez").await.unwrap().0, 200);

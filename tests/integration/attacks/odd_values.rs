@@ -1,4 +1,5 @@
-//! Texts with control characters and numbers that are no measurements: refused at the entrance, and nobody else notices.
+//! Texts with control characters and numbers that are not measurements are refused on arrival and affect no other
+//! robot.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +8,7 @@ use vibrissa_tests::wait::until_true;
 
 use crate::supervised::Supervised;
 
-/// (ratio, deflection in mm, strain): the first three made the length of a whisker of 69.3 mm no number.
+/// (ratio, deflection in mm, strain). The first three made the estimated length of a whisker of 69.3 mm non-finite.
 const POISON: [(f64, f64, f64); 6] = [
     (5e-324, 1e-9, -0.0117),
     (0.85, 1000.0, 5e-324),
@@ -28,7 +29,7 @@ async fn odd_values_are_refused(supervised: Supervised) {
     }
     let spoilt = text.replace("nguyen-2021", "nguyen\\u0000");
     odd.say(RobotTopic::Factsheet, spoilt).await;
-    // Sends the valid factsheet again, so that the broker retains this one.
+    // Sends the valid factsheet again, so that the broker retains it.
     odd.say(RobotTopic::Factsheet, text).await;
     for (ratio, deflection_mm, strain) in POISON {
         let contact = Contact { ratio, deflection_mm, strain, ..odd.contact(1) };
@@ -43,7 +44,7 @@ async fn odd_values_are_refused(supervised: Supervised) {
     odd.touch(1, 20).await;
     odd.receipted().await;
     supervised.has_refused(&[("malformed", 4.0), ("out_of_range", 5.0)]).await;
-    // The third one is within the ranges.
+    // The third one is within the ranges of the contract.
     let recorded = "SELECT count(*) FROM contacts WHERE length_mm > 60 AND length_mm < 80 AND length_sd_mm < 10";
     until_true("every other contact", async || supervised.number(recorded).await == POISON.len() as i64 + 1 + 20).await;
     assert!(supervised.answers("/readyz").await.is_some());

@@ -1,4 +1,4 @@
-//! A boot that others have followed comes back.
+//! An earlier boot sends messages again after a later one.
 
 use vibrissa_protocol::{BootId, ConnectionState, RobotTopic, encode};
 use vibrissa_tests::wait::until_true;
@@ -20,7 +20,7 @@ async fn an_old_boot_stays_old(mut supervised: Supervised) {
         robot.birth().await;
         robot.settle().await;
     }
-    // Whether it remembers that itself or only its database does.
+    // With and without a restart: the supervisor must remember old boots in memory and in the database.
     for is_restarted in [false, true] {
         if is_restarted {
             supervised.restart().await;
@@ -35,10 +35,10 @@ async fn an_old_boot_stays_old(mut supervised: Supervised) {
             message.seq = seq;
             robot.say(RobotTopic::Contacts, encode(&message)).await;
         }
-        // A birth, a factsheet, and contacts that nothing is known of any more.
+        // A birth, a factsheet, and contacts with numbers that are not known.
         supervised.has_refused(&[("old_boot", 4.0)]).await;
         assert!(supervised.logged("old_boot") >= 1);
-        // The newest boot goes on, and the retained messages are its own again.
+        // The newest boot continues, and the retained messages are its own again.
         robot.boot_id = newest.clone();
         robot.connection(ConnectionState::Online).await;
         let factsheet = robot.factsheet();
@@ -47,7 +47,8 @@ async fn an_old_boot_stays_old(mut supervised: Supervised) {
         robot.send(contacts).await;
         robot.receipted().await;
     }
-    until_true("what was felt", async || supervised.number("SELECT count(*) FROM contacts").await == 4).await;
+    until_true("all contacts are recorded", async || supervised.number("SELECT count(*) FROM contacts").await == 4)
+        .await;
     let twice = "SELECT count(*) - count(DISTINCT b.boot_id || ' ' || seq || ' ' || position) \
                  FROM contacts c JOIN boots b ON b.boot = c.boot";
     assert_eq!(supervised.number(twice).await, 0);

@@ -1,10 +1,10 @@
-//! Faults in the database: triggers that refuse rows.
+//! Plants faults in the database: triggers that refuse rows.
 
 use sqlx::{AssertSqlSafe, ConnectOptions};
 
 use crate::stage::Stage;
 
-/// The database as its administrator sees it.
+/// An administrator's connection to the database.
 pub(crate) enum Admin {
     Sqlite(sqlx::SqliteConnection),
     Postgres(sqlx::PgConnection),
@@ -30,7 +30,7 @@ impl Admin {
         }
     }
 
-    /// Refuses new and changed rows `n` of a table that meet a condition.
+    /// Refuses new and changed rows (named `n`) of a table that satisfy a condition.
     pub(crate) async fn refuse(&mut self, table: &str, condition: &str) {
         let condition = condition.replace("n.", "NEW.");
         let sql = match self {
@@ -51,7 +51,7 @@ impl Admin {
         with!(self, |link| sqlx::raw_sql(AssertSqlSafe(sql)).execute(link).await.map(drop)).unwrap();
     }
 
-    /// Takes all rows again.
+    /// Removes the triggers.
     pub(crate) async fn relent(&mut self, table: &str) {
         let sql = match self {
             Self::Sqlite(_) => "DROP TRIGGER planted_INSERT; DROP TRIGGER planted_UPDATE;".to_owned(),
@@ -60,7 +60,7 @@ impl Admin {
         with!(self, |link| sqlx::raw_sql(AssertSqlSafe(sql)).execute(link).await.map(drop)).unwrap();
     }
 
-    /// The first column of all rows, whole numbers.
+    /// Integers in the first column of all rows.
     pub(crate) async fn numbers(&mut self, sql: &str) -> Vec<i64> {
         let sql = AssertSqlSafe(sql.to_owned());
         with!(self, |link| sqlx::query_scalar(sql).fetch_all(link).await).unwrap()

@@ -1,4 +1,4 @@
-//! Messages that lead to rows which the database refuses for good: no robot but their sender feels it.
+//! Messages that lead to rows which the database always refuses affect only their sender.
 
 use std::time::{Duration, Instant};
 
@@ -9,12 +9,12 @@ use vibrissa_tests::wait::until;
 use crate::planted::Admin;
 use crate::stage::{Kind, Stage};
 
-/// All other robots go on within one second; a loaded machine is given one more.
+/// Other robots must continue within one second; a loaded machine gets one more.
 const OTHERS_GO_ON: Duration = Duration::from_secs(2);
-/// Contacts after which a whisker's cut is found, by the program's defaults.
+/// Contacts after which a whisker's cut is detected, with the program's defaults.
 const LEARNED: usize = 300;
 
-/// Sends a message and waits for its receipt; says how long that took.
+/// Sends a message, waits for its receipt, and returns the duration.
 async fn receipt_time(robot: &mut HandRobot) -> Duration {
     let begun = Instant::now();
     robot.touch(0, 5).await;
@@ -26,7 +26,7 @@ async fn born(stage: &Stage, name: &str, lengths_mm: &[f64]) -> HandRobot {
     HandRobot::born(stage.broker.port(), name, array(ArrayType::Type2, lengths_mm)).await
 }
 
-/// One message of many leads to a row that is refused: it alone is put into quarantine.
+/// One of many messages leads to a refused row; only this message is quarantined.
 async fn one_message(kind: Kind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;
@@ -44,7 +44,7 @@ async fn one_message(kind: Kind) {
     }
     let took = receipt_time(&mut good).await;
     assert!(took < OTHERS_GO_ON, "another robot waited for {took:?}");
-    // The bad message, too, is receipted, so that it is not sent again.
+    // The bad message is receipted, too, so that the robot does not send it again.
     bad.receipted().await;
     let series = "vibrissa_messages_quarantined_total{cause=\"CONSTRAINT\",fleet=\"f\"}";
     until("the message is in quarantine", async || (stage.metric(series).await > 0.0).then_some(())).await;
@@ -56,7 +56,7 @@ async fn one_message(kind: Kind) {
         (all == [contacts] && distinct == [contacts]).then_some(())
     })
     .await;
-    // The first message of a robot is empty: its 18th contact is in the message 18.
+    // The first message of a robot is empty, so its 18th contact is in message 18.
     assert_eq!(admin.numbers("SELECT seq FROM quarantine WHERE robot = 'bad' AND topic = 'contacts'").await, [18]);
     assert!((stage.metric(series).await - 1.0).abs() < 1e-9);
     let listed = stage.get("/v1/quarantine?fleet=f&robot=bad").await;
@@ -75,8 +75,8 @@ async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_postgres() {
     one_message(Kind::Postgres).await;
 }
 
-/// All rows of one robot are refused in one table after the other, as long as a trigger is there: the other robot goes on, and
-/// the one concerned goes on once it is gone.
+/// A trigger refuses all rows of one robot, in one table after the other. The other robot continues, and the affected
+/// robot continues once the trigger is removed.
 async fn one_robot(kind: Kind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;
@@ -99,7 +99,7 @@ async fn one_robot(kind: Kind) {
     ];
     for (at, (table, condition)) in cases.into_iter().enumerate() {
         admin.refuse(table, &condition).await;
-        // A cut leads to a row in each of the tables. In later cases the whisker has been cut before.
+        // A cut writes rows to each of the tables. In later cases the whisker has been cut before.
         bad.cut(at as u16 % 3, 64.0 - 2.0 * (at / 3) as f64);
         bad.touch(at as u16 % 3, 60).await;
         bad.connection(vibrissa_protocol::ConnectionState::Online).await;
@@ -111,7 +111,7 @@ async fn one_robot(kind: Kind) {
         stage.ready().await;
     }
     let next = bad.next_seq(RobotTopic::Contacts);
-    until("the robot concerned goes on", async || {
+    until("the affected robot continues", async || {
         let message = serde_json::json!({"boot_id": bad.boot_id.as_str(), "seq": next, "contacts": []});
         bad.say(RobotTopic::Contacts, message.to_string()).await;
         let heard = bad.mqtt.next(Duration::from_millis(500)).await?;
@@ -119,7 +119,10 @@ async fn one_robot(kind: Kind) {
         receipt.covers(next).then_some(())
     })
     .await;
-    assert!(stage.metric("vibrissa_robots_suspect{fleet=\"f\"}").await >= 1.0, "on probation for a minute");
+    assert!(
+        stage.metric("vibrissa_robots_suspect{fleet=\"f\"}").await >= 1.0,
+        "the robot must be suspect for a minute"
+    );
     stage.stop().await;
 }
 
@@ -133,7 +136,7 @@ async fn regress_a_robot_whose_rows_are_refused_stops_no_other_on_postgres() {
     one_robot(Kind::Postgres).await;
 }
 
-/// A factsheet whose numbers are refused when it is numbered, before anything follows from it.
+/// A factsheet whose rows are refused when ids are assigned, before it has any effect.
 async fn a_factsheet(kind: Kind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;

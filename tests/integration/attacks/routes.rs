@@ -1,4 +1,4 @@
-//! Every route with every method: who gets in, and that nothing else does.
+//! Every route with every method: only callers with the required role are admitted.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,13 +8,13 @@ use vibrissa_tests::web::{Answer, ask, open};
 use crate::started::{Place, ROOT, Started};
 
 const METHODS: [&str; 8] = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE"];
-/// Paths served to everybody: they hold no data of fleets.
+/// Public paths, which contain no data of fleets.
 const PUBLIC: [&str; 7] =
     ["/", "/console/main.js", "/docs/", "/openapi.json", "/problems/forbidden", "/livez", "/readyz"];
-/// Each role has the rights of those before it.
+/// Roles in ascending order; each includes the rights of the earlier ones.
 const ROLES: [&str; 4] = ["VIEWER", "OPERATOR", "ENGINEER", "ADMIN"];
 
-/// Each path with its methods and their roles, as the document has them.
+/// Each path of the OpenAPI document with its methods and their roles.
 async fn declared(started: &Started) -> BTreeMap<String, BTreeMap<String, String>> {
     let document: Value = started.get("/openapi.json", &[]).await.json();
     let role = |operation: &Value| operation["x-required-role"].as_str().unwrap().to_owned();
@@ -26,7 +26,7 @@ async fn declared(started: &Started) -> BTreeMap<String, BTreeMap<String, String
     paths.map(|(path, item)| (path.clone(), methods(item))).collect()
 }
 
-/// Something in each part of a path, of the fleet `f`; there is nothing of that name.
+/// Fills each parameter of a path for fleet `f` with names that do not exist.
 fn filled(path: &str) -> String {
     let mut filled = path.replace("{fleet}", "f").replace("{array}", "left").replace("{robot}", "nobody");
     while let Some((before, rest)) = filled.split_once('{') {
@@ -39,7 +39,7 @@ fn filled(path: &str) -> String {
 async fn asked(started: &Started, method: &str, path: &str, token: Option<&str>) -> Answer {
     let bearer = token.map(|token| format!("Bearer {token}"));
     let headers: Vec<(&str, &str)> = bearer.iter().map(|bearer| ("Authorization", bearer.as_str())).collect();
-    // A stream does not end: its beginning tells.
+    // A stream does not end, so only its status is read.
     if (method, path) == ("GET", "/v1/events") {
         let (status, _) = open(started.http, path, &headers).await.unwrap();
         return Answer { status, headers: BTreeMap::new(), body: String::new() };
@@ -104,7 +104,7 @@ async fn nothing_is_served_beside_the_routes() {
     for path in PUBLIC {
         assert!(matches!(started.get(path, &[]).await.status, 200 | 503), "{path}");
     }
-    // Other ways to write a path must not lead around the check.
+    // Alternative spellings of a path must not bypass the check.
     for path in [
         "/v1",
         "/v1/",

@@ -1,4 +1,4 @@
-//! The program as a process, with Mosquitto and a database of its own.
+//! Runs the program as a process with a private Mosquitto and database.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -18,7 +18,7 @@ pub(crate) enum Kind {
     Postgres,
 }
 
-/// A supervisor of the fleet `f` with everything around it.
+/// A supervisor of fleet `f` with its broker and database.
 pub(crate) struct Stage {
     pub(crate) broker: Mosquitto,
     pub(crate) server: Option<Postgres>,
@@ -28,7 +28,7 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// Starts all of it, and waits until the supervisor is ready.
+    /// Starts all programs and waits until the supervisor is ready.
     pub(crate) async fn start(kind: Kind) -> Self {
         let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
         let server = match kind {
@@ -62,7 +62,7 @@ impl Stage {
         .await;
     }
 
-    /// One number of `/metrics`; 0 for a series that is not there.
+    /// Value of a series in `/metrics`; 0 if it does not exist.
     pub(crate) async fn metric(&self, series: &str) -> f64 {
         let (_, text) = try_get(self.http, "/metrics").await.unwrap();
         let line = text.lines().find(|line| line.rsplit_once(' ').is_some_and(|(name, _)| name == series));
@@ -81,7 +81,7 @@ impl Stage {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap()
     }
 
-    /// Ends it in good order.
+    /// Stops the program in an orderly way.
     pub(crate) async fn stop(mut self) {
         self.process.signal(nix::sys::signal::Signal::SIGTERM);
         let ended = self.process.ended(Duration::from_secs(20)).await;

@@ -1,4 +1,4 @@
-//! `vibrissa run` as a process on ports of its own, with the embedded broker, on either database.
+//! Runs `vibrissa run` as a process on free ports with the embedded broker, on either database.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -16,10 +16,10 @@ use vibrissa_tests::web::{Answer, ask};
 
 /// Path of the program under test.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
-/// A token with every right.
+/// A token with all rights.
 pub(crate) const ROOT: &str = "a-token-of-more-than-32-characters-for-the-test";
 
-/// An empty database, and a folder for files.
+/// An empty database and a folder for files.
 pub(crate) struct Place {
     pub(crate) folder: TempDir,
     pub(crate) database_url: String,
@@ -39,20 +39,20 @@ impl Place {
         Self { folder: tempfile::tempdir().unwrap(), database_url, _server: Some(server) }
     }
 
-    /// The program with arguments and this database.
+    /// Runs a command of the program with this database.
     pub(crate) fn command(&self, arguments: &[&str]) -> Output {
         let mut command = assert_cmd::Command::new(PROGRAM);
         command.args(arguments).args(["--database-url", &self.database_url]).timeout(PATIENCE).output().unwrap()
     }
 
-    /// A new token.
+    /// Creates a token.
     pub(crate) fn token(&self, role: &str, scope: &[&str]) -> String {
         let made = self.command(&[&["token", "create", "--role", role], scope].concat());
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         String::from_utf8(made.stdout).unwrap().trim().to_owned()
     }
 
-    /// Supervises; returns when the program says where it serves.
+    /// Starts a supervisor and waits until it prints its HTTP address.
     pub(crate) fn start(&self, arguments: &[&str]) -> Started {
         let log = self.folder.path().join("log");
         let mut process = Command::new(PROGRAM)
@@ -70,7 +70,7 @@ impl Place {
         Started { process, http, log }
     }
 
-    /// The same where [`ROOT`] is a token with every right.
+    /// The same with [`ROOT`] as a token with all rights.
     pub(crate) fn start_closed(&self, arguments: &[&str]) -> Started {
         let file = self.folder.path().join("token");
         std::fs::write(&file, ROOT).unwrap();
@@ -83,7 +83,7 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// A running program; dropped, it is killed.
+/// A running program, killed on drop.
 pub(crate) struct Started {
     process: Child,
     pub(crate) http: SocketAddr,
@@ -104,7 +104,7 @@ impl Started {
         read(&self.log)
     }
 
-    /// Until all its fleets are its own.
+    /// Waits until it owns all of these fleets.
     pub(crate) async fn owns(&self, fleets: &[&str]) {
         until("the fleets", async || {
             let answer = ask(self.http, "GET", "/readyz", &[]).await.ok()?;
@@ -121,7 +121,7 @@ impl Started {
         ask(self.http, "GET", path, headers).await.unwrap()
     }
 
-    /// The statuses of requests that go one after the other over one connection; each is a head without its end.
+    /// Statuses of requests sent over one connection; each head is given without its last lines.
     pub(crate) async fn statuses(&self, heads: &[String]) -> Vec<u16> {
         let stream = TcpStream::connect(self.http).await.unwrap();
         let (mut from, mut to) = stream.into_split();

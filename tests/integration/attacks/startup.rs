@@ -1,4 +1,4 @@
-//! Warnings at the start about secrets that others can read, and secrets on the command line.
+//! Warnings at the start about secrets that other users can read, and secrets on the command line.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -33,7 +33,7 @@ async fn regress_a_new_database_and_its_copies_are_their_owners_alone() {
     assert_eq!(mode(&copy), 0o600);
     assert!(!started.log().contains("database.url: "), "{}", started.log());
     drop(started);
-    // One of before.
+    // A database file from an earlier version.
     std::fs::set_permissions(&database, std::fs::Permissions::from_mode(0o644)).unwrap();
     let log = place.start(&["--http", "127.0.0.1:0"]).log();
     let told =
@@ -47,7 +47,7 @@ async fn regress_files_with_secrets_that_others_can_read_are_told_at_the_start()
     let token = write(&place.folder.path().join("token"), &"t".repeat(40), 0o644);
     let password = write(&place.folder.path().join("password"), SECRET, 0o644);
     let arguments = ["--http", "127.0.0.1:0", "--http-token-file", &token];
-    // Nobody answers there; the program says so, and goes on.
+    // No broker runs there; the program reports that and continues.
     let broker = ["--mqtt-url", "mqtt://127.0.0.1:9", "--mqtt-username", "u", "--mqtt-password-file", &password];
     let launch = |path: &Path| {
         let database = format!("sqlite:{}", path.display());
@@ -84,7 +84,8 @@ async fn regress_files_with_secrets_that_others_can_read_are_told_at_the_start()
 fn regress_plain_text_beyond_loopback_is_told_with_the_setting() {
     let place = Place::sqlite();
     let token = write(&place.folder.path().join("token"), &"t".repeat(40), 0o600);
-    // Addresses for documentation (RFC 5737): none is this machine's, so that it warns and then cannot listen.
+    // Addresses reserved for documentation (RFC 5737), so this machine has none of them: the program warns and then
+    // cannot listen.
     let (http, url) = ("192.0.2.1:8080", "mqtt://192.0.2.2:1883");
     let ended = place.command(&["run", "--http", http, "--http-token-file", &token, "--mqtt-url", url]);
     let said = String::from_utf8(ended.stderr).unwrap();
@@ -126,7 +127,7 @@ fn regress_passwords_are_not_taken_from_the_command_line() {
     }
     let (_, help) = run("run", &["--help"], &[]);
     assert!(help.contains("--mqtt-password-file") && !help.contains("--mqtt-password <"), "{help}");
-    // What remains: the environment, and files.
+    // The environment and files are the remaining ways.
     let (is_good, said) = run("config", &broker, &[("VIBRISSA_MQTT_PASSWORD", SECRET)]);
     assert!(is_good && said.contains("# password = \"***\"  # environment VIBRISSA_MQTT_PASSWORD"), "{said}");
     let url = format!("postgres://u:{SECRET}@h/d");

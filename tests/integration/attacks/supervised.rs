@@ -17,7 +17,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{send, try_get};
 
-/// Contacts until a whisker counts as learned: few, so that tests are quick.
+/// Contacts until a whisker counts as learned; few, so that tests are fast.
 pub(crate) const LEARNED: usize = 60;
 
 /// A supervisor of fleet `f`. Between it and the broker is a proxy.
@@ -71,24 +71,24 @@ impl Supervised {
         one
     }
 
-    /// Waits until robots are heard.
+    /// Waits until the supervisor is ready.
     pub(crate) async fn is_ready(&self) {
         until_true("a supervisor that is ready", async || self.answers("/readyz").await.is_some()).await;
     }
 
-    /// The body of a good answer.
+    /// Body of a successful answer.
     pub(crate) async fn answers(&self, path: &str) -> Option<String> {
         try_get(self.http, path).await.ok().filter(|(status, _)| *status == 200).map(|(_, body)| body)
     }
 
-    /// Kills it, as a power failure would, and starts it again.
+    /// Kills the supervisor, as a power failure would, and starts it again.
     pub(crate) async fn restart(&mut self) {
         self.process.kill();
         self.process.restart();
         self.is_ready().await;
     }
 
-    /// A robot with two whiskers; returns when its first message is taken.
+    /// A robot with two whiskers. Waits until its first message is accepted.
     pub(crate) async fn robot(&self, name: &str) -> HandRobot {
         HandRobot::born(self.broker.port(), name, array(ArrayType::Type2, &[70.0, 69.3])).await
     }
@@ -104,21 +104,21 @@ impl Supervised {
         self.answers("/metrics").await.expect("metrics").lines().filter_map(counted).collect()
     }
 
-    /// Waits until exactly that was refused.
+    /// Waits until exactly these messages were refused.
     pub(crate) async fn has_refused(&self, reasons: &[(&str, f64)]) {
         let expected: BTreeMap<String, f64> =
             reasons.iter().map(|&(reason, count)| (reason.to_owned(), count)).collect();
         until_true(&format!("refused: {expected:?}"), async || self.refused().await == expected).await;
     }
 
-    /// One metric, by its name with labels.
+    /// Value of a metric by name with labels.
     pub(crate) async fn metric(&self, name: &str) -> f64 {
         let metrics = self.answers("/metrics").await.expect("metrics");
         let value = metrics.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok());
         value.unwrap_or_default()
     }
 
-    /// One number from the database.
+    /// Result of a query for one number.
     pub(crate) async fn number(&self, sql: &'static str) -> i64 {
         match &self.postgres {
             Some(server) => {
@@ -134,7 +134,7 @@ impl Supervised {
         }
     }
 
-    /// An operator sets the pressure of a whisker of robot `r` by hand.
+    /// Sets the pressure of a whisker of robot `r` as an operator.
     pub(crate) async fn set_by_hand(&self, whisker: u16, pressure_mpa: f64) {
         let path = format!("/v1/fleets/f/robots/r/arrays/left/whiskers/{whisker}/setpoint");
         let body = json!({ "pressure_mpa": pressure_mpa, "reason": "a test" });
@@ -142,7 +142,7 @@ impl Supervised {
         assert_eq!(answer.status / 100, 2, "{}", answer.body);
     }
 
-    /// Lines of its log with that text.
+    /// Number of log lines that contain this text.
     pub(crate) fn logged(&self, text: &str) -> usize {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap().matches(text).count()
     }

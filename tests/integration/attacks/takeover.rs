@@ -1,4 +1,5 @@
-//! A broker ends a connection when another client connects with its client id: nobody may know the supervisor's.
+//! A broker closes a connection when another client connects with the same client id, so the supervisor's ids must be
+//! secret.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +21,7 @@ fn broker() -> Mosquitto {
     Mosquitto::builder().line("connection_messages true").start()
 }
 
-/// Connects with that client id, and goes again at once.
+/// Connects with this client id and disconnects at once.
 async fn intrude(port: u16, client_id: &str) {
     let mut options = MqttOptions::new(client_id, ("127.0.0.1", port));
     options.set_outgoing_inflight_upper_limit(16);
@@ -31,7 +32,7 @@ async fn intrude(port: u16, client_id: &str) {
     while events.poll().await.is_ok() {}
 }
 
-/// The newest client id that the broker has logged of a connection with this role.
+/// The latest client id of a connection with this role in the broker's log.
 fn newest_id(broker: &Mosquitto, role: &str) -> Option<String> {
     let begin = format!("vibrissa-f-{role}-");
     let lines = broker.lines();
@@ -46,7 +47,7 @@ async fn born(port: u16) -> HandRobot {
     HandRobot::born(port, "r", array(ArrayType::Type1, &[70.0, 65.0])).await
 }
 
-/// The supervisor's boot, as every receipt tells it.
+/// The supervisor's boot id from a receipt.
 async fn published_boot(robot: &mut HandRobot) -> BootId {
     robot.touch(0, 5).await;
     robot
@@ -86,7 +87,7 @@ async fn regress_what_a_receipt_tells_does_not_let_a_robot_take_over_the_supervi
     }
     robot.touch(0, 5).await;
     robot.receipted().await;
-    assert_eq!(broker.logged("already connected"), 0, "a client of the same id had been there");
+    assert_eq!(broker.logged("already connected"), 0, "two clients used the same client id");
     assert_eq!(supervisor.metric(CONNECTIONS, "").await, 1.0);
     assert_eq!(supervisor.metric(TAKEOVERS, "").await, 0.0);
     supervisor.terminate().await;
@@ -110,7 +111,7 @@ async fn regress_nor_at_the_embedded_broker() {
     supervisor.terminate().await;
 }
 
-/// A broker of MQTT 5 says that it was a takeover.
+/// A broker with MQTT 5 reports takeovers in its DISCONNECT.
 #[tokio::test]
 async fn a_takeover_that_the_broker_tells_of_is_counted_and_logged_once_a_minute() {
     const SESSION_TAKEN_OVER: u8 = 0x8e;
@@ -127,7 +128,7 @@ async fn a_takeover_that_the_broker_tells_of_is_counted_and_logged_once_a_minute
             ids.insert(id);
         }
         proxy.end_for(SESSION_TAKEN_OVER);
-        // Both connections.
+        // Both connections of the fleet.
         metric_reaches(&supervisor, TAKEOVERS, "fleet=\"f\"", 2.0 * f64::from(times)).await;
     }
     supervisor.says(true, &[]).await;
@@ -137,7 +138,7 @@ async fn a_takeover_that_the_broker_tells_of_is_counted_and_logged_once_a_minute
     supervisor.terminate().await;
 }
 
-/// Whoever can read the broker's log knows the ids. Mosquitto before 2.0.15 closes the connection and says nothing.
+/// A reader of the broker's log knows the ids. Mosquitto before 2.0.15 closes the connection without a reason.
 #[tokio::test]
 async fn a_takeover_by_someone_who_reads_the_brokers_log_is_counted_and_the_next_connection_has_another_id() {
     const TIMES: usize = 5;
@@ -159,7 +160,7 @@ async fn a_takeover_by_someone_who_reads_the_brokers_log_is_counted_and_the_next
         }
     }
     assert_eq!(counted(&supervisor).await, 2.0 * TIMES as f64);
-    // What the intruder knows is worth nothing any more.
+    // Ids that the intruder knows are no longer in use.
     for id in &known {
         intrude(broker.port(), id).await;
     }
@@ -177,12 +178,12 @@ async fn a_takeover_by_someone_who_reads_the_brokers_log_is_counted_and_the_next
     supervisor.terminate().await;
 }
 
-/// Takeovers, and what may be one.
+/// Number of certain and of possible takeovers.
 async fn counted(supervisor: &Supervised) -> f64 {
     supervisor.metric(TAKEOVERS, "").await + supervisor.metric(CLOSED, "").await
 }
 
-/// Both connections break at once: that is no takeover.
+/// Both connections break at once, so this is not a takeover.
 #[tokio::test]
 async fn a_broker_that_is_killed_does_not_count_as_a_takeover() {
     let (mut broker, folder) = (broker(), tempfile::tempdir().unwrap());

@@ -1,4 +1,5 @@
-//! An owner that cannot hear its fleet gives it to a supervisor that can, and secrets are read again without a restart.
+//! An owner that cannot receive its fleet's messages gives the fleet up to a supervisor that can. Secrets are read
+//! again without a restart.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,7 @@ use crate::listener::Supervised;
 
 const GOOD: &str = "correct-horse-battery-staple";
 
-/// A broker with the user `vibrissa`, one server, and a folder.
+/// A broker with the user `vibrissa`, a database server, and a folder.
 struct Stage {
     broker: Mosquitto,
     server: Postgres,
@@ -27,7 +28,7 @@ impl Stage {
         Self { broker: broker.start(), server: Postgres::start().await, folder: tempfile::tempdir().unwrap() }
     }
 
-    /// A broker that asks for passwords; there is a user for the robots of [`HandRobot`] too, who has none.
+    /// Starts a broker that requires a password from `vibrissa`; the robots of [`HandRobot`] connect anonymously.
     async fn with_passwords() -> Self {
         Self::new(Mosquitto::builder().user("vibrissa", GOOD).line("allow_anonymous true")).await
     }
@@ -56,12 +57,12 @@ impl Stage {
         sqlx::query_scalar(sql).fetch_one(&mut link).await.unwrap()
     }
 
-    /// How often the fleet was taken.
+    /// Number of times that the fleet was acquired.
     async fn epochs(&self) -> i64 {
         self.number("SELECT count(*) FROM epochs").await
     }
 
-    /// How many supervisors say that they do not hear it.
+    /// Number of supervisors that report this fleet as not heard.
     async fn deaf(&self) -> i64 {
         self.number("SELECT count(*) FROM supervisors WHERE deaf = 'f' AND alive_us > clock_us()").await
     }
@@ -82,7 +83,7 @@ async fn regress_an_owner_with_a_wrong_password_gives_way_and_takes_the_fleet_ag
     let mut a = stage.supervisor("a", &file_a);
     a.says(false, &words(["OWNED", "mqtt.password_file"])).await;
     until_true("a says that it is deaf", async || stage.deaf().await == 1).await;
-    assert_eq!(stage.epochs().await, 1, "nobody else is there: it keeps the fleet");
+    assert_eq!(stage.epochs().await, 1, "without another supervisor it must keep the fleet");
     let mut b = stage.supervisor("b", &file_b);
     b.says(true, &words(["OWNED"])).await;
     a.says(false, &words(["\"holder\":\"b\"", "given up, because its robots were not heard", "mqtt.password_file"]))
@@ -90,17 +91,17 @@ async fn regress_an_owner_with_a_wrong_password_gives_way_and_takes_the_fleet_ag
     let mut robot = HandRobot::born(stage.broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
     robot.touch(0, 5).await;
     robot.receipted().await;
-    // Supervisor `a` keeps trying, and does not take the fleet while it cannot hear it.
+    // Supervisor `a` keeps trying, but does not acquire the fleet while it cannot receive messages.
     let refused = stage.refused();
     until_true("three trials", async || stage.refused() >= refused + 3).await;
     assert_eq!((stage.epochs().await, stage.deaf().await), (2, 1));
     b.says(true, &words(["OWNED"])).await;
-    // Not even if nobody else is left.
+    // Not even without any other supervisor.
     b.terminate().await;
     let refused = stage.refused();
     until_true("three trials", async || stage.refused() >= refused + 3).await;
     assert_eq!(stage.epochs().await, 2);
-    // The right password is read without a restart.
+    // The correct password is read without a restart.
     stage.password("a.password", GOOD);
     a.says(true, &words(["OWNED"])).await;
     assert_eq!((stage.epochs().await, stage.deaf().await), (3, 0));
@@ -131,18 +132,18 @@ async fn a_fleet_that_nobody_hears_stays_where_it_is() {
     b.says(true, &words(["STANDBY"])).await;
     stage.broker.kill();
     until_true("the owner says that it is deaf", async || stage.deaf().await == 1).await;
-    // The other one tries, in vain.
+    // The other supervisor tries, without success.
     until_true("a trial", async || b.logged("trying whether the fleet would be heard") >= 1).await;
     assert_eq!(stage.epochs().await, 1);
     stage.broker.restart();
     a.says(true, &[]).await;
-    // Whichever of the two hears the broker first has the fleet now.
-    until_true("nobody is deaf", async || stage.deaf().await == 0).await;
+    // The supervisor that is connected first owns the fleet now.
+    until_true("no supervisor reports the fleet as not heard", async || stage.deaf().await == 0).await;
     a.terminate().await;
     b.terminate().await;
 }
 
-/// The server asks for a password, which is changed while the supervisor runs.
+/// PostgreSQL requires a password, which changes while the supervisor runs.
 #[tokio::test]
 async fn regress_a_new_password_of_the_database_is_read_without_a_restart() {
     let (server, folder) = (Postgres::start().await, tempfile::tempdir().unwrap());
@@ -167,7 +168,7 @@ async fn regress_a_new_password_of_the_database_is_read_without_a_restart() {
         .await
         .unwrap();
     supervisor.says(false, &words(["password authentication failed"])).await;
-    // Some attempts later an outage is still logged once.
+    // After more attempts the outage is still logged only once.
     let errors = supervisor.metric("vibrissa_database_errors_total", "").await;
     until_true("more attempts", async || supervisor.metric("vibrissa_database_errors_total", "").await >= errors + 4.0)
         .await;
@@ -175,6 +176,6 @@ async fn regress_a_new_password_of_the_database_is_read_without_a_restart() {
     supervisor.says(true, &words(["OWNED"])).await;
     assert_eq!(supervisor.logged("cannot keep the leases"), 1);
     assert_eq!(supervisor.logged("the leases can be kept again"), 1);
-    assert!(!supervisor.log().contains('\x1b'), "colours in a file");
+    assert!(!supervisor.log().contains('\x1b'), "a log file must not contain colours");
     supervisor.terminate().await;
 }

@@ -1,4 +1,4 @@
-//! The real program with a real broker and a database of each kind.
+//! Runs the real program with a real broker and either database.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ pub(crate) enum Kind {
     Postgres,
 }
 
-/// A supervisor of fleet `f`, as a process.
+/// A supervisor of fleet `f` as a process.
 pub(crate) struct Supervised {
     pub(crate) broker: Mosquitto,
     pub(crate) http: SocketAddr,
@@ -32,14 +32,14 @@ pub(crate) struct Supervised {
 }
 
 impl Supervised {
-    /// Starts everything; returns when robots are heard.
+    /// Starts everything and waits until the supervisor is ready.
     pub(crate) async fn start(kind: Kind, arguments: &[&str]) -> Self {
         Self::start_in(tempfile::tempdir().unwrap(), kind, arguments).await
     }
 
-    /// The same with a folder of its own, which may have files in it.
+    /// The same with an existing folder, which may contain files.
     pub(crate) async fn start_in(folder: TempDir, kind: Kind, arguments: &[&str]) -> Self {
-        // As in the configuration that is shipped.
+        // Limits of the shipped configuration.
         let broker = Mosquitto::builder().line("max_inflight_messages 65535").line("max_queued_bytes 67108864").start();
         let postgres = match kind {
             Kind::Sqlite => None,
@@ -76,19 +76,19 @@ impl Supervised {
         self.broker.port()
     }
 
-    /// A metric by its name with labels; 0 if it is not there.
+    /// Value of a metric by name with labels; 0 if it does not exist.
     pub(crate) async fn metric(&self, name: &str) -> f64 {
         let (_, text) = try_get(self.http, "/metrics").await.unwrap();
         let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
         value.map_or(0.0, |value| value.parse().unwrap())
     }
 
-    /// Messages that were refused for a reason.
+    /// Number of messages refused for this reason.
     pub(crate) async fn refused(&self, reason: &str) -> f64 {
         self.metric(&format!("vibrissa_messages_refused_total{{fleet=\"f\",reason=\"{reason}\"}}")).await
     }
 
-    /// The texts that a query finds, in its order.
+    /// Texts that a query returns, in its order.
     pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
         match &self.postgres {
             None => {
@@ -107,18 +107,18 @@ impl Supervised {
         }
     }
 
-    /// The fleet's robots in the database.
+    /// Names of the fleet's robots in the database.
     pub(crate) async fn robots(&self) -> Vec<String> {
         self.texts("SELECT robot FROM robots ORDER BY robot").await
     }
 
-    /// Asks with a method and headers.
+    /// Sends a request with a method, headers and an optional body.
     pub(crate) async fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)], body: Option<&Value>) -> Answer {
         send(self.http, method, path, headers, body).await.unwrap()
     }
 }
 
-/// The program; another build of it, to see that an attack succeeds there, by the variable `ATTACKED_PROGRAM`.
+/// Path of the program. `ATTACKED_PROGRAM` replaces it, for example by an older build on which an attack succeeds.
 fn program() -> PathBuf {
     std::env::var_os("ATTACKED_PROGRAM").map_or_else(|| PROGRAM.into(), PathBuf::from)
 }

@@ -1,4 +1,4 @@
-//! The access list that is shipped, on a Mosquitto with the configuration that is shipped.
+//! The shipped access list, on a Mosquitto with the shipped configuration.
 
 use vibrissa_protocol::RobotTopic;
 use vibrissa_tests::mosquitto::{Builder, Mosquitto};
@@ -9,7 +9,7 @@ use crate::link::PASSWORD;
 const CONFIGURATION: &str = include_str!("../../../deploy/mosquitto/mosquitto.conf");
 const ACL: &str = include_str!("../../../deploy/mosquitto/acl");
 
-/// What a robot might listen to that is not its own; its own `setpoint` is the last of them.
+/// Topics that a robot must not read, and as the last one its own `setpoint`.
 const CURIOUS: [&str; 9] = [
     "#",
     "+/+/+/+/+",
@@ -22,17 +22,17 @@ const CURIOUS: [&str; 9] = [
     "whisker/v1/lab/one/setpoint",
 ];
 
-/// With the supervisor, and two robots of the fleet `lab` and one of the fleet `yard`.
+/// The shipped broker with users for the supervisor, two robots of fleet `lab` and one of fleet `yard`.
 pub(crate) fn shipped(configuration: &str) -> Builder {
     let builder = Mosquitto::builder().file(configuration).acl(ACL).supervisor("vibrissa", PASSWORD);
     ["lab/one", "lab/two", "yard/one"].into_iter().fold(builder, |builder, user| builder.user(user, PASSWORD))
 }
 
-/// A client on the listener of its user.
+/// Connects a client to the listener of its user.
 pub(crate) async fn client(broker: &Mosquitto, id: &str, user: &str) -> Client {
     let who = Who { id, user: Some((user, PASSWORD)), ..Who::default() };
     let port = if user == "vibrissa" { broker.supervisor_port() } else { broker.port() };
-    Client::connect(port, &who).await.unwrap_or_else(|| panic!("{user} is not let in"))
+    Client::connect(port, &who).await.unwrap_or_else(|| panic!("{user} is refused"))
 }
 
 fn topic(level: &str, kind: RobotTopic) -> String {
@@ -70,7 +70,7 @@ async fn a_robot_hears_what_is_meant_for_it_and_nothing_else() {
     let broker = shipped(CONFIGURATION).start();
     let mut supervisor = client(&broker, "s", "vibrissa").await;
     let mut other = client(&broker, "lab.two", "lab/two").await;
-    // Retained before, and new afterwards.
+    // One message is retained before the subscription, others are published afterwards.
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", true).await);
     assert!(other.publish("whisker/v1/lab/two/connection", true).await);
     let mut robot = client(&broker, "lab.one", "lab/one").await;
@@ -104,7 +104,7 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
     }
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", false).await);
     for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()) {
-        // Its own probes. `listener` hears them, too: they are taken away below.
+        // The supervisor's probes. `listener` receives them, too; they are removed below.
         assert!(supervisor.publish(&topic("lab/supervisor", kind), false).await, "a probe of {kind}");
     }
     assert!(!supervisor.publish("anything", false).await);
@@ -115,12 +115,12 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
     let mut heard = listener.heard_until("whisker/v1/lab/one/setpoint_state").await;
     let all = heard.len();
     heard.retain(|topic| RobotTopic::probed_on(topic).is_none());
-    assert_eq!(all - heard.len(), 5, "every probe is heard");
+    assert_eq!(all - heard.len(), 5, "expected all five probes");
     heard.sort();
     let mut robots: Vec<_> = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).collect();
     robots.sort_by_key(|kind| kind.as_str());
     let mut expected: Vec<_> = robots.into_iter().map(|kind| topic("lab/one", kind)).collect();
-    // What is said of itself it must hear, to set it right.
+    // The supervisor must receive messages in its own name, to correct them.
     expected.push("whisker/v1/lab/supervisor/state".to_owned());
     expected.sort();
     assert_eq!(heard, expected);
@@ -133,7 +133,7 @@ async fn wills_are_subject_to_it_too() {
     supervisor.subscribe("whisker/v1/+/+/connection").await;
     for (id, topic) in [("a", "whisker/v1/lab/two/connection"), ("b", "whisker/v1/lab/one/connection")] {
         let who = Who { id, user: Some(("lab/one", PASSWORD)), will: Some(topic) };
-        // Dropped, it breaks: its will is due. A broker may also refuse such a will at once.
+        // Dropping the connection triggers its will. A broker may also refuse such a will at once.
         drop(Client::connect(broker.port(), &who).await);
     }
     assert_eq!(supervisor.heard_until("whisker/v1/lab/one/connection").await, ["whisker/v1/lab/one/connection"]);
@@ -161,7 +161,7 @@ async fn tricks_in_the_names_of_users_and_clients_get_nothing() {
     for (user, id) in users {
         let who = Who { id, user: Some((user, PASSWORD)), ..Who::default() };
         let Some(mut trickster) = Client::connect(broker.port(), &who).await else {
-            assert_eq!(user, "#", "only this one is a comment in the list of users");
+            assert_eq!(user, "#", "only # is a comment in the list of users");
             continue;
         };
         for forbidden in [
@@ -177,7 +177,7 @@ async fn tricks_in_the_names_of_users_and_clients_get_nothing() {
         }
         assert!(supervisor.publish("whisker/v1/lab/two/setpoint", false).await);
         assert!(supervisor.publish("whisker/v1/yard/one/setpoint", false).await);
-        // Its own word to itself cannot come back: what comes is only what must not.
+        // Own messages cannot come back, so every received message is a violation.
         let heard = trickster.heard_for_a_moment().await;
         assert_eq!(heard, Vec::<String>::new(), "{user} as {id}");
     }

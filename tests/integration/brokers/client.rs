@@ -1,4 +1,4 @@
-//! A client that says and hears anything, under any name.
+//! An MQTT client that publishes and receives anything under any name.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use vibrissa_tests::wait::PATIENCE;
 
-/// A connected client; dropped, its connection breaks.
+/// A connected client; its connection breaks on drop.
 pub(crate) struct Client {
     client: AsyncClient,
     events: mpsc::UnboundedReceiver<Event>,
@@ -15,7 +15,7 @@ pub(crate) struct Client {
     heard: Vec<String>,
 }
 
-/// Who somebody says to be.
+/// Identity of a client.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Who<'a> {
     pub(crate) id: &'a str,
@@ -24,7 +24,7 @@ pub(crate) struct Who<'a> {
 }
 
 impl Client {
-    /// None if the broker does not accept it.
+    /// Connects. None if the broker refuses the client.
     pub(crate) async fn connect(port: u16, who: &Who<'_>) -> Option<Self> {
         let mut options = MqttOptions::new(who.id, ("127.0.0.1", port));
         options.set_outgoing_inflight_upper_limit(16);
@@ -50,13 +50,13 @@ impl Client {
         Some(Self { client, events, poller, heard: Vec::new() })
     }
 
-    /// Subscribes, and returns when the broker has answered.
+    /// Subscribes and waits for the broker's answer.
     pub(crate) async fn subscribe(&mut self, filter: &str) {
         self.client.subscribe(filter, QoS::AtLeastOnce).await.unwrap();
         self.next(|event| matches!(event, Event::Incoming(Packet::SubAck(_))).then_some(())).await;
     }
 
-    /// Whether the broker takes it, retained or not.
+    /// Publishes a message and returns whether the broker accepted it.
     pub(crate) async fn publish(&mut self, topic: &str, retain: bool) -> bool {
         let options = PublishOptions::new(QoS::AtLeastOnce).retain(retain);
         self.client.publish(topic, "x", options).await.unwrap();
@@ -69,27 +69,27 @@ impl Client {
         .await
     }
 
-    /// Waits until the broker has ended the connection.
+    /// Waits until the broker has closed the connection.
     pub(crate) async fn ended(&mut self) {
         let all = async { while self.events.recv().await.is_some() {} };
-        tokio::time::timeout(PATIENCE, all).await.expect("the connection still stands");
+        tokio::time::timeout(PATIENCE, all).await.expect("the connection is still open");
     }
 
-    /// Every topic that was heard, once `last` has come.
+    /// All topics received until `last` arrives, and shortly afterwards.
     pub(crate) async fn heard_until(mut self, last: &str) -> Vec<String> {
         while !self.heard.iter().any(|topic| topic == last) {
             self.next(|event| matches!(event, Event::Incoming(Packet::Publish(_))).then_some(())).await;
         }
-        // What overlapping subscriptions bring more of the same message.
+        // Overlapping subscriptions may deliver the same message again.
         while let Ok(Some(event)) = tokio::time::timeout(Duration::from_millis(100), self.events.recv()).await {
             self.note(&event);
         }
         std::mem::take(&mut self.heard)
     }
 
-    /// Every topic that is heard in a moment: a message to nobody, there and back, and what came meanwhile.
+    /// All topics received until the broker has answered a message to nobody.
     pub(crate) async fn heard_for_a_moment(mut self) -> Vec<String> {
-        // The broker answers in order: what was meant for us came before the answer.
+        // The broker answers in order, so earlier messages arrive before the answer.
         self.publish("nobody", false).await;
         std::mem::take(&mut self.heard)
     }

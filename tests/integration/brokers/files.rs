@@ -1,4 +1,4 @@
-//! Files are read before anything is tried, and what is wrong with them is said with their names.
+//! Certificate and key files are read before the first connection, and problems name the file.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ fn with_client(folder: &Path, certificate: &str, key: &str) -> BrokerAddress {
     address
 }
 
-/// The refusal, which must have all of these words.
+/// The problem, which must contain all of these words.
 fn refused(address: &BrokerAddress, words: &[&str]) -> PrepareError {
     let refusal = prepare(address).unwrap_err();
     let said = refusal.to_string();

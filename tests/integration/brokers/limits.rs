@@ -1,4 +1,4 @@
-//! Limits of the shipped broker configuration, against one robot with its own password.
+//! Limits of the shipped broker configuration, tested against one robot with its own password.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -14,14 +14,14 @@ use crate::raw;
 const CONFIGURATION: &str = include_str!("../../../deploy/mosquitto/mosquitto.conf");
 const MIB: u64 = 1024 * 1024;
 
-/// The shipped configuration with a smaller limit, so that a test reaches it.
+/// The shipped configuration with a smaller limit, which a test can reach.
 fn with_limit(setting: &str, shipped: u64, smaller: u64) -> String {
     let line = format!("{setting} {shipped}\n");
     assert!(CONFIGURATION.contains(&line), "the shipped limit: {line}");
     CONFIGURATION.replace(&line, &format!("{setting} {smaller}\n"))
 }
 
-/// The most memory that the broker has had.
+/// Peak memory of the broker.
 fn memory_bytes(broker: &Mosquitto) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", broker.pid())).unwrap();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
@@ -73,12 +73,12 @@ async fn regress_a_message_of_256_mb_ends_the_connection_before_it_is_in_memory(
     let mut other = client(&broker, "lab.two", "lab/two").await;
     let before = memory_bytes(&broker);
     let mut robot = raw::connect(broker.port(), "r", "lab/one", PASSWORD);
-    // The largest that MQTT can announce.
+    // The largest length that MQTT can announce.
     robot.write_all(&raw::header(0x32, 268_435_455)).unwrap();
     robot.write_all(&[raw::text("whisker/v1/lab/one/contacts"), vec![0, 1]].concat()).unwrap();
     let chunk = vec![b'x'; 1 << 20];
     let taken = (0..255).take_while(|_| robot.write_all(&chunk).is_ok()).count();
-    assert!(taken < 64, "the broker took {taken} MiB");
+    assert!(taken < 64, "the broker accepted {taken} MiB");
     let grown = memory_bytes(&broker) - before;
     assert!(grown < 4 * MIB, "the broker grew by {grown} bytes");
     assert!(other.publish("whisker/v1/lab/two/status", false).await);
@@ -98,12 +98,12 @@ async fn a_message_above_the_contracts_size_is_refused_and_the_largest_is_not() 
     });
     let mut start = [0; 4];
     tokio::task::block_in_place(|| (&supervisor).read_exact(&mut start)).unwrap();
-    // The first message that arrives is the second that was sent.
+    // Its first message is the second one that was sent.
     let announced = start[1..].iter().rev().fold(0, |sum, byte| sum * 128 + usize::from(byte & 0x7f));
     assert_eq!(announced, 262_144 + 2 + 2 + "whisker/v1/lab/one/contacts".len());
 }
 
-/// How many of these connections the broker has not ended.
+/// Number of connections that the broker has not closed.
 fn standing(streams: &mut Vec<TcpStream>) -> usize {
     streams.retain_mut(|stream| match stream.read(&mut [0]) {
         Ok(0) => false,
@@ -124,11 +124,11 @@ async fn regress_connections_of_robots_are_limited_and_do_not_keep_a_supervisor_
             stream
         })
         .collect();
-    until_true("the end of those beyond the limit", async || standing(&mut silent) <= 21).await;
+    until_true("the broker has closed the connections beyond the limit", async || standing(&mut silent) <= 21).await;
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", false).await);
     assert!(is_let_in(broker.supervisor_port(), "vibrissa").await);
     drop(silent);
-    until_true("room for a robot", async || is_let_in(broker.port(), "lab/one").await).await;
+    until_true("a robot can connect", async || is_let_in(broker.port(), "lab/one").await).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -140,18 +140,18 @@ async fn regress_a_flood_to_a_supervisor_that_reads_nothing_is_limited() {
         raw::subscribe(&mut frozen, "whisker/v1/+/+/contacts");
         let mut robot = raw::connect(broker.port(), "r", "lab/one", PASSWORD);
         let mut acknowledged = robot.try_clone().unwrap();
-        // It reads its acknowledgements, so that only the supervisor stands still.
+        // The robot reads its acknowledgements, so only the supervisor is blocked.
         std::thread::spawn(move || while acknowledged.read(&mut [0; 4096]).is_ok_and(|bytes| bytes > 0) {});
         let payload = vec![b'x'; 262_144];
         for id in 1..=400 {
-            // Beyond the limit the broker may end this connection.
+            // Beyond the limit the broker may close this connection.
             if robot.write_all(&raw::publish("whisker/v1/lab/one/contacts", id, &payload)).is_err() {
                 break;
             }
         }
     });
     let mut other = None;
-    until_true("another robot's message taken", async || {
+    until_true("the broker accepts another robot", async || {
         let who = Who { id: "lab.two", user: Some(("lab/two", PASSWORD)), ..Who::default() };
         other = Client::connect(broker.port(), &who).await;
         other.is_some()
@@ -159,7 +159,7 @@ async fn regress_a_flood_to_a_supervisor_that_reads_nothing_is_limited() {
     .await;
     assert!(tokio::time::timeout(PATIENCE, other.unwrap().publish("whisker/v1/lab/two/status", false)).await.unwrap());
     let peak = memory_bytes(&broker);
-    assert!(peak < 2 * LIMIT, "the broker had {peak} bytes");
+    assert!(peak < 2 * LIMIT, "the broker's peak memory is {peak} bytes");
 }
 
 #[tokio::test]
@@ -171,7 +171,7 @@ async fn regress_a_message_that_the_broker_would_have_to_keep_for_its_sender_is_
             let mut robot = raw::connect(port, "r", "lab/one", PASSWORD);
             let body = [raw::text("whisker/v1/lab/one/contacts"), vec![0, 1, b'x']].concat();
             robot.write_all(&[raw::header(0x34, body.len()), body].concat()).unwrap();
-            // The broker ends the connection instead of an acknowledgement.
+            // The broker closes the connection instead of acknowledging the message.
             robot.read(&mut [0; 4]).is_ok_and(|bytes| bytes == 0)
         }
     });

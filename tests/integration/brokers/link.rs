@@ -1,4 +1,4 @@
-//! The service's two connections alone, without a database.
+//! The service's two connections without its database.
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
@@ -14,13 +14,13 @@ use vibrissa_supervisor::outbox::Publication;
 
 use vibrissa_supervisor::inbox::Inbox;
 
-/// The password that must never get out.
+/// A password that must never appear in logs or on the network in plain text.
 pub(crate) const PASSWORD: &str = "correct-horse-battery-staple";
 
-/// Both connections, running.
+/// Both connections of a fleet, running.
 pub(crate) struct Link {
     pub(crate) metrics: FleetMetrics,
-    /// Nobody reads it here.
+    /// Keeps the receiver open; it is not read.
     _inbox: Inbox,
     state: LinkState,
     outbox: mpsc::Sender<Publication>,
@@ -28,30 +28,30 @@ pub(crate) struct Link {
     tasks: [JoinHandle<()>; 2],
 }
 
-/// A broker on this host, in plain text and without a user.
+/// Address of a broker on this host, without TLS and user.
 pub(crate) fn plain(port: u16) -> BrokerAddress {
     BrokerAddress::new("localhost", port)
 }
 
-/// With TLS, and the authorities in that file.
+/// The same with TLS and the authorities in this file.
 pub(crate) fn tls(port: u16, ca_file: &std::path::Path) -> BrokerAddress {
     BrokerAddress { tls: Some(TlsOptions { ca_file: Some(ca_file.to_owned()), client: None }), ..plain(port) }
 }
 
-/// The same, as a user with [`PASSWORD`].
+/// The same with a user and [`PASSWORD`].
 pub(crate) fn with_password(address: BrokerAddress, username: &str) -> BrokerAddress {
     let credentials = Credentials { username: username.to_owned(), password: Secret::new(PASSWORD) };
     BrokerAddress { credentials: Some(credentials), ..address }
 }
 
-/// The same, with a certificate of our own.
+/// The same with a client certificate.
 pub(crate) fn with_certificate(mut address: BrokerAddress, client: ClientCertificate) -> BrokerAddress {
     address.tls.as_mut().unwrap().client = Some(client);
     address
 }
 
 impl Link {
-    /// Starts both connections for the fleet `f`.
+    /// Starts both connections for fleet `f`.
     pub(crate) fn start(broker: BrokerAddress) -> Self {
         let state = LinkState::default();
         let connection = Connection {
@@ -70,18 +70,18 @@ impl Link {
         Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [tokio::spawn(receiving), publishing] }
     }
 
-    /// Why there is no connection.
+    /// The current problem of the connections, if any.
     pub(crate) fn problem(&self) -> Option<String> {
         self.state.problem()
     }
 
-    /// Waits until both connections stand.
+    /// Waits until both connections are established.
     pub(crate) async fn connected(&self) {
         until_true("the connections", async || self.problem().is_none()).await;
         assert_eq!(self.metrics.broker_connected.get(), 1);
     }
 
-    /// Waits for a problem that has all of these words.
+    /// Waits for a problem whose text contains all of these words.
     pub(crate) async fn problem_with(&self, words: &[&str]) -> String {
         let mut last = None;
         let found = until(&format!("a problem with {words:?}"), async || {
@@ -98,7 +98,7 @@ impl Link {
         found
     }
 
-    /// Ends both in good order.
+    /// Stops both connections in an orderly way.
     pub(crate) async fn stop(self) {
         let _ = self.stop.send(true);
         drop(self.outbox);

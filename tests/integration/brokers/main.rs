@@ -1,4 +1,4 @@
-//! Brokers of one's own: TLS, certificates, passwords, access lists, and what is said when something is wrong.
+//! Tests with private brokers: TLS, certificates, passwords, access lists, and messages about problems.
 
 #![allow(
     clippy::unwrap_used,

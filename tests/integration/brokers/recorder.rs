@@ -1,4 +1,4 @@
-//! A server of the test's own that writes down every byte it gets, before TLS and after.
+//! A server that records every byte it receives, before and after TLS.
 
 use std::sync::{Arc, Mutex};
 
@@ -11,18 +11,18 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinHandle;
 use vibrissa_tests::certificates::Identity;
 
-/// What a client has sent.
+/// Bytes that clients have sent.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Heard {
-    /// As it came over the network.
+    /// Bytes as they came over the network.
     pub(crate) wire: Vec<u8>,
-    /// After TLS was agreed on.
+    /// Bytes after decryption.
     pub(crate) plain: Vec<u8>,
-    /// Attempts to connect.
+    /// Number of connections.
     pub(crate) connections: usize,
 }
 
-/// A server that answers nothing; dropped, it ends.
+/// A server that never answers, stopped on drop.
 pub(crate) struct Recorder {
     pub(crate) port: u16,
     heard: Arc<Mutex<Heard>>,
@@ -30,7 +30,7 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    /// Agrees on TLS as that server; with none, it only listens.
+    /// Starts the server. With an identity it completes TLS handshakes; without one it only listens.
     pub(crate) async fn start(identity: Option<&Identity>) -> Self {
         let acceptor = identity.map(acceptor);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -46,7 +46,7 @@ impl Recorder {
         Self { port, heard, task }
     }
 
-    /// Everything until now.
+    /// Everything received so far.
     pub(crate) fn heard(&self) -> Heard {
         self.heard.lock().unwrap().clone()
     }
@@ -94,7 +94,7 @@ async fn read(stream: &mut (impl AsyncRead + AsyncWrite + Unpin), mut got: impl 
     }
 }
 
-/// Between the network and the server, writing down what comes from the network.
+/// Passes bytes between the network and the server and records those from the network.
 async fn pass(stream: TcpStream, server: DuplexStream, heard: Arc<Mutex<Heard>>) {
     let (mut from_client, mut to_client) = stream.into_split();
     let (mut from_server, mut to_server) = tokio::io::split(server);

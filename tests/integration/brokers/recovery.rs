@@ -1,4 +1,4 @@
-//! Brokers that come and go, and services that share one.
+//! Brokers that stop and start again, and services that share a broker.
 
 use tempfile::TempDir;
 use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate};
@@ -9,7 +9,7 @@ use vibrissa_tests::wait::until_true;
 use crate::link::{Link, PASSWORD, plain, tls, with_certificate, with_password};
 use crate::running::{Running, everything_is_recorded, fleet};
 
-/// With TLS, a certificate of the supervisor's own, and users.
+/// A broker with TLS, a client certificate for the supervisor, and users.
 fn broker(folder: &TempDir) -> (Mosquitto, BrokerAddress) {
     let authority = Authority::new("ours");
     let ca_file = write(folder.path(), "ca.crt", &authority.certificate());
@@ -41,7 +41,7 @@ async fn a_broker_with_tls_and_passwords_that_is_killed_is_used_again_and_nothin
     let during = fleet.contacts_made();
     until_true("contacts without a broker", async || fleet.contacts_made() > during + 20).await;
     broker.restart();
-    // Only with new subscriptions can these arrive.
+    // These contacts arrive only after new subscriptions.
     everything_is_recorded(&fleet, &running, 100).await;
     assert!(running.is_connected());
     fleet.stop().await;
@@ -66,7 +66,7 @@ async fn a_broker_that_stops_answering_is_noticed() {
     let link = Link::start(plain(broker.port()));
     link.connected().await;
     let frozen = broker.freeze();
-    // Within two keep-alives of 6 s.
+    // Within two keep-alive intervals of 6 s.
     link.problem_with(&["stopped answering"]).await;
     drop(frozen);
     link.connected().await;
@@ -82,7 +82,7 @@ async fn two_services_for_one_fleet_do_not_throw_each_other_out() {
     for running in [&one, &other] {
         assert!(running.is_connected());
     }
-    assert_eq!(broker.logged("already connected"), 0, "a client of the same name had been there");
+    assert_eq!(broker.logged("already connected"), 0, "two clients used the same client id");
     fleet.stop().await;
     one.service.stop().await;
     other.service.stop().await;

@@ -1,4 +1,4 @@
-//! What a person is told when a broker cannot be used, and that it goes away with the cause.
+//! Messages about brokers that cannot be used, which disappear with the cause.
 
 use std::net::TcpListener;
 
@@ -18,7 +18,7 @@ fn certificate(folder: &TempDir, identity: &Identity) -> ClientCertificate {
     }
 }
 
-/// An authority, its file, and a server's certificate from it.
+/// An authority, its file, and a server certificate that it has issued.
 fn authority() -> (TempDir, Authority, Identity) {
     let folder = tempfile::tempdir().unwrap();
     let authority = Authority::new("ours");
@@ -84,7 +84,7 @@ async fn a_broker_that_wants_a_client_certificate() {
     let (folder, authority, server) = authority();
     let ca_file = folder.path().join("ca.crt");
     let builder = || Mosquitto::builder().tls_with_clients_of(server.clone(), &authority);
-    // The two versions say it at different moments, in different words.
+    // The two TLS versions report it at different moments and in different words.
     for broker in [builder().line("tls_version tlsv1.3").start(), builder().tls_1_2().start()] {
         let wanted = ["client certificate", "mqtt.client_certificate_file", "mqtt.client_key_file"];
         said(tls(broker.port(), &ca_file), &wanted).await;
@@ -109,10 +109,11 @@ async fn a_broker_with_tls_by_name_and_by_address() {
     }
 }
 
+/// Checks nothing on a host without IPv6.
 #[tokio::test]
 async fn a_broker_on_ipv6() {
     if TcpListener::bind("[::1]:0").is_err() {
-        eprintln!("this host has no IPv6");
+        eprintln!("a_broker_on_ipv6: skipped, this host has no IPv6");
         return;
     }
     let (folder, _, server) = authority();
@@ -154,7 +155,7 @@ async fn a_password_that_is_put_right_at_the_broker() {
 
 #[tokio::test]
 async fn a_broker_that_takes_nothing_of_what_is_published() {
-    // But for the probes of the connection that receives, which come first otherwise.
+    // Probes of the receiving connection are allowed, because they come before everything else.
     let kinds = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot());
     let probes: String = kinds.map(|kind| format!("topic write whisker/v1/f/supervisor/{kind}\n")).collect();
     let broker = Mosquitto::builder().acl(&format!("topic read #\n{probes}")).start();
@@ -166,7 +167,7 @@ async fn a_broker_that_takes_nothing_of_what_is_published() {
     link.stop().await;
 }
 
-/// Mosquitto's access list lets everyone subscribe and then sends nothing, so this broker is made by hand.
+/// Mosquitto accepts every subscription and only withholds the messages, so this broker is written by hand.
 #[tokio::test]
 async fn a_refused_subscription_does_not_count_as_connected() {
     let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -183,14 +184,14 @@ async fn a_refused_subscription_does_not_count_as_connected() {
     server.abort();
 }
 
-/// Accepts the connection, and five subscriptions but one.
+/// Accepts the connection and all five subscriptions except the third.
 async fn refuse_the_third(mut stream: tokio::net::TcpStream) {
     let mut buffer = vec![0; 4096];
     while let Ok(count @ 1..) = stream.read(&mut buffer).await {
         let answer = match buffer[0] >> 4 {
             1 => vec![0x20, 3, 0, 0, 0],
             8 => {
-                // One or two bytes of length, then the packet's number.
+                // The packet id follows one or two bytes of length.
                 let at = if buffer[1] < 0x80 { 2 } else { 3 };
                 vec![0x90, 8, buffer[at], buffer[at + 1], 0, 1, 1, 0x87, 1, 1]
             }

@@ -1,4 +1,4 @@
-//! The whole service, with a fleet of simulated robots.
+//! The whole service with a fleet of simulated robots.
 
 use std::path::{Path, PathBuf};
 
@@ -29,14 +29,14 @@ robot = "two"
 arrays = [{ array = "left", type = "TYPE_2", whiskers = [{ whisker = 0 }, { whisker = 1 }] }]
 "#;
 
-/// A service for the fleet `lab`.
+/// A service for fleet `lab`.
 pub(crate) struct Running {
     pub(crate) service: Service,
     folder: TempDir,
 }
 
 impl Running {
-    /// Returns when it is connected.
+    /// Starts the service and waits until it is connected.
     pub(crate) async fn start(broker: BrokerAddress) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let service = Service::start(ServiceOptions {
@@ -61,12 +61,12 @@ impl Running {
         running
     }
 
-    /// Whether robots are heard.
+    /// Whether the service is connected to the broker.
     pub(crate) fn is_connected(&self) -> bool {
         self.service.metrics.of_fleet(&Name::new("lab").unwrap()).broker_connected.get() == 1
     }
 
-    /// Contacts in the database.
+    /// Number of contacts in the database.
     pub(crate) async fn contacts(&self) -> i64 {
         let options = SqliteConnectOptions::new().filename(database(&self.folder)).read_only(true);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap();
@@ -80,7 +80,7 @@ fn database(folder: &TempDir) -> PathBuf {
     folder.path().join("vibrissa.sqlite3")
 }
 
-/// Robots `one` and `two`, each under a user of its own, all with [`PASSWORD`].
+/// Robots `one` and `two`, each with a user of its own and [`PASSWORD`].
 pub(crate) fn fleet(port: u16, ca_file: Option<&Path>) -> Fleet {
     let broker = Broker {
         credentials: Some(("{fleet}/{robot}".to_owned(), PASSWORD.to_owned())),
@@ -90,7 +90,7 @@ pub(crate) fn fleet(port: u16, ca_file: Option<&Path>) -> Fleet {
     Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &broker).unwrap()
 }
 
-/// Waits until robots have made `more` contacts more, lets them rest, and waits until each is in the database.
+/// Waits until robots have made `more` further contacts, stops them, and waits until every contact is in the database.
 pub(crate) async fn everything_is_recorded(fleet: &Fleet, running: &Running, more: u64) {
     let goal = fleet.contacts_made() + more;
     until_true("more contacts", async || fleet.contacts_made() >= goal).await;

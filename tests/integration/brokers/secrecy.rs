@@ -1,4 +1,4 @@
-//! Without agreement on TLS nothing of the supervisor's gets out: no CONNECT, no user, no password.
+//! Without an agreement on TLS the supervisor sends neither CONNECT nor user nor password.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use vibrissa_tests::wait::until_true;
 use crate::link::{Link, PASSWORD, tls, with_password};
 use crate::recorder::Recorder;
 
-/// A client's first record of TLS.
+/// Type of a client's first TLS record.
 const CLIENT_HELLO: u8 = 0x16;
 const USER: &str = "somebody";
 
@@ -23,7 +23,7 @@ fn trusted(authority: &Authority) -> (TempDir, PathBuf) {
     (folder, ca_file)
 }
 
-/// Several attempts at a server that cannot be trusted.
+/// Makes several attempts at a server that must not be trusted.
 async fn nothing_gets_out(authority: &Authority, server: Identity, sentence: &[&str]) {
     let (_folder, ca_file) = trusted(authority);
     let recorder = Recorder::start(Some(&server)).await;
@@ -32,8 +32,8 @@ async fn nothing_gets_out(authority: &Authority, server: Identity, sentence: &[&
     until_true("several attempts", async || recorder.heard().connections >= 5).await;
     link.stop().await;
     let heard = recorder.heard();
-    assert_eq!(heard.wire.first(), Some(&CLIENT_HELLO), "TLS from the first byte");
-    assert_eq!(heard.plain, b"", "nothing after TLS");
+    assert_eq!(heard.wire.first(), Some(&CLIENT_HELLO), "the first byte must be TLS");
+    assert_eq!(heard.plain, b"", "nothing may follow the handshake");
     for secret in [PASSWORD, USER, "MQTT", "vibrissa"] {
         assert!(!contains(&heard.wire, secret), "{secret}");
     }

@@ -1,4 +1,4 @@
-//! The files that are shipped, with the whole service and robots that keep the contract.
+//! The shipped broker files, with the whole service and robots that keep the contract.
 
 use std::process::{Command, Output};
 
@@ -57,10 +57,10 @@ async fn a_robot_is_added_and_given_a_new_password() {
         broker.kill();
         broker.restart();
         assert!(is_let_in(&broker, "lab/three", password).await);
-        assert!(is_let_in(&broker, "lab/one", PASSWORD).await, "the others stay");
+        assert!(is_let_in(&broker, "lab/one", PASSWORD).await, "other users must remain");
         assert!(!is_let_in(&broker, "lab/three", "another").await);
     }
-    assert!(!is_let_in(&broker, "lab/three", "first one").await, "not any more");
+    assert!(!is_let_in(&broker, "lab/three", "first one").await, "the old password must be invalid");
     let before = std::fs::read(&passwords).unwrap();
     for (fleet, robot) in
         [("lab", "supervisor"), ("lab", "+"), ("lab", "a/b"), ("", "a"), ("a:b", "c"), ("lab", "a\nb")]

@@ -1,4 +1,4 @@
-//! A robot for each rule, which breaks it.
+//! For each rule, a robot that breaks it.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use vibrissa_tests::mosquitto::Mosquitto;
 
 use super::{checked, robot, supervisor};
 
-/// Robots that are checked at a time.
+/// Number of robots that are checked at the same time.
 const AT_A_TIME: usize = 48;
 
 async fn report(broker: &Mosquitto, fault: Option<Misbehaviour>) -> Report {
@@ -22,7 +22,7 @@ async fn report(broker: &Mosquitto, fault: Option<Misbehaviour>) -> Report {
     report
 }
 
-/// What is wrong with a report, if anything is.
+/// The problem of a report, if any.
 fn complaint(fault: Option<Misbehaviour>, report: &Report) -> Option<String> {
     let broken: Vec<Rule> = fault.and_then(Misbehaviour::rule).into_iter().collect();
     let mut problems = Vec::new();
@@ -39,7 +39,7 @@ fn complaint(fault: Option<Misbehaviour>, report: &Report) -> Option<String> {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_simulator_passes_and_each_planted_fault_fails_its_rule_alone() {
-    // Whatever waits is on this thread; robots and connections have the others.
+    // The checks wait on this thread; robots and connections use the other threads.
     let complaints = LocalSet::new().run_until(complaints()).await;
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }

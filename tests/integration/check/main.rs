@@ -1,5 +1,4 @@
-//! The check of robots, checked: the simulator, which keeps the contract, passes it; for each rule one that breaks it fails
-//! that one and no other.
+//! Tests of `check-robot`: the simulator passes, and a robot that breaks one rule fails exactly that rule.
 
 #![allow(
     clippy::unwrap_used,
@@ -26,10 +25,10 @@ use vibrissa_tests::observer::Observer;
 use vibrissa_tests::wait;
 
 const FLEET: &str = "f";
-/// The last supervisor's epoch.
+/// Epoch of the last supervisor.
 const EPOCH: u64 = 6;
 
-/// What simulated robots need, which answer at once.
+/// Timings for simulated robots, which answer at once.
 fn timings() -> Timings {
     let ms = Duration::from_millis;
     Timings {
@@ -70,12 +69,12 @@ fn connection(broker: &Mosquitto, name: &str) -> Connection {
     }
 }
 
-/// A robot of that name that touches something all the time; it is connected when this returns.
+/// Starts a robot of that name with continuous contacts, and waits until it is connected.
 async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
     robot_of(&Broker::new("127.0.0.1", broker.port()), name, fault).await
 }
 
-/// The same at a broker that may want credentials.
+/// The same with a broker that may require credentials.
 async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
     let text = format!(
         r#"
@@ -101,7 +100,7 @@ async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (
     (fleet, robot)
 }
 
-/// Leaves in the broker what a supervisor leaves.
+/// Publishes the retained state of a supervisor.
 async fn supervisor(broker: &Mosquitto, state: SupervisorPresence) {
     let observer = Observer::subscribed(broker.port(), &format!("supervisor-{state}"), &[]).await;
     let topic = Topic::SupervisorState { fleet: Name::new(FLEET).unwrap() };
@@ -109,7 +108,7 @@ async fn supervisor(broker: &Mosquitto, state: SupervisorPresence) {
     observer.publish(&topic.to_string(), encode(&told), true).await;
 }
 
-/// Checks a robot, which is restarted when the check asks for it.
+/// Checks a robot and restarts it when the check requests that.
 async fn checked(broker: &Mosquitto, robot: &RobotHandle) -> Report {
     let name = robot.name().as_str();
     let mut progress = |progress| {
@@ -121,12 +120,12 @@ async fn checked(broker: &Mosquitto, robot: &RobotHandle) -> Report {
     check(&connection(broker, name), options(name), &mut progress, never).await.unwrap()
 }
 
-/// A topic of a robot.
+/// Topic of a robot.
 fn topic(robot: &str, kind: RobotTopic) -> String {
     kind.of(&Name::new(FLEET).unwrap(), &Name::robot(robot).unwrap()).to_string()
 }
 
-/// A setpoint of a supervisor for the first whisker.
+/// A supervisor's setpoint for the first whisker.
 fn setpoint(robot: &RobotHandle, epoch: u64, version: u64) -> Setpoint {
     let (boot_id, now_us) = (robot.with(|robot| robot.boot_id().clone()), now_us());
     Setpoint {

@@ -1,4 +1,4 @@
-//! When a check does not begin, and how it ends early.
+//! Conditions under which a check does not begin, and early ends of a check.
 
 use vibrissa::check::{Outcome, Progress, check};
 use vibrissa_protocol::{
@@ -10,7 +10,7 @@ use vibrissa_tests::observer::Observer;
 
 use super::{EPOCH, connection, options, robot, setpoint, supervisor, topic};
 
-/// Why a check of robot `r` ends before it has begun.
+/// The reason why a check of robot `r` ends before it has begun.
 async fn refusal(broker: &Mosquitto) -> String {
     let ended = check(&connection(broker, "r"), options("r"), &mut |_| {}, std::future::pending()).await;
     format!("{:#}", ended.unwrap_err())
@@ -46,7 +46,7 @@ async fn an_interrupted_check_puts_the_pressure_back() {
     supervisor(&broker, SupervisorPresence::Offline).await;
     let (fleet, robot) = robot(&broker, "r", None).await;
     let target_mpa = || robot.with(|robot| robot.whiskers()[0].regulator().target_mpa());
-    // As soon as the chamber has another setpoint.
+    // Stops the check as soon as the chamber has another setpoint.
     let stop = vibrissa_tests::wait::until_true("a setpoint", async || target_mpa() > 0.105);
     let report = check(&connection(&broker, "r"), options("r"), &mut |_: Progress| {}, stop).await.unwrap();
     assert!(report.is_interrupted);

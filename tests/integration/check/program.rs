@@ -1,4 +1,4 @@
-//! `vibrissa check-robot` as a program, with the contract's own times.
+//! Runs `vibrissa check-robot` as a program with the contract's own times.
 
 use std::path::Path;
 use std::process::Output;
@@ -23,7 +23,7 @@ async fn run(broker: &Mosquitto, robot: &str, password: &NamedTempFile, more: &[
 
 const PASSWORD: &str = "hunter2";
 
-/// A broker in which everybody has a name, and a file with the password of all.
+/// A broker in which every robot has a user, and a file with the common password.
 fn guarded(acl: &str) -> (Mosquitto, NamedTempFile) {
     let names = ["vibrissa", "f/r", "f/good", "f/bad"];
     let builder = names.into_iter().fold(Mosquitto::builder().acl(acl), |builder, name| builder.user(name, PASSWORD));
@@ -37,7 +37,7 @@ fn robots_broker(broker: &Mosquitto) -> Broker {
     Broker { credentials, ..Broker::new("127.0.0.1", broker.port()) }
 }
 
-/// With the access list that is shipped, which must be enough.
+/// The shipped access list must be sufficient for a check.
 #[tokio::test(flavor = "multi_thread")]
 async fn the_exit_code_says_whether_a_rule_was_broken() {
     let (broker, password) = guarded(include_str!("../../../deploy/mosquitto/acl"));
@@ -55,7 +55,7 @@ async fn the_exit_code_says_whether_a_rule_was_broken() {
         findings.map(|one| Rule::from_id(one["rule"].as_str().unwrap()).unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(outcomes("FAIL"), []);
-    // Of restarts nothing can be seen here, and of epochs below 0 neither.
+    // Restarts, and setpoints of an epoch below 0, cannot be tested here.
     let skipped: Vec<Rule> = outcomes("SKIPPED").into_iter().filter(|rule| rule.is_testable()).collect();
     let unseen = [Rule::Will, Rule::WillRetained, Rule::BootIdNew, Rule::SeqFromZero, Rule::RefuseStaleEpoch];
     assert_eq!(skipped, unseen);
@@ -74,7 +74,7 @@ async fn the_exit_code_says_whether_a_rule_was_broken() {
 async fn a_broker_that_does_not_let_it_write_is_named() {
     let acl = "user vibrissa\ntopic read whisker/v1/#\npattern readwrite whisker/v1/%u/#\n";
     let (broker, password) = guarded(acl);
-    // Without a factsheet, a request for one is the first thing that the check says.
+    // Without a factsheet the check's first message is a request for one.
     let (robot, _) = robot_of(&robots_broker(&broker), "r", Some(Misbehaviour::NoFactsheetAtBirth)).await;
     let done = run(&broker, "r", &password, &[]).await;
     let told = String::from_utf8(done.stderr).unwrap();

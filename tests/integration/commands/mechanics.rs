@@ -1,4 +1,4 @@
-//! `vibrissa paper`, `solve` and `calibrate`.
+//! `vibrissa paper`, `solve` and `calibrate` on the command line.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -53,7 +53,7 @@ fn property_solve_out_of_range_is_an_answer_and_a_cut_into_the_chamber_is_not() 
     assert!(err(&refused).contains("cut into its chamber"), "{}", err(&refused));
 }
 
-/// Readings of k2 = 0.5 + 1.4 exp(-10 Q), E = 1.2 MPa, and G = 9 mm; exact.
+/// Exact readings of k2 = 0.5 + 1.4 exp(-10 Q), E = 1.2 MPa, and G = 9 mm.
 fn readings(header: &str, strain_unit: f64) -> String {
     use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model};
     use vibrissa_core::units::Megapascal;

@@ -1,4 +1,4 @@
-//! Long commands, interrupted by a signal.
+//! Interrupts long commands.
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -8,7 +8,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use vibrissa_tests::wait;
 
-/// A second is what people are told; other tests have the processors, too.
+/// Documentation promises one second; other tests use the processors at the same time.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 fn start(arguments: &[&str], folder: &Path) -> Child {
@@ -22,19 +22,19 @@ fn start(arguments: &[&str], folder: &Path) -> Child {
         .unwrap()
 }
 
-/// Whether the process handles Ctrl-C, by what the system says of it.
+/// Whether the process has a handler for SIGINT, according to `/proc`.
 fn handles_interrupts(child: &Child) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
     let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
     u64::from_str_radix(caught.trim(), 16).unwrap() & (1 << (Signal::SIGINT as u64 - 1)) != 0
 }
 
-/// Stops it once it is at work.
+/// Sends the signal once the process handles it, and waits for the end.
 async fn stopped(child: Child, signal: Signal) -> Output {
     wait::until_true("it handles interrupts", async || handles_interrupts(&child)).await;
     let begun = Instant::now();
     kill(Pid::from_raw(child.id() as i32), signal).unwrap();
-    // Its standard input stays open until then.
+    // The standard input stays open until the process has ended.
     let mut child = child;
     let input = child.stdin.take();
     let output = child.wait_with_output().unwrap();

@@ -1,5 +1,5 @@
-// Stands in for routes that carry out actions: says that they are served, keeps what is sent to them, and answers as
-// `window.answer` says. Everything else goes to the service.
+// Replaces the routes of actions: reports them as served, records requests to them, and answers with `window.answer`.
+// All other requests go to the service.
 window.sent = [];
 window.answer = { status: 200, body: { action_id: 1, state: "DONE" } };
 const ask = window.fetch;

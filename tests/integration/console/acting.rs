@@ -1,5 +1,5 @@
-//! What operators ask for through dialogs. The routes are stood in for by the page itself, so that each answer can be
-//! given, also those that a service seldom gives.
+//! Dialogs of operator actions. A script in the page replaces the routes, so that tests can give any answer, including
+//! rare ones.
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,7 @@ use crate::stage::Stage;
 const WHISKER: &str = "#/fleets/f/robots/r/arrays/left/whiskers/1";
 const DIALOG: &str = "document.querySelector('dialog[open]')";
 
-/// On the page of a healthy whisker, with the routes stood in for.
+/// A stage on the page of a healthy whisker, with the routes replaced.
 async fn before_a_whisker() -> Stage {
     let mut stage = Stage::start().await;
     let source = json!({ "source": include_str!("acting.js") });
@@ -41,14 +41,17 @@ async fn a_manual_setpoint_is_explained_sent_once_and_its_result_told() {
     for part in ["The robot moves the chamber", "From 0 to 0.2 MPa"] {
         assert!(words.as_str().unwrap().contains(part), "{part}: {words}");
     }
-    // The first field has the focus, and its value is selected anew.
+    // The first field has the focus, and its value is selected for typing.
     assert_eq!(stage.browser.js("document.activeElement.name").await, "pressure_mpa");
     stage.browser.js("document.activeElement.select()").await;
     stage.browser.type_text("0.12").await;
     let picture = stage.picture("dialog");
     stage.browser.picture(&picture).await;
     stage.browser.press("Enter").await;
-    stage.browser.until("it is told", "document.getElementById('notices').textContent.startsWith('Done')").await;
+    stage
+        .browser
+        .until("the notice is shown", "document.getElementById('notices').textContent.startsWith('Done')")
+        .await;
     assert_eq!(stage.browser.js(DIALOG).await, Value::Null);
     let sent = sent(&mut stage).await;
     assert_eq!(sent.len(), 1);
@@ -83,10 +86,10 @@ async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_
     let told = format!("{DIALOG}.querySelector('[role=alert]').innerText");
     let send = "document.querySelector('dialog form').requestSubmit()";
     stage.browser.js(send).await;
-    stage.browser.until("it is told", &format!("{told}.includes('the robot is offline')")).await;
+    stage.browser.until("the problem is shown", &format!("{told}.includes('the robot is offline')")).await;
     assert!(stage.browser.js(&told).await.as_str().unwrap().contains("request-7"));
     stage.browser.js(&format!("{DIALOG}.querySelector('[role=alert]').replaceChildren(); {send}")).await;
-    stage.browser.until("it is told again", &format!("{told}.includes('the robot is offline')")).await;
+    stage.browser.until("the problem is shown again", &format!("{told}.includes('the robot is offline')")).await;
     stage.browser.js(&format!("document.querySelector('dialog textarea').value = ''; {send}")).await;
     stage.browser.until("another request", "window.sent.length === 3").await;
     let sent = sent(&mut stage).await;
@@ -109,7 +112,7 @@ async fn escape_closes_a_dialog_and_the_focus_goes_back_to_its_button() {
     ask(&mut stage, "Hold").await;
     stage.browser.js("location.hash = '#/alarms'").await;
     stage.browser.until("another page", "document.querySelector('h1').textContent === 'Alarms'").await;
-    assert_eq!(stage.browser.js(DIALOG).await, Value::Null, "a dialog is about its page");
+    assert_eq!(stage.browser.js(DIALOG).await, Value::Null, "a dialog must close with its page");
     assert_eq!(sent(&mut stage).await, Vec::<Value>::new());
     stage.stop().await;
 }

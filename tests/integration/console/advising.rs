@@ -1,4 +1,4 @@
-//! Where operators approve: from the cut to the robot's setpoint through the page, on the routes themselves.
+//! Approval of proposals in the console, from the cut to the robot's setpoint, with the real routes.
 
 use serde_json::json;
 use vibrissa_protocol::{SetpointOutcome, SetpointReason};
@@ -12,7 +12,7 @@ fn button(name: &str) -> String {
     format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{name}'))")
 }
 
-/// Presses a button of the page, and then the one that sends in its dialog, with a reason.
+/// Presses a button of the page, enters a reason in the dialog, and sends it.
 async fn press(stage: &mut Stage, name: &str, reason: &str) {
     stage.browser.until(name, &button(name)).await;
     stage.browser.js(&format!("{}.focus()", button(name))).await;
@@ -36,7 +36,7 @@ async fn a_proposal_is_shown_without_reload_and_approved_on_its_page() {
     stage.browser.until("it is live", live).await;
     stage.cut().await;
     stage.browser.until("the proposal is shown", &button("Approve")).await;
-    assert!(stage.robot.setpoints_left().is_empty(), "nothing is sent before somebody has said so");
+    assert!(stage.robot.setpoints_left().is_empty(), "no setpoint may be sent before the approval");
     let picture = stage.picture("proposal");
     stage.browser.picture(&picture).await;
     press(&mut stage, "Approve", "looks right").await;

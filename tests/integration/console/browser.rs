@@ -1,4 +1,4 @@
-//! A browser without a window, driven through its own protocol (Chrome DevTools) over a WebSocket.
+//! A headless Chromium, controlled with the DevTools protocol over a WebSocket.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -15,15 +15,15 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::{WebSocketStream, client_async};
 use vibrissa_tests::wait::PATIENCE;
 
-/// A browser with one page. Dropped, it is killed.
+/// A browser with one page, killed on drop.
 pub(crate) struct Browser {
     process: Child,
-    /// A profile of its own, empty each time.
+    /// A private, empty profile.
     _profile: TempDir,
     socket: WebSocketStream<TcpStream>,
     session: Option<String>,
     calls: u64,
-    /// What the page has said by itself, in order: method and parameters.
+    /// Events of the page in order: method and parameters.
     heard: Vec<(String, Value)>,
 }
 
@@ -36,7 +36,7 @@ impl Drop for Browser {
 }
 
 impl Browser {
-    /// An empty page, 1280 x 900, light.
+    /// Starts a browser with an empty page of 1280 x 900 pixels and light colours.
     pub(crate) async fn start() -> Self {
         let profile = tempfile::tempdir().unwrap();
         let mut process = Command::new("chromium")
@@ -51,8 +51,8 @@ impl Browser {
             .expect("chromium is installed: tests/run does it");
         let mut lines = BufReader::new(process.stderr.take().unwrap()).lines().map_while(Result::ok);
         let address = lines.find_map(|line| line.strip_prefix("DevTools listening on ").map(ToOwned::to_owned));
-        let address = address.expect("chromium says where it listens");
-        // Read on, so that it never waits for being heard.
+        let address = address.expect("chromium must print its address");
+        // Reading goes on so that a full pipe never blocks the browser.
         std::thread::spawn(move || lines.for_each(drop));
         let host = address.trim_start_matches("ws://").split('/').next().unwrap().to_owned();
         let stream = TcpStream::connect(host).await.unwrap();
@@ -73,7 +73,7 @@ impl Browser {
         }
     }
 
-    /// One call of the protocol.
+    /// Calls a method of the protocol.
     pub(crate) async fn call(&mut self, method: &str, params: Value) -> Value {
         self.calls += 1;
         let id = self.calls;
@@ -94,7 +94,7 @@ impl Browser {
     async fn hear(&mut self, what: &str) -> Value {
         loop {
             let message = tokio::time::timeout(2 * PATIENCE, self.socket.next()).await;
-            let message = message.unwrap_or_else(|_| panic!("the browser says nothing: {what}"));
+            let message = message.unwrap_or_else(|_| panic!("no answer from the browser: {what}"));
             let Message::Text(text) = message.expect("a browser").unwrap() else { continue };
             let said: Value = serde_json::from_str(&text).unwrap();
             if let Some(method) = said["method"].as_str() {
@@ -104,18 +104,18 @@ impl Browser {
         }
     }
 
-    /// Goes to an address, and waits until the console shows what it names.
+    /// Opens an address and waits until the console shows its page.
     pub(crate) async fn open(&mut self, url: &str) {
         self.load(url).await;
         self.shown().await;
     }
 
-    /// Goes to an address, and waits until the page is loaded.
+    /// Opens an address and waits until the page is loaded.
     pub(crate) async fn load(&mut self, url: &str) {
         let before = self.count("Page.loadEventFired");
         let navigated = self.call("Page.navigate", json!({ "url": url })).await;
         assert!(navigated["errorText"].is_null(), "{url}: {navigated}");
-        // Only another fragment is no new page.
+        // A change of the fragment alone loads no page.
         while !navigated["loaderId"].is_null() && self.count("Page.loadEventFired") == before {
             self.hear(url).await;
         }
@@ -125,7 +125,7 @@ impl Browser {
         self.heard.iter().filter(|(heard, _)| heard == method).count()
     }
 
-    /// Waits until the console shows what the address names, with its plots.
+    /// Waits until the console shows the page of its address, with its plots.
     pub(crate) async fn shown(&mut self) {
         self.until(
             "the page is shown",
@@ -135,7 +135,7 @@ impl Browser {
         .await;
     }
 
-    /// The value of an expression in the page; a promise is waited for.
+    /// Value of a JavaScript expression in the page; promises are awaited.
     pub(crate) async fn js(&mut self, expression: &str) -> Value {
         let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let mut answer = self.call("Runtime.evaluate", params).await;
@@ -144,7 +144,7 @@ impl Browser {
         answer["result"]["value"].take()
     }
 
-    /// Waits until an expression holds, looking whenever the page changes; gives its value.
+    /// Waits until an expression is true, testing it at each change of the page. Returns its value.
     pub(crate) async fn until(&mut self, what: &str, expression: &str) -> Value {
         let patience = Duration::as_millis(&PATIENCE);
         let promise = format!(
@@ -152,7 +152,7 @@ impl Browser {
                const look = () => {{ const value = {expression}; if (value) {{ watcher.disconnect(); found(value); }} }};
                const watcher = new MutationObserver(look);
                watcher.observe(document, {{ subtree: true, childList: true, attributes: true, characterData: true }});
-               setTimeout(() => missed(new Error('did not come true; the page says: ' + document.body.innerText)), {patience});
+               setTimeout(() => missed(new Error('timed out; the page shows: ' + document.body.innerText)), {patience});
                look();
              }}) /* {what} */"
         );
@@ -175,7 +175,7 @@ impl Browser {
         self.call("Input.dispatchKeyEvent", up).await;
     }
 
-    /// Types into what has the focus.
+    /// Types text into the focused field.
     pub(crate) async fn type_text(&mut self, text: &str) {
         self.call("Input.insertText", json!({ "text": text })).await;
     }
@@ -185,19 +185,19 @@ impl Browser {
         self.call("Emulation.setDeviceMetricsOverride", size).await;
     }
 
-    /// What the person prefers: "light" or "dark".
+    /// Sets the preferred colour scheme: "light" or "dark".
     pub(crate) async fn prefers(&mut self, scheme: &str) {
         let features = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
         self.call("Emulation.setEmulatedMedia", features).await;
     }
 
-    /// A picture of the whole page, as PNG.
+    /// Writes a picture of the whole page as PNG.
     pub(crate) async fn picture(&mut self, path: &Path) {
         let picture = self.call("Page.captureScreenshot", json!({ "captureBeyondViewport": true })).await;
         std::fs::write(path, STANDARD.decode(picture["data"].as_str().unwrap()).unwrap()).unwrap();
     }
 
-    /// What went wrong in the page: errors of scripts, of loading, of its security policy.
+    /// Errors of scripts, of loading, and of the security policy.
     pub(crate) fn problems(&self) -> Vec<String> {
         let problem = |(method, said): &(String, Value)| match method.as_str() {
             "Runtime.exceptionThrown" => Some(said["exceptionDetails"].to_string()),
@@ -208,7 +208,7 @@ impl Browser {
         self.heard.iter().filter_map(problem).collect()
     }
 
-    /// Every address that was asked for.
+    /// All requested addresses.
     pub(crate) fn asked(&self) -> Vec<String> {
         let sent = self.heard.iter().filter(|(method, _)| method == "Network.requestWillBeSent");
         sent.filter_map(|(_, said)| said["request"]["url"].as_str().map(ToOwned::to_owned)).collect()

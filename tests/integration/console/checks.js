@@ -1,4 +1,4 @@
-// Looks at the page as it is shown; each check gives what is wrong, as a list of sentences.
+// Checks of the visible page; each one returns a list of problems.
 ({
   overflow() {
     const { scrollWidth } = document.documentElement;
@@ -42,7 +42,7 @@
       .map((svg) => `no name: ${svg.outerHTML.slice(0, 80)}`);
   },
 
-  // WCAG 2: 4.5 to 1 for every text with what is behind it.
+  // WCAG 2: the contrast between each text and its background is at least 4.5 to 1.
   contrast() {
     const all = [
       ...this.texts(document.body),
@@ -59,7 +59,7 @@
     return [...wrong];
   },
 
-  // WCAG 2: 3 to 1 for the frames of fields and buttons, and for the ring around what has the focus.
+  // WCAG 2: at least 3 to 1 for the frames of fields and buttons, and for the focus ring.
   frames() {
     const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
     const pairs = ["--line", "--focus"].flatMap((front) => ["--page", "--panel"].map((back) => [front, back]));
@@ -67,7 +67,7 @@
     return pairs.filter((pair) => !(ratio(pair) >= 3)).map((pair) => `contrast ${ratio(pair)} of ${pair}`);
   },
 
-  // The least contrast of a text that was found.
+  // Smallest contrast of a text so far.
   least: undefined,
 
   ratio(one, other) {
@@ -98,7 +98,7 @@
     return "white";
   },
 
-  // Whatever has text of its own that can be seen.
+  // All visible elements that have text of their own.
   texts(root) {
     const silent = ["title", "desc", "style", "script", "metadata"];
     const found = [];

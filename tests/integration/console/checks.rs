@@ -1,4 +1,4 @@
-//! Whether people can read and reach what a page shows.
+//! Checks of readability and accessibility of a page.
 
 use serde_json::{Value, json};
 
@@ -6,13 +6,13 @@ use crate::browser::Browser;
 
 const CHECKS: &str = include_str!("checks.js");
 
-/// An expression over the checks, as `all`.
+/// Evaluates an expression over the checks, which are named `all`.
 async fn with_checks(browser: &mut Browser, expression: &str) -> Value {
     let checks = CHECKS.trim_end().trim_end_matches(';');
     browser.js(&format!("(() => {{ const all = {checks}; return {expression}; }})()")).await
 }
 
-/// Roles that must have a name, for people who hear the page.
+/// Roles that need a name for screen readers.
 const NAMED: [&str; 11] = [
     "button",
     "link",
@@ -27,7 +27,7 @@ const NAMED: [&str; 11] = [
     "heading",
 ];
 
-/// What is wrong with the page as it is shown, besides its width.
+/// Problems of the visible page, except its width.
 pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
     let mut found = Vec::new();
     for check in ["headings", "tables", "fields", "pictures", "contrast", "frames"] {
@@ -37,12 +37,12 @@ pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
     found
 }
 
-/// Whether the page is wider than the screen.
+/// Problems of the page's width: it must not exceed the screen.
 pub(crate) async fn overflow(browser: &mut Browser) -> Vec<String> {
     texts(&with_checks(browser, "all.overflow()").await)
 }
 
-/// The least contrast of any text with what is behind it.
+/// Smallest contrast between a text and its background.
 pub(crate) async fn least_contrast(browser: &mut Browser) -> f64 {
     with_checks(browser, "(all.contrast(), all.least)").await.as_f64().unwrap()
 }
@@ -51,7 +51,7 @@ fn texts(list: &Value) -> Vec<String> {
     list.as_array().unwrap().iter().map(|one| one.as_str().unwrap().to_owned()).collect()
 }
 
-/// What has no name in the browser's own tree for assistive programs.
+/// Elements without a name in the browser's accessibility tree.
 async fn nameless(browser: &mut Browser) -> Vec<String> {
     let tree = browser.call("Accessibility.getFullAXTree", json!({})).await;
     let nodes = tree["nodes"].as_array().unwrap();

@@ -1,4 +1,4 @@
-//! Everything can be reached and done with the keyboard alone, and what has the focus can be seen.
+//! All functions can be used with the keyboard alone, and the focus is visible.
 
 use std::collections::BTreeSet;
 
@@ -6,11 +6,11 @@ use serde_json::json;
 
 use crate::stage::Stage;
 
-/// Gives each thing that can be used a number, and counts them.
+/// Numbers all usable elements and counts them.
 const NUMBER: &str = "[...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
     .filter((one) => one.getClientRects().length && !one.disabled) \
     .map((one, index) => (one.numbered = index)).length";
-/// The number of what has the focus, and whether that can be seen.
+/// Number of the focused element, and whether the focus is visible.
 const FOCUSED: &str = "(() => { const one = document.activeElement; \
     const inside = one.querySelector?.('.target'); \
     const isSeen = getComputedStyle(one).outlineStyle !== 'none' || (inside && getComputedStyle(inside).stroke !== 'none'); \
@@ -24,7 +24,7 @@ async fn tab_reaches_everything_that_can_be_used_and_shows_where_it_is() {
     for (name, hash) in stage.pages().await {
         stage.open(&hash).await;
         let expected = stage.browser.js(NUMBER).await.as_u64().unwrap();
-        // From the first one on.
+        // Tab begins at the first element.
         stage.browser.js("document.getElementById('skip').focus()").await;
         let mut reached = BTreeSet::from([0]);
         for _ in 0..expected * 2 + 20 {

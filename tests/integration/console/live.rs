@@ -1,4 +1,4 @@
-//! What happens is shown without a reload.
+//! Changes appear without a reload.
 
 use serde_json::json;
 use vibrissa_protocol::SetpointOutcome;
@@ -14,12 +14,12 @@ async fn a_trim_its_compensation_and_its_setpoint_appear_on_the_whiskers_page() 
     let says = |words: &str| format!("document.querySelector('main').innerText.includes('{words}')");
     stage.browser.until("it is healthy", &says("healthy")).await;
     assert_eq!(stage.browser.js(&says("trimmed")).await, json!(false));
-    // A reload would forget it.
+    // A reload would clear this variable.
     stage.browser.js("window.untouched = document.querySelector('h1')").await;
 
     stage.cut().await;
     stage.browser.until("the trim is shown", &says("trimmed")).await;
-    // What is new may be on the page before the whisker itself was asked for again.
+    // The event may appear on the page before the whisker itself is requested again.
     let length = "Math.abs(parseFloat(document.getElementById('length').textContent) - 65) < 1.5";
     stage.browser.until("the length that is left is shown", length).await;
 

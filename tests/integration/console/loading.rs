@@ -1,4 +1,4 @@
-//! What the service sends, and that the page lives on it alone.
+//! Files of the console: their headers, and that the page requests nothing from other hosts.
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -30,7 +30,7 @@ async fn every_page_loads_without_an_error_and_asks_nobody_but_the_service() {
     stage.stop().await;
 }
 
-/// Its styles and icons are inside its scripts: its policy must let them through.
+/// Its styles and icons are embedded in its scripts, which its security policy must allow.
 #[tokio::test]
 async fn the_documentation_of_the_api_is_shown_under_its_policy() {
     let mut stage = Stage::start().await;

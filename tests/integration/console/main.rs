@@ -1,4 +1,4 @@
-//! The operators' console in a real browser, in front of a real service.
+//! The operators' console in a real browser with a real service.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

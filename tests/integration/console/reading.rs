@@ -1,4 +1,4 @@
-//! Every page can be read: on a phone, in the dark, by ear.
+//! Every page is readable on a phone, in dark colours, and with a screen reader.
 
 use serde_json::json;
 use vibrissa_protocol::SetpointOutcome;

@@ -1,4 +1,4 @@
-//! A service that asks for a token.
+//! The console of a service that requires a token.
 
 use serde_json::json;
 use vibrissa_supervisor::http::access::token::{self, NewToken};
@@ -31,10 +31,10 @@ async fn a_token_is_asked_for_kept_in_the_tab_and_forgotten_again() {
         .until("it is refused", "document.querySelector('[role=alert]')?.textContent.includes('not known')")
         .await;
     typing(&mut stage, &token).await;
-    stage.browser.until("it is let in", &format!("{heading} === 'Fleet f'")).await;
+    stage.browser.until("the fleet is shown", &format!("{heading} === 'Fleet f'")).await;
     assert_eq!(stage.browser.js("localStorage.length + document.cookie.length").await, json!(0));
     stage.browser.js("document.getElementById('sign-out').click()").await;
-    stage.browser.until("it asks again", &format!("{heading} === 'Sign in'")).await;
+    stage.browser.until("it asks for a token again", &format!("{heading} === 'Sign in'")).await;
     assert_eq!(stage.browser.js("sessionStorage.length").await, json!(0));
     stage.stop().await;
 }

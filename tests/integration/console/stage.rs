@@ -1,4 +1,4 @@
-//! A service with a robot, and a browser in front of it.
+//! A service with a robot, and a browser that shows its console.
 
 use std::path::PathBuf;
 
@@ -17,13 +17,13 @@ use vibrissa_tests::web::try_get;
 
 use crate::browser::Browser;
 
-/// Contacts until a whisker counts as learned: few, so that tests are quick.
+/// Contacts until a whisker counts as learned; few, so that tests are fast.
 pub(crate) const LEARNED: usize = 60;
 
-/// Rounds of touches after which a cut is found for certain.
+/// Largest number of rounds of contacts until a cut is detected.
 const ROUNDS_MAX: usize = 30;
 
-/// Everything that a test needs.
+/// The programs of a test.
 pub(crate) struct Stage {
     pub(crate) service: Service,
     pub(crate) robot: HandRobot,
@@ -32,18 +32,18 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// A service that asks for no token.
+    /// Starts a service that requires no token.
     pub(crate) async fn start() -> Self {
         Self::to(AccessOptions::default()).await
     }
 
-    /// A service that asks for a token.
+    /// Starts a service that requires a token.
     pub(crate) async fn closed() -> Self {
         let token = Some(Secret::new("nobody-in-this-test-has-this-token"));
         Self::to(AccessOptions { token, oidc: None }).await
     }
 
-    /// With a robot `r` of the fleet `f`, whose array `left` has three whiskers that are learned.
+    /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
     async fn to(access: AccessOptions) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let fleet = Name::new("f").unwrap();
@@ -76,7 +76,8 @@ impl Stage {
         Self { service, robot, browser: Browser::start().await, folder }
     }
 
-    /// Cuts whisker 0 to 65 mm and touches with all, as only that tells it from a change of the array, until it is known.
+    /// Cuts whisker 0 to 65 mm and sends contacts of all whiskers until the cut is detected. Contacts of the others
+    /// show that the array itself has not changed.
     pub(crate) async fn cut(&mut self) {
         self.robot.cut(0, 65.0);
         for _ in 0..ROUNDS_MAX {
@@ -93,18 +94,18 @@ impl Stage {
         panic!("the cut was not found");
     }
 
-    /// An address in the console.
+    /// URL of an address in the console.
     pub(crate) fn url(&self, hash: &str) -> String {
         format!("http://127.0.0.1:{}/{hash}", self.service.http.port())
     }
 
-    /// Goes there.
+    /// Opens an address of the console.
     pub(crate) async fn open(&mut self, hash: &str) {
         let url = self.url(hash);
         self.browser.open(&url).await;
     }
 
-    /// Every page with its address, when whisker 0 is cut and something was decided about it.
+    /// Name and address of every page, for the state after the cut of whisker 0 and its decision.
     pub(crate) async fn pages(&self) -> Vec<(&'static str, String)> {
         let (_, decisions) = try_get(self.service.http, "/v1/compensations").await.unwrap();
         let decisions: Value = serde_json::from_str(&decisions).unwrap();
@@ -123,13 +124,13 @@ impl Stage {
         pages.into_iter().map(|(name, address)| (name, format!("#/{address}"))).collect()
     }
 
-    /// Where a picture goes: a folder that outlives the test if `VIBRISSA_PICTURES` names one.
+    /// Path of a picture, in the folder named by `VIBRISSA_PICTURES` if that is set.
     pub(crate) fn picture(&self, name: &str) -> PathBuf {
         let folder = std::env::var_os("VIBRISSA_PICTURES").map_or_else(|| self.folder.path().to_owned(), PathBuf::from);
         folder.join(format!("{name}.png"))
     }
 
-    /// Asserts that the page had no errors, and asked nobody but the service.
+    /// Asserts that the page had no errors and sent requests only to the service.
     pub(crate) fn is_clean(&self) {
         assert_eq!(self.browser.problems(), Vec::<String>::new());
         let own = self.url("");

@@ -1,4 +1,4 @@
-//! Actions between supervisors on one PostgreSQL: asked anywhere, done by the owner, once.
+//! Operator actions with several supervisors on one PostgreSQL: sent to any of them, executed once by the owner.
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
@@ -18,7 +18,7 @@ use vibrissa_tests::wait::until_true;
 
 use crate::fleet;
 
-/// A supervisor of fleet `f` in this process.
+/// Starts a supervisor of fleet `f` in this process.
 async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
@@ -43,7 +43,7 @@ fn owns(service: &Service) -> bool {
     matches!(service.readiness.fleets().get(&fleet()), Some(Standing::Owned { .. }))
 }
 
-/// A policy that is in force only if it is the next one.
+/// A change of the policy that is accepted only if this version is in force.
 fn policy(expected_version: i64) -> NewAction {
     let margin = 0.001 * expected_version as f64;
     asks(
@@ -52,7 +52,7 @@ fn policy(expected_version: i64) -> NewAction {
     )
 }
 
-/// (versions, the actions that asked for them, actions that are answered with DONE)
+/// Number of policy versions, of actions that caused them, and of actions answered with DONE.
 async fn policies(link: &mut PgConnection) -> (i64, i64, i64) {
     let row = sqlx::query(
         "SELECT (SELECT count(*) FROM policies) AS versions, (SELECT count(DISTINCT action_id) FROM policies) AS asked, \
@@ -71,7 +71,7 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     until_true("an owner", async || owns(&owner)).await;
     let other = supervisor("b", server.port(), &broker).await;
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
-    // By its contacts the robot's clock is known.
+    // The supervisor knows the robot's clock after its first contacts.
     robot.touch(1, 1).await;
     robot.receipted().await;
     let action = asks_of("SETPOINT", r#"{"pressure_mpa": 0.05}"#, Some(1));
@@ -80,7 +80,7 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     let (setpoint, _) = robot.setpoint().await;
     assert_eq!((setpoint.whisker, setpoint.pressure_mpa), (1, 0.05));
     assert!(owns(&owner) && !owns(&other));
-    // It takes the fleet over with its holds.
+    // The new owner keeps the holds.
     owner.stop().await;
     until_true("another owner", async || owns(&other)).await;
     let release = asks_of("RELEASE", "{}", Some(1));
@@ -103,7 +103,7 @@ async fn brute_force_connections_that_break_lose_no_action_and_do_none_twice() {
     for at in 0..ACTIONS {
         assert_eq!(asker.ask(&policy(at)).await.unwrap(), Asked::New(at + 1));
         service.mailroom.ring(&fleet());
-        // At another moment of the transaction each time.
+        // Each attempt cuts the connection at a different moment of the transaction.
         tokio::time::sleep(std::time::Duration::from_micros(400 * (at as u64 % 17))).await;
         proxy.cut();
     }
@@ -121,7 +121,7 @@ async fn an_owner_that_loses_the_fleet_leaves_what_it_has_not_done_to_the_next_o
     let mut link = server.connect().connect().await.unwrap();
     for at in 0..10 {
         if at == 5 {
-            // Whatever it is doing just now, nobody hears of it any more.
+            // From now on nothing that the owner does reaches the database.
             proxy.stall(true);
         }
         second.store.ask(&policy(at)).await.unwrap();
@@ -130,8 +130,8 @@ async fn an_owner_that_loses_the_fleet_leaves_what_it_has_not_done_to_the_next_o
     until_true("all done", async || policies(&mut link).await == (10, 10, 10)).await;
     assert!(owns(&second));
     proxy.stall(false);
-    until_true("the first stands by", async || !owns(&first)).await;
-    assert_eq!(policies(&mut link).await, (10, 10, 10), "and has nothing to add");
+    until_true("the first supervisor no longer owns the fleet", async || !owns(&first)).await;
+    assert_eq!(policies(&mut link).await, (10, 10, 10), "the first supervisor must not write afterwards");
     first.stop().await;
     second.stop().await;
 }

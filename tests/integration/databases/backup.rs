@@ -1,4 +1,4 @@
-//! `vibrissa backup`: what it refuses, and what its copies are.
+//! `vibrissa backup`: refusals and the completeness of copies.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -18,14 +18,15 @@ pub(crate) fn backup(database_url: &str, to: &Path) -> Output {
         .unwrap()
 }
 
-/// What it says when it fails.
+/// Error message of a backup that must fail.
 fn refusal(database_url: &str, to: &Path) -> String {
     let ended = backup(database_url, to);
     assert_eq!(ended.status.code(), Some(1), "{ended:?}");
     String::from_utf8(ended.stderr).unwrap()
 }
 
-/// Copies are taken while contacts are committed without a pause: each is a whole database with a beginning of them.
+/// Copies made while contacts are committed continuously: each one is a complete database with the contacts up to some
+/// commit.
 #[tokio::test]
 async fn copies_that_are_taken_while_contacts_are_committed_are_whole() {
     let database = Fresh::sqlite().await;
@@ -50,18 +51,18 @@ async fn copies_that_are_taken_while_contacts_are_committed_are_whole() {
         assert_eq!(std::fs::metadata(&to).unwrap().permissions().mode() & 0o777, 0o600);
         let mut copy: SqliteConnection =
             SqliteConnectOptions::new().filename(&to).read_only(true).connect().await.unwrap();
-        // Commits are all or nothing, and the copy is of one moment.
+        // Commits are atomic, and the copy is a snapshot.
         let (count, last): (i64, i64) =
             sqlx::query_as("SELECT count(*), coalesce(max(seq), -1) FROM contacts").fetch_one(&mut copy).await.unwrap();
         assert!(count >= before && count == last + 1 && count <= next, "{count} up to {last}");
-        // The first one had the robot and its whiskers.
+        // The first commit has registered the robot and its whiskers.
         let commits: i64 = sqlx::query_scalar("SELECT commits FROM leases").fetch_one(&mut copy).await.unwrap();
         assert_eq!(count, 10 * (commits - 1));
         before = count;
     }
-    assert!(before > 0, "nothing was committed meanwhile");
+    assert!(before > 0, "no contact was committed during the copies");
     let files = std::fs::read_dir(folder.path()).unwrap().count();
-    assert_eq!(files, 3, "nothing else is left behind");
+    assert_eq!(files, 3, "no temporary file may be left");
 }
 
 #[tokio::test]
@@ -78,7 +79,7 @@ async fn what_cannot_be_backed_up_is_said_and_nothing_is_left_behind() {
     let nowhere = path("nowhere.sqlite3");
     let said = refusal(&format!("sqlite:{}", nowhere.display()), &path("copy"));
     assert!(said.contains("no database") && said.contains("--database-url"), "{said}");
-    assert!(!nowhere.exists(), "it is not made");
+    assert!(!nowhere.exists(), "the missing database must not be created");
 
     let said = refusal(&database.address.to_string(), &path("no-such-folder/copy"));
     assert!(said.contains("no-such-folder") && said.contains("cannot write"), "{said}");

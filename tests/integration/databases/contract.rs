@@ -1,4 +1,4 @@
-//! What is written is read back, the same from both databases.
+//! Rows are read back as they were written, with the same result on both databases.
 
 use serde_json::{Value, json};
 use vibrissa_store::actions::{Asked, NewAction};
@@ -19,7 +19,7 @@ use vibrissa_tests::actions::{asks, asks_of};
 use crate::rows::{self, Numbered, contacts};
 use crate::{Fresh, fleet, supervisor};
 
-/// One of everything that can happen.
+/// A record of every kind.
 pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
     let (robot_id, whisker_id) = (numbered.robot_id, numbered.whisker_ids[0]);
     let command_id = format!("c{robot_id}");
@@ -140,7 +140,7 @@ pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
     ]
 }
 
-/// What was felt at a contact of the one that serves.
+/// A response of the compensator to a contact.
 pub(crate) fn response(numbered: &Numbered) -> ResponseRow {
     ResponseRow {
         compensation_id: numbered.robot_id << 32,
@@ -155,12 +155,12 @@ pub(crate) fn response(numbered: &Numbered) -> ResponseRow {
     }
 }
 
-/// Actions that are asked, answered and read back, and a policy that is replaced by the next one.
+/// Stores, answers and reads actions, and replaces a policy by its next version.
 async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Value) {
     let keyed = NewAction { idempotency_key: Some("k".to_owned()), ..asks_of("HOLD", "{}", Some(1)) };
     assert_eq!(store.ask(&keyed).await.unwrap(), Asked::New(1));
     assert_eq!(store.ask(&asks("POLICY", "{}")).await.unwrap(), Asked::New(2));
-    // Without a key nothing is the same.
+    // Without a key, equal actions are different ones.
     assert!(matches!(store.ask(&asks("POLICY", "{}")).await.unwrap(), Asked::New(_)));
     let elsewhere = NewAction { fleet: Some("g".to_owned()), ..asks("POLICY", "{}") };
     assert!(matches!(store.ask(&elsewhere).await.unwrap(), Asked::New(_)));
@@ -201,7 +201,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     (json!(asked), json!(policy))
 }
 
-/// Everything that can be read, as JSON; so many records were written at a time.
+/// Everything that can be read, as JSON; `together` is the number of records per transaction.
 async fn written_and_read(database: &Fresh, together: usize) -> Value {
     let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
@@ -219,7 +219,7 @@ async fn written_and_read(database: &Fresh, together: usize) -> Value {
     }
     batch.responses = vec![response(&numbered)];
     writer.commit(&lease, &batch).await.unwrap();
-    // The same again under new names changes nothing.
+    // Registering the same names again returns the same ids.
     assert_eq!(writer.robot_id(&lease, "r", 3).await.unwrap(), numbered.robot_id);
     assert_eq!(writer.boot(&lease, numbered.robot_id, "b1", 2).await.unwrap(), numbered.boot);
     let again = writer.whisker_ids(&lease, numbered.robot_id, &numbered.robot).await.unwrap();
@@ -277,7 +277,7 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["whiskers"][0]["erosion_high_mm_per_contact"], 0.006);
     assert_eq!(lite["whiskers"][0]["contacts_left"], 1000.0);
     assert_eq!(lite["whiskers"][0]["contacts_left_high"], Value::Null);
-    assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the newest");
+    assert_eq!(lite["compensations"][0]["measured_error"], 0.2, "the latest error must be shown");
     assert_eq!(lite["candidates"][1]["refused"], "COSTS_MORE");
     let decided = &lite["compensations"][0];
     assert_eq!((&decided["predicted_error_low"], &decided["predicted_error_high"]), (&json!(0.125), &json!(0.375)));
@@ -292,7 +292,11 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["candidates"][0]["predicted_error_by_ratio"], json!([0.1, 0.2]));
     assert_eq!(lite["bins"].as_array().unwrap().len(), 2);
     assert_eq!(lite["setpoints"].as_array().unwrap().len(), 3);
-    assert_eq!((&lite["robots"][0][6], &lite["robots"][0][7]), (&json!(true), &json!(5)), "held, and numbers go on");
+    assert_eq!(
+        (&lite["robots"][0][6], &lite["robots"][0][7]),
+        (&json!(true), &json!(5)),
+        "the hold and the next number must be stored"
+    );
     assert_eq!(
         (&lite["asked"]["state"], &lite["asked"]["problem"]),
         (&json!("REFUSED"), &json!("HELD: released first"))
@@ -301,13 +305,14 @@ async fn both_databases_give_back_the_same() {
     for list in ["trims", "lengths", "health", "changes"] {
         assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
     }
-    // One by one PostgreSQL writes with one statement for all kinds; all together some touch what others have made.
+    // One record at a time is written by PostgreSQL's single statement for all kinds. All records together refer to
+    // rows of the same transaction.
     for together in [usize::MAX, 1, 5] {
         assert_eq!(lite, written_and_read(&Fresh::postgres().await, together).await, "{together} records at a time");
     }
 }
 
-/// Numbers are stored to the last bit.
+/// PostgreSQL returns `ratio` and `strain` of a contact with the same bits, and `residual` as an equal number or NULL.
 #[tokio::test]
 async fn contacts_are_the_same_to_the_last_bit() {
     use sqlx::{ConnectOptions, Row};
@@ -331,7 +336,7 @@ async fn contacts_are_the_same_to_the_last_bit() {
     }
 }
 
-/// A batch of which one row cannot be written is not written at all.
+/// A batch with one invalid row is not written at all.
 async fn all_or_nothing(database: &Fresh) {
     let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
@@ -358,7 +363,7 @@ async fn a_batch_is_written_whole_or_not_at_all_on_postgres() {
     all_or_nothing(&Fresh::postgres().await).await;
 }
 
-/// Kept outside their rows, states that are written again and again would grow a table that is never vacuumed in time.
+/// If states were stored outside their rows (TOAST), repeated updates would grow a table that is not vacuumed in time.
 #[tokio::test]
 async fn regress_states_that_are_written_again_and_again_take_no_more_room() {
     let database = Fresh::postgres().await;
@@ -376,7 +381,7 @@ async fn regress_states_that_are_written_again_and_again_take_no_more_room() {
         .unwrap();
     for _ in 0..200 {
         let mut states = rows::states(&robot);
-        // PostgreSQL moves values out of rows of more than 2 KB; whiskers that have served for long come near that.
+        // PostgreSQL moves values out of rows above 2 KB; long-serving compensators come close to that.
         states.whiskers.iter_mut().for_each(|whisker| whisker.state.resize(3000, 7));
         states.layouts.clear();
         writer.commit(&lease, &states).await.unwrap();

@@ -1,6 +1,7 @@
-//! The stored bytes of transactions that wait for their rows, and of minutes and hours under way, by version.
+//! Stored bytes of deferred transactions and of open minute and hour aggregates, by format version.
 //!
-//! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the new one.
+//! A test fails if the bytes change. In that case raise the version, keep a decoder of the old one, and add a file for
+//! the new one.
 
 use vibrissa_core::units::Micros;
 use vibrissa_store::Batch;

@@ -1,5 +1,5 @@
-//! What whiskers felt is kept as the policy says; minutes and hours are exactly what all their contacts add up to, whatever
-//! happens to the supervisor.
+//! Contacts are stored according to the retention policy. Minute and hour aggregates are exact sums over all contacts,
+//! even if the supervisor is killed.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ use vibrissa_tests::wait::{until, until_true};
 use crate::fleet;
 use crate::supervisors::{Replica, start_fleet};
 
-/// The rows that a statement gives.
+/// Rows of a query.
 macro_rules! rows {
     ($address:expr, $row:ty, $sql:expr) => {
         match $address {
@@ -42,19 +42,20 @@ async fn count(address: &DatabaseAddress, sql: &'static str) -> i64 {
     rows!(address, (i64,), sql)[0].0
 }
 
-/// A contact of the table: whisker, received, used, residual, ratio, deflection, strain, pressure, temperature, length, its sd.
+/// A row of contacts: whisker, time received, use, residual, ratio, deflection, strain, pressure, temperature, length
+/// and its standard deviation.
 type Felt = (i64, i64, String, Option<f64>, f64, f64, f64, f64, f64, f64, f64);
-/// A minute or hour: whisker, start, used, learning, unused, residual (mean, sd, min, max), sensitivity, ratio, length, its
-/// sd, mean length, pressure, temperature.
+/// A minute or hour aggregate: whisker, start, contacts used, learning and unused, residual (mean, standard deviation,
+/// min, max), sensitivity, ratio, length, its standard deviation, mean length, pressure, temperature.
 type Row = (i64, i64, i32, i32, i32, [Option<f64>; 4], [Option<f64>; 7]);
-/// The same without its name.
+/// The same without whisker and start.
 type Means = ([i32; 3], [Option<f64>; 4], [Option<f64>; 7]);
 
 fn means(numbers: &[f64]) -> Option<f64> {
     (!numbers.is_empty()).then(|| numbers.iter().sum::<f64>() / numbers.len() as f64)
 }
 
-/// What the contacts of each span add up to, from all of them at once.
+/// Aggregates of each time span, computed from all contacts at once.
 fn brute_force(contacts: &[Felt], span_us: i64) -> BTreeMap<(i64, i64), Means> {
     let mut spans: BTreeMap<(i64, i64), Vec<&Felt>> = BTreeMap::new();
     for one in contacts {
@@ -110,7 +111,7 @@ fn of_open(rollup: &Rollup) -> Means {
     )
 }
 
-/// The table's rows, and what is open still in the stored bytes of each whisker.
+/// Aggregates in the table, and open aggregates from the stored bytes of each whisker.
 async fn written(address: &DatabaseAddress, resolution: Resolution) -> BTreeMap<(i64, i64), Means> {
     type Counts = (i64, i64, i32, i32, i32);
     type Numbers = (
@@ -153,7 +154,7 @@ async fn written(address: &DatabaseAddress, resolution: Resolution) -> BTreeMap<
         Open::from_bytes(Some(&bytes), Micros(0)).end(&mut closed);
         for rollup in closed.iter().filter(|rollup| rollup.resolution == resolution) {
             let before = written.insert((id, rollup.start.0 as i64), of_open(rollup));
-            assert!(before.is_none(), "open, and in the table: {rollup:?}");
+            assert!(before.is_none(), "both open and in the table: {rollup:?}");
         }
     }
     written
@@ -161,14 +162,14 @@ async fn written(address: &DatabaseAddress, resolution: Resolution) -> BTreeMap<
 
 fn is_close(one: Option<f64>, other: Option<f64>) -> bool {
     match (one, other) {
-        // Four bytes a number.
+        // Aggregates are stored with four bytes per number.
         (Some(one), Some(other)) => (one - other).abs() <= 2e-7 * other.abs() + 1e-9,
         (None, None) => true,
         (Some(_), None) | (None, Some(_)) => false,
     }
 }
 
-/// Minutes and hours, those that are open too, are what the table of contacts adds up to; gives the contacts.
+/// Checks that closed and open aggregates agree with the contacts. Returns the number of contacts.
 async fn assert_exact(address: &DatabaseAddress) -> usize {
     let contacts = rows!(
         address,
@@ -191,7 +192,7 @@ async fn assert_exact(address: &DatabaseAddress) -> usize {
     contacts.len()
 }
 
-/// A fleet is supervised, killed, supervised again, ended, and supervised again.
+/// Supervises a fleet with a kill, a restart, and an orderly stop in between.
 async fn killed_and_restarted(database: &str, broker: &Mosquitto) {
     let address: DatabaseAddress = database.parse().unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -213,7 +214,7 @@ async fn killed_and_restarted(database: &str, broker: &Mosquitto) {
             }
         }
     }
-    // Whoever comes next goes through the journal, and leaves nothing in it.
+    // The next owner replays the journal and leaves it empty.
     let mut supervisor = Replica::start(folder.path(), "s", "f", database, broker.port(), 0.8);
     supervisor.says(200, "OWNED").await;
     supervisor.terminate().await;
@@ -259,7 +260,8 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Keep) -
     .unwrap()
 }
 
-/// A whisker is learned, cut, and compensates for itself. Tells how many contacts there were, and how many until the setpoint.
+/// Lets a whisker learn, cuts it, and waits for its own compensation. Returns the number of contacts, and of those
+/// before the setpoint.
 async fn cut_and_compensated(broker: &Mosquitto) -> (i64, i64) {
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type2, &[70.0])).await;
     let mut sent = 0;
@@ -283,7 +285,7 @@ async fn cut_and_compensated(broker: &Mosquitto) -> (i64, i64) {
     (touch(&mut robot, 120).await, before)
 }
 
-/// Each policy: what is in the table, and that everything else is the same.
+/// Under each retention policy the right contacts are stored, and everything else is the same.
 async fn policies(address: impl AsyncFn() -> (DatabaseAddress, Option<Postgres>)) {
     for keep in [Keep::All, Keep::Decisions, Keep::None] {
         let broker = Mosquitto::start();
@@ -294,8 +296,8 @@ async fn policies(address: impl AsyncFn() -> (DatabaseAddress, Option<Postgres>)
         let number = async |sql: &'static str| count(&address, sql).await;
         let kept = number("SELECT count(*) FROM contacts").await;
         let names = "SELECT count(*) FROM (SELECT DISTINCT boot, seq, position FROM contacts) n";
-        assert_eq!(number(names).await, kept, "{keep:?}: one twice");
-        // Detected, decided, measured and added up the same.
+        assert_eq!(number(names).await, kept, "{keep:?}: a contact is stored twice");
+        // Detection, decision, error and aggregates do not depend on the policy.
         assert_eq!(
             (number("SELECT count(*) FROM trims").await, number("SELECT count(*) FROM compensations").await),
             (1, 1)
@@ -312,8 +314,8 @@ async fn policies(address: impl AsyncFn() -> (DatabaseAddress, Option<Postgres>)
             Keep::None => assert_eq!(kept, 0),
             Keep::Decisions => {
                 let of_responses = "SELECT count(*) FROM compensation_responses r JOIN contacts c ON c.t_us = r.t_us";
-                assert_eq!(number(of_responses).await, responses, "what whiskers feel that serve");
-                // What led to the trim is there, and what was ordinary is not.
+                assert_eq!(number(of_responses).await, responses, "contacts of compensators must be stored");
+                // The contacts before the trim are stored, ordinary ones are not.
                 let led = "SELECT count(*) FROM contacts, trims WHERE received_us <= detected_us";
                 let took = number("SELECT contacts_to_detect FROM trims").await;
                 let led = number(led).await;

@@ -1,4 +1,4 @@
-//! Leases as the database keeps them: one owner at a time, each transaction once.
+//! Leases in the database: one owner at a time, and each transaction once.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live()
     writer_a.sign_in(&a, &[]).await.unwrap();
     let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
     let begun = std::time::Instant::now();
-    // Renewed, it is nobody else's for longer than its time to live.
+    // A renewed lease cannot be acquired by others, even after its time to live.
     while begun.elapsed() < a.time_to_live * 2 {
         writer_a.sign_in(&a, std::slice::from_ref(&lease)).await.unwrap();
         let roll = writer_b.sign_in(&b, &[]).await.unwrap();
@@ -24,7 +24,7 @@ async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live()
         assert!(!roll.leases[0].free && lease.is_fresh());
         assert!(writer_b.acquire(&b, &fleet()).await.unwrap().is_none());
     }
-    // Silent, it is free: not before its time to live is over, and at once then.
+    // A lease that is not renewed becomes free when its time to live is over, not earlier.
     let silent = std::time::Instant::now();
     let taken = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
     let after = silent.elapsed();
@@ -44,12 +44,12 @@ async fn what_is_given_back_can_be_had_at_once() {
     let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
     writer_a.release(&lease).await.unwrap();
     assert!(writer_b.acquire(&b, &fleet()).await.unwrap().unwrap().epoch() > lease.epoch());
-    // Given back twice, it stays the new owner's.
+    // A second release does not affect the new owner.
     writer_a.release(&lease).await.unwrap();
     assert!(writer_a.acquire(&a, &fleet()).await.unwrap().is_none());
 }
 
-/// On both databases: a supervisor that lost its fleet writes nothing, whatever it writes.
+/// On both databases, a supervisor that has lost its fleet cannot write anything.
 async fn the_dispossessed_write_nothing(database: &Fresh) {
     let (a, b) = (supervisor("a"), supervisor("b"));
     let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
@@ -69,7 +69,7 @@ async fn the_dispossessed_write_nothing(database: &Fresh) {
         assert!(matches!(problem, Err(StoreError::LeaseLost { .. })), "{problem:?}");
     }
     assert_eq!(database.store.contact_count().await.unwrap(), 3);
-    assert_eq!(writer_b.robots(&new).await.unwrap().len(), 1, "no other robot was made");
+    assert_eq!(writer_b.robots(&new).await.unwrap().len(), 1, "the former owner must not create a robot");
     writer_b.commit(&new, &contacts(&robot, 3..4)).await.unwrap();
     assert_eq!(database.store.contact_count().await.unwrap(), 4);
 }
@@ -84,7 +84,8 @@ async fn the_dispossessed_write_nothing_on_postgres() {
     the_dispossessed_write_nothing(&Fresh::postgres().await).await;
 }
 
-/// The answer to a commit is lost, again and again, at every moment of it: tried again, each batch is there once.
+/// The answer to a commit is lost repeatedly, at every moment of the commit. After the retries each batch is stored
+/// once.
 #[tokio::test]
 async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
     let database = Fresh::postgres().await;
@@ -101,7 +102,7 @@ async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
     let mut failures = 0;
     for seq in 0..150 {
         let batch = contacts(&robot, seq..seq + 1);
-        // The moment moves through the commit.
+        // The link is cut at a different moment of each commit.
         let cut = async {
             tokio::time::sleep(Duration::from_micros(seq as u64 * 40)).await;
             proxy.cut();
@@ -113,10 +114,10 @@ async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
         }
         assert_eq!(database.store.contact_count().await.unwrap(), seq + 1);
     }
-    assert!(failures >= 20, "the link was cut within {failures} commits only");
+    assert!(failures >= 20, "the link was cut during only {failures} commits");
 }
 
-/// A supervisor that freezes in the middle of a transaction does not keep its fleet.
+/// A supervisor that freezes during a transaction does not keep its fleet.
 #[tokio::test]
 async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     let database = Fresh::postgres().await;
@@ -129,7 +130,7 @@ async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     writer_a.sign_in(&a, &[]).await.unwrap();
     let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
     let robot = rows::robot(&mut writer_a, &lease).await;
-    // Commits until the link stalls: somewhere within a transaction.
+    // Commits until the link stalls, somewhere inside a transaction.
     let stalled = tokio::spawn(async move {
         for seq in 0.. {
             let written = writer_a.commit(&lease, &contacts(&robot, seq..seq + 1)).await;
@@ -148,5 +149,5 @@ async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     let taken_over = database.store.contact_count().await.unwrap();
     proxy.stall(false);
     stalled.await.unwrap();
-    assert_eq!(database.store.contact_count().await.unwrap(), taken_over, "nothing came late");
+    assert_eq!(database.store.contact_count().await.unwrap(), taken_over, "no late write may arrive");
 }

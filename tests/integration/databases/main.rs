@@ -1,4 +1,4 @@
-//! SQLite and PostgreSQL: the same contract on both, and leases between supervisors.
+//! Tests on SQLite and PostgreSQL: the same behaviour of both, and leases between supervisors.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -23,7 +23,7 @@ use vibrissa_protocol::Name;
 use vibrissa_store::{DatabaseAddress, Store, Supervisor};
 use vibrissa_tests::postgres::Postgres;
 
-/// A database of the test's own, with its tables; it goes when this is dropped.
+/// A private database with its schema, removed on drop.
 struct Fresh {
     store: Store,
     address: DatabaseAddress,
@@ -40,7 +40,7 @@ impl Fresh {
         Self { store, address, server: None, _folder: Some(folder) }
     }
 
-    /// With the role that is shipped, which must be enough.
+    /// A PostgreSQL with the shipped role, which must be sufficient.
     async fn postgres() -> Self {
         let server = Postgres::start_with_supervisor().await;
         let address: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();

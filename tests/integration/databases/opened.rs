@@ -1,8 +1,9 @@
-//! Databases that earlier versions of the program left in the middle of their work: this version opens them, and nothing that was
-//! learned is lost.
+//! Databases of earlier versions of the program, left in the middle of their work. This version opens them without
+//! losing anything that was learned.
 //!
-//! Each folder `tests/data/database-N` has a database whose last migration is N, and what the version that made it showed of it.
-//! `VIEWS=write` writes these views anew; do that for a new folder only.
+//! Each folder `tests/data/database-N` contains a database whose last migration is N, and the lists that its own
+//! version has served from it.
+//! `VIEWS=write` replaces these lists; use it for a new folder only.
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/database-16").join(name)
 }
 
-/// A running program that has taken up fleet `f` of a database.
+/// A running program that owns fleet `f` of a database.
 struct Opened {
     process: Process,
     http: SocketAddr,
@@ -44,7 +45,7 @@ impl Opened {
             log: folder.path().join("log"),
         };
         let opened = Self { process: Process::start(launch), http, folder };
-        until_true("the fleet is taken up", async || {
+        until_true("the supervisor owns the fleet", async || {
             try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)
         })
         .await;
@@ -62,7 +63,7 @@ impl Opened {
         views
     }
 
-    /// The views once nothing follows any more from the time that has passed since the database was left.
+    /// The lists, once they no longer change because of the time since the database was left.
     async fn settled(&self) -> Map<String, Value> {
         let mut before = self.views().await;
         until("the same views twice", async || {

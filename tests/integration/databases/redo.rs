@@ -1,4 +1,4 @@
-//! What is kept as bytes is committed: its rows are written later, by whoever has the fleet then.
+//! A deferred transaction is committed as bytes; its rows are written later by the current owner of the fleet.
 
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, StoreError, Writer};
@@ -24,8 +24,8 @@ async fn kept_and_written(database: &Fresh) {
     let bytes = batch.to_bytes().unwrap();
     writer.keep(&lease, 7, &bytes).await.unwrap();
     writer.keep(&lease, 8, &contacts(&robot, 5..6).to_bytes().unwrap()).await.unwrap();
-    assert_eq!(database.store.contact_count().await.unwrap(), 0, "only the bytes");
-    // In the order of their numbers, each once.
+    assert_eq!(database.store.contact_count().await.unwrap(), 0, "only the bytes may be stored");
+    // The rows are written once and in order.
     for (number, contacts) in [(7, 5), (8, 6)] {
         let (first, bytes) = writer.kept(&lease).await.unwrap().unwrap();
         assert_eq!(first, number);
@@ -35,7 +35,7 @@ async fn kept_and_written(database: &Fresh) {
     }
     assert_eq!(writer.kept(&lease).await.unwrap(), None);
 
-    // A supervisor that lost its fleet keeps nothing.
+    // A supervisor that has lost its fleet cannot defer transactions.
     let (b, mut other) = (supervisor("b"), database.store.writer());
     let new = until("taken over", async || other.acquire(&b, &fleet()).await.unwrap()).await;
     let refused = writer.keep(&lease, 9, &bytes).await.unwrap_err();
@@ -53,8 +53,8 @@ async fn what_is_kept_is_written_once_on_postgres() {
     kept_and_written(&Fresh::postgres().await).await;
 }
 
-/// Somebody has kept something, and was killed before its rows were written; the next supervisor writes them, and gives up
-/// what cannot be read.
+/// A supervisor defers transactions and is killed before their rows are written. The next owner writes them and
+/// discards bytes that it cannot decode.
 #[tokio::test]
 async fn regress_whoever_takes_a_fleet_up_writes_what_was_kept() {
     let (database, broker) = (Fresh::postgres().await, Mosquitto::start());

@@ -1,6 +1,6 @@
-//! The database refuses a row of one robot: everything of all others is written, and the robot is named.
+//! The database refuses a row of one robot: the rows of all other robots are written, and the robot is named.
 //!
-//! A trigger in each table in turn refuses the rows of one of two robots.
+//! For each table in turn, a trigger refuses the rows of one of two robots.
 
 use std::collections::BTreeSet;
 
@@ -16,8 +16,8 @@ use crate::rows::{self, Numbered, contacts};
 use crate::supervisors::Replica;
 use crate::{Fresh, contract, fleet, supervisor};
 
-/// Tables whose rows belong to one robot, each with the condition that a new row `n` belongs to the robot `{r}`, which has the
-/// whiskers `{w}`, the compensation `{c}`, and whose action has the number `{a}`.
+/// Tables with rows of a single robot, and the condition that a new row `n` belongs to robot `{r}`, which has the
+/// whiskers `{w}`, the compensation `{c}`, and the action `{a}`.
 const OF_ROBOTS: [(&str, &str); 18] = [
     ("robots", "n.robot_id = {r} AND n.state IS NOT NULL"),
     ("whiskers", "n.robot_id = {r} AND n.state IS NOT NULL"),
@@ -42,28 +42,28 @@ const OF_ROBOTS: [(&str, &str); 18] = [
     ("actions", "n.action_id = {a} AND n.state <> 'PENDING'"),
 ];
 
-/// All other tables, and why no row of a robot can be refused there by this way.
+/// All other tables, and the reason why this test does not cover them.
 const OTHERS: [(&str, &str); 17] = [
-    ("journal", "has a test of its own"),
-    ("quarantine", "has a test of its own"),
-    ("redo", "is a whole transaction's, and has a test of its own"),
-    ("boots", "is written with a birth, before anything follows from it"),
-    ("arrays", "is written with a factsheet, before anything follows from it"),
-    ("leases", "is the supervisors'"),
-    ("epochs", "is the supervisors'"),
-    ("supervisors", "is the supervisors'"),
-    ("supervised_fleets", "is the supervisors'"),
-    ("policies", "is a fleet's"),
-    ("calibrations", "is a fleet's"),
-    ("active_calibrations", "is a fleet's"),
-    ("api_tokens", "is people's"),
-    ("alarm_shelves", "is people's"),
-    ("allowed_robots", "is people's"),
-    ("turned_away", "is written by itself, and what is refused there is left out"),
-    ("_sqlx_migrations", "is the migrations'"),
+    ("journal", "has a separate test"),
+    ("quarantine", "has a separate test"),
+    ("redo", "belongs to a whole transaction, and has a separate test"),
+    ("boots", "is written with a birth, before its effects"),
+    ("arrays", "is written with a factsheet, before its effects"),
+    ("leases", "belongs to supervisors"),
+    ("epochs", "belongs to supervisors"),
+    ("supervisors", "belongs to supervisors"),
+    ("supervised_fleets", "belongs to supervisors"),
+    ("policies", "belongs to a fleet"),
+    ("calibrations", "belongs to a fleet"),
+    ("active_calibrations", "belongs to a fleet"),
+    ("api_tokens", "belongs to users"),
+    ("alarm_shelves", "belongs to users"),
+    ("allowed_robots", "belongs to users"),
+    ("turned_away", "is written separately, and refused rows are dropped"),
+    ("_sqlx_migrations", "belongs to the migrations"),
 ];
 
-/// A robot's numbers, with that of an action about it.
+/// Ids of a robot in the database, and of an action for it.
 struct Subject {
     numbered: Numbered,
     action_id: i64,
@@ -79,7 +79,7 @@ impl Subject {
             .replace("{a}", &self.action_id.to_string())
     }
 
-    /// A row of every kind, and an entry of the journal.
+    /// A batch with a row of every kind and an entry of the journal.
     fn batch(&self) -> Batch {
         let numbered = &self.numbered;
         let mut batch = rows::states(numbered);
@@ -112,7 +112,7 @@ fn rollup(numbered: &Numbered, resolution: Resolution) -> RollupRow {
     }
 }
 
-/// Entries as this test writes them: a robot's number in 8 bytes, and one byte more.
+/// Journal entries in the format of this test: a robot's id in 8 bytes, and one further byte.
 fn entries(robots: &[i64]) -> Vec<u8> {
     robots.iter().flat_map(|robot_id| robot_id.to_be_bytes().into_iter().chain([0])).collect()
 }
@@ -121,7 +121,7 @@ fn split(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     bytes.chunks(9).map(|entry| (i64::from_be_bytes(entry[..8].try_into().unwrap()), entry.to_vec())).collect()
 }
 
-/// The database as its administrator sees it.
+/// An administrator's connection to the database.
 enum Admin {
     Sqlite(sqlx::SqliteConnection),
     Postgres(sqlx::PgConnection),
@@ -157,7 +157,7 @@ impl Admin {
         }
     }
 
-    /// Refuses new and changed rows `n` of a table that meet a condition.
+    /// Refuses new and changed rows `n` of a table that satisfy a condition.
     async fn refuse(&mut self, table: &str, condition: &str) {
         let sql = match self {
             Self::Sqlite(_) => ["INSERT", "UPDATE"]
@@ -179,7 +179,7 @@ impl Admin {
         run!(self, sql).unwrap();
     }
 
-    /// Takes all rows again.
+    /// Removes the triggers.
     async fn relent(&mut self, table: &str) {
         let sql = match self {
             Self::Sqlite(_) => "DROP TRIGGER planted_INSERT; DROP TRIGGER planted_UPDATE;".to_owned(),
@@ -227,7 +227,7 @@ async fn subject(database: &Fresh, writer: &mut Writer, lease: &Lease, name: &st
     Subject { numbered, action_id }
 }
 
-/// Writes all rows of two robots; gives whose were refused.
+/// Writes all rows of two robots and returns the owners of refused rows.
 async fn write(writer: &mut Writer, lease: &Lease, batch: &mut Batch) -> Vec<Refused> {
     let whole = writer.commit(lease, batch).await.unwrap_err();
     assert_eq!(whole.rejection().map(|one| one.cause), Some(RejectionCause::Constraint), "{whole}");
@@ -254,17 +254,24 @@ async fn every_table(database: Fresh) {
         assert!(refused[0].rejection.text.contains("planted"), "{:?}", refused[0]);
         admin.relent(table).await;
         for (other, condition) in OF_ROBOTS {
-            assert!(admin.count(other, &good.condition(condition)).await > 0, "refused in {table}, missing in {other}");
-            assert_eq!(admin.count(other, &bad.condition(condition)).await, 0, "refused in {table}, there in {other}");
+            assert!(
+                admin.count(other, &good.condition(condition)).await > 0,
+                "rows refused in {table}, but missing in {other}"
+            );
+            assert_eq!(
+                admin.count(other, &bad.condition(condition)).await,
+                0,
+                "rows refused in {table}, but present in {other}"
+            );
         }
         assert!(
             batch.robots.iter().all(|row| row.robot_id == good.numbered.robot_id),
-            "the batch has what was written"
+            "the batch must contain exactly the rows that were written"
         );
     }
     let known: BTreeSet<String> = OF_ROBOTS.iter().chain(&OTHERS).map(|(table, _)| (*table).to_owned()).collect();
     let unknown: Vec<String> = admin.tables().await.difference(&known).cloned().collect();
-    assert!(unknown.is_empty(), "say of these tables whose rows they have: {unknown:?}");
+    assert!(unknown.is_empty(), "add these tables to OF_ROBOTS or OTHERS: {unknown:?}");
 }
 
 #[tokio::test]
@@ -277,7 +284,7 @@ async fn regress_a_row_refused_in_any_table_leaves_out_its_robot_alone_on_postgr
     every_table(Fresh::postgres().await).await;
 }
 
-/// The journal has one row for all robots: its entries are taken apart, too.
+/// A journal row has entries of several robots, so its entries are separated, too.
 async fn in_the_journal(database: Fresh) {
     let mut admin = Admin::of(&database).await;
     let (mut writer, lease) = begin(&database).await;
@@ -305,7 +312,7 @@ async fn in_the_journal(database: Fresh) {
     let refused = write(&mut writer, &lease, &mut batch).await;
     assert_eq!(refused.iter().map(|one| one.owner).collect::<Vec<_>>(), [Owner::Robot(bad)]);
     let journal = writer.journal(&lease, -1, 10).await.unwrap();
-    // The earlier entry stays: the state of the robot that was left out may need it.
+    // The earlier entry stays, because the state of the robot with the refused row may need it.
     assert_eq!(journal.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
     let mut written: Vec<i64> = split(&journal[1].1).into_iter().map(|(robot_id, _)| robot_id).collect();
     written.sort_unstable();
@@ -324,7 +331,7 @@ async fn regress_entries_that_are_refused_in_the_journal_are_left_out_alone_on_p
     in_the_journal(Fresh::postgres().await).await;
 }
 
-/// An answer that is lost on its way is known by the next attempt, with those whose rows were left out.
+/// After a lost answer the next attempt recognises its own commit, including the robots whose rows were dropped.
 #[tokio::test]
 async fn a_transaction_written_apart_is_not_written_again() {
     let database = Fresh::postgres().await;
@@ -336,18 +343,18 @@ async fn a_transaction_written_apart_is_not_written_again() {
     let mut batch = contacts(&good, 0..3);
     batch.append_all(contacts(&bad, 0..3));
     let mut refused = write(&mut writer, &lease, &mut batch).await;
-    // As if the lease did not know of it: the count in the database is one ahead.
+    // The commit counter in the database is one ahead, as after a lost answer.
     run!(&mut admin, "UPDATE leases SET commits = commits + 1".to_owned()).unwrap();
     writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap();
     assert_eq!(refused.len(), 1);
     assert_eq!(database.store.contact_count().await.unwrap(), 3);
-    // A count that another owner has raised is not mistaken for this transaction's.
+    // A counter that another owner has advanced is not mistaken for this transaction.
     run!(&mut admin, "UPDATE leases SET commits = commits + 5".to_owned()).unwrap();
     let lost = writer.commit_apart(&lease, &mut batch, split, &mut refused).await.unwrap_err();
     assert!(matches!(lost, StoreError::LeaseLost { .. }), "{lost}");
 }
 
-/// The table is bounded, and a message that cannot even be put there takes nobody with it.
+/// The quarantine has a size limit, and a message that cannot be stored there affects no other robot.
 async fn in_quarantine(database: Fresh) {
     let mut admin = Admin::of(&database).await;
     let (mut writer, lease) = begin(&database).await;
@@ -367,7 +374,7 @@ async fn in_quarantine(database: Fresh) {
     let records = (0..QuarantineRow::ROWS_MAX + 10).map(row).collect();
     writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
     assert_eq!(admin.count("quarantine", "TRUE").await, QuarantineRow::ROWS_MAX);
-    assert_eq!(admin.count("quarantine", "seq < 10").await, 0, "the oldest are gone");
+    assert_eq!(admin.count("quarantine", "seq < 10").await, 0, "the oldest rows must be removed");
     admin.refuse("quarantine", "n.seq = 5000").await;
     let numbered = rows::numbered(&mut writer, &lease, "r").await;
     let mut batch = contacts(&numbered, 0..3);
@@ -387,7 +394,8 @@ async fn the_quarantine_is_bounded_on_postgres() {
     in_quarantine(Fresh::postgres().await).await;
 }
 
-/// A transaction that was committed as bytes has a row that the database refuses: whoever takes the fleet up writes the others.
+/// A transaction committed as bytes has a row that the database refuses; the next owner of the fleet writes its other
+/// rows.
 #[tokio::test]
 async fn regress_a_refused_row_does_not_keep_a_fleet_from_being_taken_up() {
     let (database, broker) = (Fresh::postgres().await, Mosquitto::start());

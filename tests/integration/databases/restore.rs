@@ -1,4 +1,4 @@
-//! A database is lost and restored from a back-up that is older than what robots have seen.
+//! A database is lost and restored from a backup that is older than the robots' state.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,7 +25,7 @@ use crate::fleet;
 /// Contacts until a whisker is learned.
 const LEARNED: usize = 60;
 
-/// A supervisor of fleet `f` in this process.
+/// Starts a supervisor of fleet `f` in this process.
 async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
@@ -49,12 +49,12 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
     .unwrap()
 }
 
-/// A robot that takes setpoints by the contract, and remembers what it was told.
+/// A robot that obeys setpoints according to the contract and remembers them.
 struct Obedient {
     robot: HandRobot,
-    /// The highest (epoch, version) that it has seen.
+    /// The highest (epoch, version) that it has received.
     seen: (u64, u64),
-    /// What each command said.
+    /// Setpoints by command id.
     told: BTreeMap<String, Setpoint>,
     pressure_mpa: f64,
 }
@@ -65,13 +65,13 @@ impl Obedient {
         Self { robot, seen: (0, 0), told: BTreeMap::new(), pressure_mpa: 0.1 }
     }
 
-    /// Touches, and waits until every message is receipted.
+    /// Sends contacts and waits until every message is receipted.
     async fn touch(&mut self, contacts: usize) {
         self.robot.touch(0, contacts).await;
         self.robot.settle().await;
     }
 
-    /// Answers setpoints by the contract until it takes one; gives that.
+    /// Answers setpoints according to the contract until it applies one, and returns that one.
     async fn obeys(&mut self) -> Setpoint {
         loop {
             let (setpoint, _) = self.robot.setpoint().await;
@@ -82,7 +82,7 @@ impl Obedient {
         }
     }
 
-    /// Answers one setpoint; none for one that it was told before, or that was on its way when it restarted.
+    /// Answers one setpoint. None for a repeated one, and for one that was pending when the robot restarted.
     async fn judge(&mut self, setpoint: &Setpoint) -> Option<SetpointOutcome> {
         if setpoint.robot_boot_id != self.robot.boot_id {
             self.robot.answer(setpoint, SetpointOutcome::Rejected, Some(SetpointError::WrongBoot)).await;
@@ -90,8 +90,8 @@ impl Obedient {
         }
         if let Some(told) = self.told.get(&setpoint.command_id) {
             let (one, other) = (unaddressed(told), unaddressed(setpoint));
-            assert_eq!(one, other, "two commands of one name");
-            // Answered again, and not applied again.
+            assert_eq!(one, other, "two setpoints have the same command id");
+            // A repeated setpoint is answered again but not applied again.
             let again = Setpoint { pressure_mpa: self.pressure_mpa, ..setpoint.clone() };
             self.robot.answer(&again, SetpointOutcome::Applied, None).await;
             return None;
@@ -108,7 +108,8 @@ impl Obedient {
         Some(SetpointOutcome::Applied)
     }
 
-    /// Touches until it is told to compensate for itself, and does so; other setpoints are taken, too.
+    /// Sends contacts until a setpoint for its own compensation arrives, and applies it; other setpoints are applied,
+    /// too.
     async fn compensates(&mut self) -> Setpoint {
         until("a compensation", async || {
             self.touch(20).await;
@@ -126,7 +127,7 @@ impl Obedient {
     }
 }
 
-/// What a setpoint says, whoever sends it again.
+/// The content of a setpoint, independent of its sender.
 fn unaddressed(setpoint: &Setpoint) -> Setpoint {
     Setpoint { boot_id: vibrissa_protocol::BootId::new("any").unwrap(), seq: 0, ..setpoint.clone() }
 }
@@ -139,7 +140,7 @@ async fn is_ready(service: &Service) -> bool {
     try_get(service.http, "/readyz").await.is_ok_and(|(status, _)| status == 200)
 }
 
-/// Contacts, and how many different names they have.
+/// Number of contacts, and of their different names.
 async fn counted(database: &DatabaseAddress) -> (i64, i64) {
     const SQL: &str =
         "SELECT count(*) AS n, count(DISTINCT boot || ' ' || seq || ' ' || position) AS names FROM contacts";
@@ -158,13 +159,14 @@ async fn counted(database: &DatabaseAddress) -> (i64, i64) {
     }
 }
 
-/// What became of the setpoints that the database knows of.
+/// States of the setpoints in the database.
 async fn setpoint_states(service: &Service) -> Vec<String> {
     let setpoints = service.store.all::<Recorded>(&SETPOINTS, Vec::new()).await.unwrap();
     setpoints.into_iter().map(|one| one.state).collect()
 }
 
-/// Works, is backed up at work, works on: cut, compensated, taken over, cut again; then loses its database.
+/// Works, is backed up while running, continues with a cut, a compensation, a takeover and another cut, and then loses
+/// its database.
 async fn works_and_loses(
     database: &DatabaseAddress,
     broker: &Mosquitto,
@@ -183,11 +185,11 @@ async fn works_and_loses(
     let first = robot.compensates().await;
     until_true("applied", async || setpoint_states(&service).await == ["APPLIED"]).await;
     service.stop().await;
-    // Another epoch, in which the numbers of the restored database would begin.
+    // Another epoch, whose versions the restored database would use again.
     let service = supervise(database, broker).await;
     robot.robot.settle().await;
     robot.robot.status().await;
-    // The model's error at the new pressure is learned first.
+    // The error of the model at the new pressure is learned first.
     robot.touch(100).await;
     robot.robot.cut(0, 62.0);
     let second = robot.compensates().await;
@@ -197,14 +199,15 @@ async fn works_and_loses(
     robot
 }
 
-/// A supervisor on the restored database: goes on by itself, with what nobody remembers undone and found anew.
+/// A supervisor on the restored database continues without help: it resets pressures of unknown setpoints and detects
+/// the cuts again.
 async fn goes_on(database: &DatabaseAddress, broker: &Mosquitto, robot: &mut Obedient) {
     let of_the_backup = counted(database).await;
     assert!(of_the_backup.0 >= (LEARNED + 20) as i64, "{of_the_backup:?}");
     let seen = robot.seen;
     let service = supervise(database, broker).await;
     until_true("ready", async || is_ready(&service).await).await;
-    assert_eq!(setpoint_states(&service).await, [""; 0], "the back-up knows of none");
+    assert_eq!(setpoint_states(&service).await, [""; 0], "the backup contains no setpoint");
 
     robot.robot.settle().await;
     robot.robot.status().await;
@@ -217,7 +220,7 @@ async fn goes_on(database: &DatabaseAddress, broker: &Mosquitto, robot: &mut Obe
     })
     .await;
 
-    // The cut that was forgotten is found again from what the back-up has learned, and compensated.
+    // The lost cut is detected again with the baseline in the backup, and compensated.
     robot.compensates().await;
     until_true("applied", async || setpoint_states(&service).await.iter().all(|state| state == "APPLIED")).await;
     let known = whisker(&service).await;
@@ -233,7 +236,7 @@ async fn goes_on(database: &DatabaseAddress, broker: &Mosquitto, robot: &mut Obe
     service.stop().await;
 }
 
-/// As docs/operations.md has it.
+/// Restores a backup as described in docs/operations.md.
 fn restore_sqlite(path: &Path, copy: &Path) {
     let lost = path.parent().unwrap().join("lost");
     std::fs::create_dir(&lost).unwrap();
@@ -285,8 +288,8 @@ async fn a_restored_postgres_goes_on_with_robots_that_have_seen_more() {
     goes_on(&database, &broker, &mut robot).await;
 }
 
-/// Where epochs were ahead of the clock, a restored database stays behind what robots have seen: they refuse, people are
-/// told, and one statement helps.
+/// If epochs were ahead of the clock, the epochs of a restored database are lower than those that robots have seen. The
+/// robots reject its setpoints, which the database records, until one SQL statement raises the epochs.
 #[tokio::test]
 async fn a_robot_that_has_seen_epochs_from_the_future_obeys_once_they_are_raised_by_hand() {
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());

@@ -1,4 +1,5 @@
-//! Partitions are made, hold what they should, and go when they are old; so do rows where there are no partitions.
+//! Partitions are created in time, contain the right rows, and are dropped when they are old. Old rows of other tables
+//! are deleted.
 
 use std::time::{Duration, Instant};
 
@@ -13,10 +14,10 @@ use crate::rows::{self, Numbered};
 use crate::{Fresh, fleet, supervisor};
 
 const DAY_US: i64 = 86_400_000_000;
-/// 2027-03-01T12:00:00Z, long after whatever the clock says in this test.
+/// 2027-03-01T12:00:00Z, far from the current time in this test.
 const NOON_US: i64 = 1_803_902_400_000_000;
 
-/// A database with one robot, and who writes for it.
+/// A database with one robot, and the writer of its owner.
 async fn taken(database: &Fresh) -> (Writer, Lease, Numbered) {
     let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
@@ -25,7 +26,7 @@ async fn taken(database: &Fresh) -> (Writer, Lease, Numbered) {
     (writer, lease, numbered)
 }
 
-/// Contacts that were received then, a second apart; felt at the same time.
+/// Records contacts that were made and received one second apart, beginning at this time.
 async fn record(writer: &mut Writer, lease: &Lease, numbered: &Numbered, at_us: i64, count: i64) {
     let mut batch = rows::contacts(numbered, 0..count);
     for (contact, number) in batch.contacts.iter_mut().zip(0..) {
@@ -39,7 +40,7 @@ async fn link(database: &Fresh) -> PgConnection {
     database.server.as_ref().unwrap().connect().connect().await.unwrap()
 }
 
-/// How many contacts each partition has.
+/// Number of contacts in each partition.
 async fn partitions(link: &mut PgConnection) -> Vec<(String, i64)> {
     let names = "SELECT relname::text AS name FROM pg_inherits JOIN pg_class ON oid = inhrelid \
                  WHERE inhparent = 'contacts'::regclass ORDER BY relname";
@@ -75,7 +76,7 @@ async fn look_after(store: &Store, days: u32, now_us: i64) -> (Vec<Done>, bool) 
 async fn partitions_are_made_once_whoever_does_it_and_rows_are_in_the_right_one() {
     let database = Fresh::postgres().await;
     let mut link = link(&database).await;
-    // Those of today and tomorrow are there from the start.
+    // Partitions of today and tomorrow exist from the start.
     let today: Vec<(String, i64)> = partitions(&mut link).await;
     assert_eq!(today.len(), 3, "{today:?}");
     let others: Vec<Store> = futures_util::future::join_all(
@@ -86,7 +87,7 @@ async fn partitions_are_made_once_whoever_does_it_and_rows_are_in_the_right_one(
     let expected = ["contact_minutes_20270201", "contact_minutes_20270303", "contacts_20270301", "contacts_20270302"];
     let mut sorted = made.clone();
     sorted.sort();
-    assert_eq!(sorted, expected, "each by one of them");
+    assert_eq!(sorted, expected, "each partition must be made by exactly one supervisor");
     assert!(make(&database.store, NOON_US).await.is_empty());
 
     let (mut writer, lease, numbered) = taken(&database).await;
@@ -96,8 +97,8 @@ async fn partitions_are_made_once_whoever_does_it_and_rows_are_in_the_right_one(
     let count = |all: &[(String, i64)], name: &str| all.iter().find(|(one, _)| one == name).map(|one| one.1);
     let all = partitions(&mut link).await;
     assert_eq!((count(&all, "contacts_20270301"), count(&all, "contacts_20270302")), (Some(7), Some(7)));
-    assert_eq!(count(&all, "contacts_default"), Some(11), "nobody has made their day");
-    // When it is made, what came before goes there.
+    assert_eq!(count(&all, "contacts_default"), Some(11), "their day must not have a partition");
+    // Creating the partition moves earlier rows of that day into it.
     assert_eq!(make(&database.store, NOON_US + DAY_US).await, ["contacts_20270303"]);
     let all = partitions(&mut link).await;
     assert_eq!((count(&all, "contacts_20270303"), count(&all, "contacts_default")), (Some(11), Some(0)));
@@ -112,11 +113,12 @@ async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
         make(&database.store, NOON_US + day * DAY_US).await;
         record(&mut writer, &lease, &numbered, NOON_US + day * DAY_US, 10).await;
     }
-    // A clock was wrong.
+    // Contacts from a supervisor whose clock was wrong.
     record(&mut writer, &lease, &numbered, NOON_US - 300 * DAY_US, 12).await;
     let now_us = NOON_US + 4 * DAY_US;
     let (told, _) = look_after(&database.store, 2, now_us).await;
-    // Noon less two days is in the third: that one has rows that are young enough.
+    // The limit of two days before noon lies in the third partition, which therefore also has rows that are young
+    // enough.
     let dropped: Vec<&str> = told
         .iter()
         .filter_map(|done| match done {
@@ -130,13 +132,16 @@ async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
     for name in ["contacts_20270303", "contacts_20270304"] {
         assert!(told.contains(&Done::Indexed { partition: name.to_owned() }), "{name} {told:?}");
     }
-    assert!(!told.contains(&Done::Indexed { partition: "contacts_20270305".to_owned() }), "it is written still");
+    assert!(
+        !told.contains(&Done::Indexed { partition: "contacts_20270305".to_owned() }),
+        "a partition that is still written must not be indexed"
+    );
     let mut link = link(&database).await;
     let left: Vec<(String, i64)> = partitions(&mut link).await;
     let expected = [("contacts_20270303", 10), ("contacts_20270304", 10), ("contacts_20270305", 10)];
     let expected = expected.into_iter().chain([("contacts_20270306", 0), ("contacts_default", 0)]);
     assert_eq!(left, expected.map(|(name, count)| (name.to_owned(), count)).collect::<Vec<_>>());
-    assert!(look_after(&database.store, 2, now_us).await.0.is_empty(), "nothing is done twice");
+    assert!(look_after(&database.store, 2, now_us).await.0.is_empty(), "a second run must have nothing to do");
     assert!(
         look_after(&database.store, 0, now_us + 1000 * DAY_US)
             .await
@@ -147,7 +152,7 @@ async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
     assert_eq!(database.store.contact_count().await.unwrap(), 30);
 }
 
-/// Whoever reads for long puts dropping off, and no commit waits for it.
+/// A long query delays dropping a partition, and no commit waits for it.
 #[tokio::test]
 async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
     let database = Fresh::postgres().await;
@@ -201,7 +206,7 @@ async fn old_rows_of_sqlite_go_in_pieces() {
     assert!(make(&database.store, NOON_US).await.is_empty());
 }
 
-/// The newest contacts are found wherever they lie, with an index or without.
+/// The latest contacts are found in any partition, with and without an index.
 async fn newest(database: &Fresh) {
     let (mut writer, lease, numbered) = taken(database).await;
     for day in 0..4 {

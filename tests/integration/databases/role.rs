@@ -1,4 +1,4 @@
-//! The role that supervisors are deployed with: enough for all that they do, and for nothing else.
+//! The database role of a deployed supervisor has all the rights that it needs, and no others.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ async fn of_superuser(server: &Postgres, sql: &'static str) -> i64 {
     sqlx::query_scalar(sql).fetch_one(&mut server.connect().connect().await.unwrap()).await.unwrap()
 }
 
-/// Tables of ours that do not belong to the role.
+/// Number of our tables, indexes and sequences that do not belong to the role.
 const OTHERS_TABLES: &str = "SELECT count(*) FROM pg_class WHERE relnamespace = 'public'::regnamespace \
                              AND relkind IN ('r', 'p', 'i', 'I', 'S') AND pg_get_userbyid(relowner) <> 'supervisor'";
 const PARTITIONS: &str = "SELECT count(*) FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid \
@@ -56,11 +56,11 @@ async fn regress_a_supervisor_needs_no_superuser() {
     let url = Postgres::supervisor_url(server.port());
     let log = works(&url, &server, &broker, folder.path(), "s").await;
     assert!(!log.contains("permission denied"), "{log}");
-    assert!(of_superuser(&server, PARTITIONS).await >= 2, "today's and tomorrow's");
+    assert!(of_superuser(&server, PARTITIONS).await >= 2, "expected partitions of today and tomorrow");
     assert_eq!(of_superuser(&server, OTHERS_TABLES).await, 0);
     assert_eq!(of_superuser(&server, ROLE_IS_MORE).await, 0);
 
-    // A back-up needs no more either, and Grafana's role can be made.
+    // The role suffices for a backup and for creating Grafana's role.
     let dump = folder.path().join("vibrissa.dump");
     let mut dumping = server.client("pg_dump");
     dumping.env("PGUSER", "supervisor").args(["--format=custom", "--dbname=vibrissa", "--file"]).arg(dump);
@@ -102,18 +102,18 @@ async fn the_role_can_do_nothing_else_on_the_server() {
     link.close().await.unwrap();
     let mut administrator = server.connect().connect().await.unwrap();
     administrator.execute("CREATE ROLE stranger LOGIN").await.unwrap();
-    let refused = (*supervisor).clone().username("stranger").connect().await.expect_err("nobody else may connect");
+    let refused = (*supervisor).clone().username("stranger").connect().await.expect_err("other roles must not connect");
     assert!(refused.to_string().contains("permission denied"), "{refused}");
 }
 
-/// A database from before the role: the superuser made it and owns all of it.
+/// A database from before the role was introduced, which the superuser created and owns.
 #[tokio::test]
 async fn a_database_of_the_superuser_becomes_the_roles_and_goes_on() {
     let (broker, server) = (Mosquitto::start(), Postgres::start().await);
     let folder = tempfile::tempdir().unwrap();
     works(&Postgres::url(server.port()), &server, &broker, folder.path(), "before").await;
     assert_ne!(of_superuser(&server, "SELECT count(*) FROM pg_class WHERE relname = 'leases'").await, 0);
-    // Twice, as whoever is not sure would.
+    // Running the script twice must not hurt.
     server.make_supervisor();
     server.make_supervisor();
     assert_eq!(of_superuser(&server, OTHERS_TABLES).await, 0);

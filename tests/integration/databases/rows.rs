@@ -1,4 +1,4 @@
-//! Rows to write: one robot with two whiskers.
+//! Rows for tests: one robot with two whiskers.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 use vibrissa_store::batch::{ContactRow, Interval, LayoutRow, RobotRow, WhiskerRow};
 use vibrissa_store::{Batch, Lease, Writer};
 
-/// A robot with its numbers in the database.
+/// A robot with its ids in the database.
 pub(crate) struct Numbered {
     pub(crate) robot: Robot,
     pub(crate) robot_id: i64,
@@ -40,16 +40,16 @@ fn known(epoch: u64) -> Robot {
     robot
 }
 
-/// Makes the robot known to the database, with its layout and states.
+/// Registers the robot with its layout and states.
 pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
     let numbered = numbered(writer, lease, "r").await;
     writer.commit(lease, &states(&numbered)).await.unwrap();
     numbered
 }
 
-/// Gives a robot its numbers in the database, and writes nothing else of it.
+/// Assigns ids to a robot in the database without any further rows.
 pub(crate) async fn numbered(writer: &mut Writer, lease: &Lease, name: &str) -> Numbered {
-    // Not the lease's epoch, so that the bytes of the state are the same on any database.
+    // A fixed epoch instead of the lease's, so that the bytes of the state are the same on any database.
     let robot = known(1);
     let robot_id = writer.robot_id(lease, name, 1_000_000).await.unwrap();
     let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
@@ -58,7 +58,7 @@ pub(crate) async fn numbered(writer: &mut Writer, lease: &Lease, name: &str) -> 
     Numbered { robot, robot_id, boot, whisker_ids }
 }
 
-/// The layout, and the states as the core has them.
+/// The layout, and states in the core's encoding.
 pub(crate) fn states(numbered: &Numbered) -> Batch {
     let whisker = |index: usize| WhiskerRow {
         whisker_id: numbered.whisker_ids[index],
@@ -94,7 +94,7 @@ pub(crate) fn states(numbered: &Numbered) -> Batch {
     }
 }
 
-/// Contacts of whisker 0 with these numbers; some columns are null in every other one.
+/// Contacts of whisker 0 in messages with these numbers; every other one has NULL in some columns.
 pub(crate) fn contacts(numbered: &Numbered, seqs: Range<i64>) -> Batch {
     let contact = |seq: i64| ContactRow {
         whisker_id: numbered.whisker_ids[0],

@@ -1,4 +1,4 @@
-//! Both databases have the same tables and columns, and each table says what it is.
+//! Both databases have the same tables and columns, and every table has a comment.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -49,7 +49,7 @@ async fn both_databases_have_the_same_tables_with_the_same_columns() {
     let (lite, postgres) = (Fresh::sqlite().await, Fresh::postgres().await);
     let DatabaseAddress::Sqlite(path) = &lite.address else { panic!("a file") };
     let mut tables = sqlite_tables(path).await;
-    // A row of SQLite's has a number in any case; PostgreSQL has nothing that would need one.
+    // SQLite numbers rows anyway; PostgreSQL has no use for this column.
     assert!(tables.get_mut("contacts").unwrap().remove("contact_id"));
     assert!(
         tables.len() >= 25
@@ -79,12 +79,12 @@ fn migrations_have_the_same_numbers_and_names_and_every_table_is_commented() {
     for (name, sql) in lite.iter().chain(&postgres) {
         let lines: Vec<&str> = sql.lines().collect();
         for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with("CREATE TABLE")) {
-            assert!(at > 0 && lines[at - 1].starts_with("-- "), "{name}: nothing says what this is: {line}");
+            assert!(at > 0 && lines[at - 1].starts_with("-- "), "{name}: no comment before: {line}");
         }
     }
 }
 
-/// A statement or more, on either database.
+/// Runs one or more statements on either database.
 async fn execute(address: &DatabaseAddress, sql: &str) {
     let sql = sqlx::AssertSqlSafe(sql.to_owned());
     match address {
@@ -99,8 +99,8 @@ async fn execute(address: &DatabaseAddress, sql: &str) {
     }
 }
 
-/// What the first version of the program has left behind: its table of migrations, and one robot that was commanded in
-/// epoch 7, with one row or more of everything.
+/// A database of the program's first version: its table of migrations, and one robot with a command in epoch 7, with at
+/// least one row in every table.
 const OF_THE_FIRST_VERSION: &str = "INSERT INTO supervisors (epoch, boot_id, started_us) VALUES (6, 'a', 1), (7, 'b', 2); \
     INSERT INTO robots (robot_id, fleet, robot) VALUES (1, 'f', 'r'); \
     INSERT INTO arrays (array_id, robot_id, \"array\", array_type) VALUES (1, 1, 'left', 'TYPE_2'); \
@@ -120,7 +120,7 @@ const OF_THE_FIRST_VERSION: &str = "INSERT INTO supervisors (epoch, boot_id, sta
         VALUES ('c', 1, 1, 4294967296, 7, 0, 'b1', 0.05, 0.02, 6, 16, 'SELF_COMPENSATION', 'APPLIED'); \
     INSERT INTO alarms (whisker_id, raised_us, kind) VALUES (1, 7, 'UNCOMPENSATED')";
 
-/// Brings a database of the first version up to date: everything is there still, and epochs go on above it.
+/// Migrates a database of the first version: all rows are kept, and new epochs are higher.
 async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
     let first = migrations(folder)["0001_supervision.sql"].clone();
     let applied = sqlx::migrate::Migration::new(
@@ -134,7 +134,7 @@ async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
     let (blob, checksum) =
         if folder == "sqlite" { ("BLOB", format!("x'{checksum}'")) } else { ("BYTEA", format!("'\\x{checksum}'")) };
     execute(address, &first).await;
-    // What PostgreSQL numbers by itself is numbered here.
+    // PostgreSQL's generated ids are given explicitly.
     let (values, numbered) = (" VALUES", " OVERRIDING SYSTEM VALUE VALUES");
     execute(address, &OF_THE_FIRST_VERSION.replace(values, if folder == "sqlite" { values } else { numbered })).await;
     execute(
@@ -165,7 +165,7 @@ async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
 async fn a_sqlite_of_the_first_version_goes_on_with_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("v.sqlite3");
-    // A database without anything in it.
+    // An empty database.
     std::fs::File::create(&path).unwrap();
     of_the_first_version("sqlite", &DatabaseAddress::Sqlite(path)).await;
 }
@@ -176,7 +176,8 @@ async fn a_postgres_of_the_first_version_goes_on_with_what_it_has() {
     of_the_first_version("postgres", &Postgres::url(server.port()).parse().unwrap()).await;
 }
 
-/// In a rolling upgrade a newer program changes the tables first: who works goes on, and who starts says why it cannot.
+/// During a rolling upgrade a newer program migrates the database first: running supervisors continue, and an older one
+/// that starts reports why it cannot.
 async fn of_a_newer_version(database: &Fresh) {
     let mut writer = database.store.writer();
     writer.sign_in(&crate::supervisor("s"), &[]).await.unwrap();

@@ -1,4 +1,4 @@
-//! Supervisors as processes on one PostgreSQL: they share, hand over, take over, and wait for the database.
+//! Supervisors as processes on one PostgreSQL: they share fleets, hand over, take over, and wait for the database.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -22,14 +22,14 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::{PATIENCE, until, until_true};
 use vibrissa_tests::web::try_get;
 
-/// A broker, a server, and a folder for logs.
+/// A broker, a database server, and a folder for logs.
 struct Stage {
     broker: Mosquitto,
     server: Postgres,
     folder: TempDir,
 }
 
-/// One supervisor.
+/// A supervisor process.
 pub(crate) struct Replica {
     process: Process,
     http: u16,
@@ -41,7 +41,7 @@ impl Stage {
         Self { broker: Mosquitto::start(), server, folder: tempfile::tempdir().unwrap() }
     }
 
-    /// A supervisor of these fleets.
+    /// Starts a supervisor of these fleets.
     fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
         let database = Postgres::supervisor_url(self.server.port());
         Replica::start(self.folder.path(), name, fleets, &database, self.broker.port(), time_to_live_s)
@@ -51,7 +51,7 @@ impl Stage {
         self.server.connect().connect().await.unwrap()
     }
 
-    /// Who holds each fleet now, by name.
+    /// Current holder of each fleet, sorted by fleet.
     async fn holders(&self) -> Vec<(String, String)> {
         let mut link = self.link().await;
         let rows = sqlx::query(
@@ -67,7 +67,7 @@ impl Stage {
         self.holders().await.iter().filter(|(_, one)| one == holder).count()
     }
 
-    /// Contacts, and how many different names they have.
+    /// Number of contacts, and of their different names.
     async fn counted(&self) -> (i64, i64) {
         let sql = "SELECT count(*), count(DISTINCT (boot, seq, position)) FROM contacts";
         sqlx::query_as(sql).fetch_one(&mut self.link().await).await.unwrap()
@@ -77,13 +77,13 @@ impl Stage {
         start_fleet(name, self.broker.port())
     }
 
-    /// Waits for that many contacts more in the database.
+    /// Waits for this number of further contacts in the database.
     async fn more_recorded(&self, more: i64) {
         let goal = self.counted().await.0 + more;
         until_true("more contacts recorded", async || self.counted().await.0 >= goal).await;
     }
 
-    /// Lets the robots rest until everything is receipted: each contact must be there once.
+    /// Stops the contacts, waits until everything is receipted, and checks that each contact is recorded once.
     async fn assert_each_contact_is_there_once(&self, fleet: &Fleet) {
         fleet.rest();
         until_true("every message receipted", async || fleet.is_receipted()).await;
@@ -92,7 +92,7 @@ impl Stage {
     }
 }
 
-/// Two robots that are touched 200 times a second.
+/// Two robots with 200 contacts per second.
 pub(crate) fn start_fleet(name: &str, broker_port: u16) -> Fleet {
     let scenario = format!(
         r#"
@@ -115,7 +115,7 @@ arrays = [{{ array = "left", type = "TYPE_2", whiskers = [{{ whisker = 0 }}, {{ 
 }
 
 impl Replica {
-    /// A supervisor of these fleets, with that database and broker.
+    /// Starts a supervisor of these fleets with this database and broker.
     pub(crate) fn start(
         folder: &Path,
         name: &str,
@@ -149,22 +149,22 @@ impl Replica {
         Self { process: Process::start(launch), http }
     }
 
-    /// Kills it, as a power failure would.
+    /// Kills the process, as a power failure would.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
     }
 
-    /// The answer to GET of that path.
+    /// Body of the answer to a GET.
     pub(crate) async fn get(&self, path: &str) -> String {
         try_get(([127, 0, 0, 1], self.http).into(), path).await.unwrap().1
     }
 
-    /// What `/readyz` says; none while nobody answers.
+    /// Status and text of `/readyz`. None without an answer.
     async fn ready(&self) -> Option<(u16, String)> {
         try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()
     }
 
-    /// Waits until it answers with that status, and a text with this in it.
+    /// Waits until `/readyz` has this status and a text that contains this part.
     pub(crate) async fn says(&self, status: u16, part: &str) -> String {
         until(&format!("{status} with {part}"), async || {
             self.ready().await.filter(|(code, text)| *code == status && text.contains(part)).map(|(_, text)| text)
@@ -174,7 +174,7 @@ impl Replica {
 
     pub(crate) async fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
-        assert!(self.process.ended(PATIENCE).await.expect("it ends").success());
+        assert!(self.process.ended(PATIENCE).await.expect("the supervisor must end").success());
     }
 }
 
@@ -191,7 +191,7 @@ async fn replicas_share_the_fleets_and_hand_them_over_at_once_when_they_are_told
     a.terminate().await;
     let stopped = Instant::now();
     until_true("b has all", async || stage.count_of("b").await == 4).await;
-    // Long before the leases would have expired.
+    // Long before the leases would expire.
     assert!(stopped.elapsed() < Duration::from_secs_f64(TIME_TO_LIVE_S / 2.0), "{:?}", stopped.elapsed());
     b.says(200, "OWNED").await;
     b.terminate().await;
@@ -232,7 +232,7 @@ async fn a_supervisor_that_was_frozen_for_too_long_commits_nothing_and_stands_by
     stage.assert_each_contact_is_there_once(&fleet).await;
     let epochs: i64 =
         sqlx::query_scalar("SELECT count(*) FROM epochs").fetch_one(&mut stage.link().await).await.unwrap();
-    assert_eq!(epochs, 2, "it stays with b");
+    assert_eq!(epochs, 2, "the fleet must stay with b");
     a.terminate().await;
     fleet.stop().await;
 }
@@ -246,7 +246,7 @@ async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
     stage.more_recorded(200).await;
     stage.server.kill();
     a.says(503, "database, while trying to").await;
-    // Robots go on, and a robot that is new asks for a number meanwhile.
+    // Robots continue, and a new robot needs an id meanwhile.
     let late = stage.fleet("f");
     late.stop().await;
     stage.server.restart().await;
@@ -256,7 +256,7 @@ async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
     fleet.stop().await;
 }
 
-/// Whoever has the fleet after an outage: the other stands by, and complains of nothing any more.
+/// After an outage one supervisor owns the fleet, and the other one is ready, too.
 #[tokio::test]
 async fn regress_all_supervisors_are_ready_again_after_an_outage() {
     let mut stage = Stage::new().await;
@@ -286,7 +286,7 @@ async fn a_supervisor_starts_without_its_server_and_goes_to_work_when_it_comes()
     a.says(200, "OWNED").await;
 }
 
-/// What the program says when it cannot run.
+/// Error message of the program when it cannot run.
 fn refusal(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> String {
     let ended = std::process::Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
         .args(["run", "--mqtt-port", "0", "--http-listen", "127.0.0.1:0"])

@@ -1,9 +1,9 @@
-//! The demo, as a newcomer runs it.
+//! Runs the demo like a new user.
 
 use vibrissa::demo::{DemoOptions, run};
 
-/// It fails by itself if a trim was missed, late or false, a length off by more than 1 mm, a setpoint not
-/// applied, a contact lost, or the mean error of self-compensation not below the paper's 20.385 %.
+/// The demo itself fails if a trim was missed, late or false, a length off by more than 1 mm, a setpoint not applied, a
+/// contact lost, or the mean error of self-compensation not below the paper's 20.385 %.
 #[tokio::test(flavor = "multi_thread")]
 async fn paper_the_demo_ends_as_expected() {
     let folder = tempfile::tempdir().unwrap();
@@ -16,6 +16,6 @@ async fn paper_the_demo_ends_as_expected() {
     };
     assert!(run(&options).await.unwrap(), "see the report above");
     let picture = std::fs::read_to_string(folder.path().join("demo.svg")).unwrap();
-    assert!(picture.contains("crawler-2/nose/1"), "the picture names the whiskers");
+    assert!(picture.contains("crawler-2/nose/1"), "the chart must name the whiskers");
     assert!(folder.path().join("demo.sqlite3").is_file());
 }

@@ -1,4 +1,4 @@
-//! `docker-compose.yml`, as docker-compose itself reads it.
+//! Checks of `docker-compose.yml` as docker-compose resolves it.
 
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::project;
 
-/// The resolved file. Version 2 gives JSON; version 1 gives YAML, and brings the system's Python a reader of it.
+/// The resolved file. Version 2 prints JSON. Version 1 prints YAML, but installs a YAML reader for the system's Python.
 static RESOLVED: LazyLock<Value> = LazyLock::new(|| {
     let compose = |arguments: &[&str]| {
         let mut command = Command::new("docker-compose");
@@ -51,7 +51,7 @@ fn every_image_is_pinned() {
         let image = service["image"].as_str().unwrap();
         let (_, tag) = image.rsplit_once(':').unwrap_or_else(|| panic!("{name}: {image} has no tag"));
         let is_version = tag.trim_start_matches('v').split(['.', '-']).take(2).all(|part| part.parse::<u32>().is_ok());
-        assert!(is_version, "{name}: {image} can become another");
+        assert!(is_version, "{name}: the tag of {image} is not a fixed version");
     }
 }
 
@@ -70,7 +70,7 @@ fn no_service_is_root_or_can_become_it_or_write_to_its_image() {
 #[test]
 fn every_service_that_can_be_asked_for_its_health_is() {
     for (name, service) in services() {
-        // The one ends if it cannot go on, the other when it has done what it is for.
+        // The simulator exits on failure; the role's service exits when it is done.
         let is_asked = !["simulator", "grafana-role"].contains(&name);
         assert_eq!(service.get("healthcheck").is_some(), is_asked, "{name}");
     }
@@ -94,7 +94,7 @@ fn two_supervisors_share_all_but_their_names_and_ports() {
     assert_eq!(first["environment"]["VIBRISSA_MQTT_URL"], "mqtt://broker:1884", "the supervisors' listener");
 }
 
-/// Newer versions of Compose refuse two builds of one name.
+/// Newer versions of Compose refuse two builds of the same image.
 #[test]
 fn regress_each_image_is_built_once_and_nothing_built_is_fetched() {
     let mut built = BTreeMap::new();
@@ -121,7 +121,8 @@ fn regress_every_log_is_limited() {
     }
 }
 
-/// Each folder that an image declares as a volume: Docker makes an anonymous one where the file says nothing, and it stays.
+/// For a folder that an image declares as a volume, Docker creates an anonymous volume unless the file mounts something
+/// there. Such a volume remains after `down`.
 #[test]
 fn regress_no_image_leaves_an_anonymous_volume() {
     for (name, folders) in [
@@ -168,7 +169,7 @@ fn the_broker_gets_its_access_list_as_a_secret() {
     }
 }
 
-/// The database's image runs the scripts of that folder in a new database.
+/// PostgreSQL's image runs the scripts of that folder in a new database.
 #[test]
 fn the_database_makes_the_supervisors_role() {
     let postgres = services()["postgres"];
@@ -194,7 +195,7 @@ fn the_simulators_state_outlives_its_container() {
 fn ports_are_only_published_to_this_host() {
     for (name, service) in services() {
         for port in service["ports"].as_array().into_iter().flatten() {
-            // Version 1 writes a text, version 2 an object.
+            // Version 1 prints a text, version 2 an object.
             let is_local = match port.as_str() {
                 Some(text) => text.starts_with("127.0.0.1:"),
                 None => port["host_ip"] == "127.0.0.1",
@@ -218,7 +219,7 @@ fn no_password_is_written_down() {
     let ignored = std::fs::read_to_string(project().join(".gitignore")).unwrap();
     assert!(ignored.lines().any(|line| line == "deploy/secrets/"));
     for (name, secret) in RESOLVED["secrets"].as_object().unwrap() {
-        let file = secret["file"].as_str().unwrap_or_else(|| panic!("{name} is no file"));
+        let file = secret["file"].as_str().unwrap_or_else(|| panic!("{name} is not a file"));
         assert!(file.ends_with(&format!("deploy/secrets/{name}")), "{file}");
     }
 }

@@ -1,4 +1,4 @@
-//! The files that put the supervisor into service: checked as far as that goes without a container engine.
+//! Checks of the deployment files, as far as possible without a container engine.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -13,10 +13,10 @@ use std::path::PathBuf;
 
 use vibrissa::config::{Key, Sources, read, show};
 
-/// The program.
+/// Path of the program.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
-/// The project's folder.
+/// Folder of the project.
 pub(crate) fn project() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
@@ -31,7 +31,7 @@ fn the_example_configuration_is_the_table_of_keys() {
 #[test]
 fn the_example_configuration_uncommented_gives_the_defaults() {
     let written = std::fs::read_to_string(project().join("deploy/vibrissa.example.toml")).unwrap();
-    // "# " is for people; an empty text stands for what is not set.
+    // "# " begins a comment; an empty text stands for a setting without a value.
     let settings: Vec<&str> = written
         .lines()
         .map(|line| line.strip_prefix('#').filter(|rest| !rest.starts_with(' ')).unwrap_or(line))
@@ -46,14 +46,14 @@ fn the_example_configuration_uncommented_gives_the_defaults() {
 
 #[test]
 fn variables_of_the_deployment_files_are_the_programs() {
-    // The simulator's own, and names that only tell what is possible.
+    // Variables of the simulator, and names that only appear in explanations.
     let others = ["VIBRISSA_SCENARIO", "VIBRISSA_STATE_FILE"];
     for file in ["Dockerfile", "docker-compose.yml", "deploy/systemd/vibrissa.service", "deploy/supervisor/readyz.sh"] {
         let text = std::fs::read_to_string(project().join(file)).unwrap();
         let is_part = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
         let words = text.split(|c: char| !is_part(c)).filter(|word| word.starts_with("VIBRISSA_"));
         for word in words.filter(|word| !others.contains(word)) {
-            assert!(Key::ALL.iter().any(|key| key.environment() == word), "{file}: {word} is nothing that can be set");
+            assert!(Key::ALL.iter().any(|key| key.environment() == word), "{file}: {word} is not a setting");
         }
     }
 }

@@ -1,4 +1,5 @@
-//! `deploy/sbom.cdx.json` against `Cargo.lock`, as far as that goes without cargo-cyclonedx; `tests/sbom` compares all of it.
+//! Checks `deploy/sbom.cdx.json` against `Cargo.lock` as far as possible without cargo-cyclonedx; `tests/sbom` compares
+//! the whole file.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! `deploy/make-secrets`: passwords that nobody has had before, and that stay.
+//! `deploy/make-secrets` creates random passwords and keeps existing ones.
 
 use std::collections::BTreeMap;
 use std::os::unix::fs::MetadataExt;
@@ -7,13 +7,13 @@ use std::process::Command;
 
 use crate::project;
 
-/// The interpreter itself.
+/// Path of the Python interpreter.
 fn python() -> PathBuf {
     let ended = Command::new("python3").args(["-c", "import sys; print(sys.executable)"]).output().unwrap();
     PathBuf::from(String::from_utf8(ended.stdout).unwrap().trim())
 }
 
-/// Runs the script; with no Mosquitto in its path if asked.
+/// Runs the script, optionally with a search path without Mosquitto, and returns the files it has written.
 fn make(folder: &Path, with_mosquitto: bool) -> BTreeMap<String, String> {
     let mut command = Command::new("/bin/sh");
     command.arg(project().join("deploy/make-secrets")).arg(folder);
@@ -28,7 +28,7 @@ fn make(folder: &Path, with_mosquitto: bool) -> BTreeMap<String, String> {
                 .map(|folder| folder.join(tool))
                 .find(|path| path.exists())
                 .unwrap_or_else(|| panic!("{tool} must be installed for this test"));
-            // What it is in the end: managers of versions stand in for a program, and want their own path.
+            // The actual interpreter: version managers install wrappers, which need the full search path.
             let found = if tool == "python3" { python() } else { found };
             std::os::unix::fs::symlink(found, tools.path().join(tool)).unwrap();
         }
@@ -65,7 +65,10 @@ fn passwords_are_new_each_time_and_stay_once_they_are_there() {
     ];
     assert_eq!(first.keys().collect::<Vec<_>>(), names);
     assert_eq!(first["postgres_supervisor_password"], first["supervisor_postgres_password"]);
-    assert_ne!(first["postgres_password"], first["supervisor_postgres_password"], "it belongs to the superuser");
+    assert_ne!(
+        first["postgres_password"], first["supervisor_postgres_password"],
+        "the superuser needs a password of its own"
+    );
     let acl = std::fs::read_to_string(project().join("deploy/mosquitto/acl")).unwrap();
     assert_eq!(first["mosquitto_acl"], acl);
     assert_eq!(first["grafana_postgres_password"], first["postgres_grafana_password"]);
@@ -119,7 +122,7 @@ fn the_brokers_users_are_those_of_its_access_list_with_hashes_only() {
         for line in passwords.lines() {
             let parts: Vec<&str> = line.split('$').collect();
             assert_eq!((parts.len(), parts[1], parts[2]), (5, "7", "101"), "{line}");
-            // The lengths of 12 and 64 bytes in base 64.
+            // Lengths of 12 and 64 bytes in base 64.
             assert_eq!((parts[3].len(), parts[4].len()), (16, 88), "{line}");
         }
         for name in ["supervisor_mqtt_password", "robots_mqtt_password"] {
@@ -146,7 +149,7 @@ fn only_who_reads_a_password_can() {
     ];
     for (name, owner) in owners {
         let file = folder.path().join(name).metadata().unwrap();
-        // The folder's owner is who has started the script.
+        // The script keeps the folder's ownership of the user who runs it.
         if folder.path().metadata().unwrap().uid() == 0 {
             assert_eq!((file.uid(), file.mode() & 0o777), (owner, 0o600), "{name}");
         } else {

@@ -29,7 +29,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The code without its comments and its unit tests, which may import anything.
+/// The code without comments and without unit tests, which may import anything.
 fn code(path: &Path) -> String {
     let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
     let text = if is_test { String::new() } else { read_to_string(path).unwrap() };
@@ -37,7 +37,7 @@ fn code(path: &Path) -> String {
     code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// The modules that `crate::a`, `crate::{a, b::c}` and `crate::a::{b, c}` name.
+/// Modules imported by `crate::a`, `crate::{a, b::c}` and `crate::a::{b, c}`.
 fn imported(code: &str) -> BTreeSet<String> {
     let word =
         |text: &str| -> String { text.trim().chars().take_while(|one| one.is_alphanumeric() || *one == '_').collect() };
@@ -117,7 +117,7 @@ fn crates_depend_on_lower_crates_only() {
         }
     }
     let folders = read_dir(project().join("services")).unwrap().count();
-    assert_eq!(folders, CRATES.len(), "each crate has a place in the order");
+    assert_eq!(folders, CRATES.len(), "each crate must have a place in the order");
 }
 
 /// The packages of Cargo.lock with the packages that each depends on, development dependencies included.

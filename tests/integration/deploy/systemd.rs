@@ -1,4 +1,4 @@
-//! The systemd unit, as systemd itself reads it.
+//! Checks of the systemd unit with systemd-analyze.
 
 use std::process::{Command, Output};
 
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use crate::{PROGRAM, project};
 
-/// The unit with the program that there is here.
+/// The unit with the path of the program under test.
 fn unit() -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(project().join("deploy/systemd/vibrissa.service")).unwrap();
@@ -26,7 +26,7 @@ fn the_unit_is_understood_without_a_warning() {
     let (_folder, unit) = unit();
     let ended = analyze(&["verify", "--man=no", &unit]);
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
-    // What it says of units that are installed on this machine is not about ours.
+    // Messages about other units of this machine are ignored.
     let ours: Vec<&str> = said.lines().filter(|line| line.contains("vibrissa")).collect();
     assert!(ended.status.success() && ours.is_empty(), "{said}");
 }

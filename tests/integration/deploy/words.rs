@@ -1,4 +1,5 @@
-//! Each word of the core's closed enums stands wherever people read it: a new one is missed in no place.
+//! Each word of the core's closed enums must appear in every list that people see, so that a new word is added
+//! everywhere.
 
 use std::fs::read_to_string;
 
@@ -14,7 +15,7 @@ fn words<T: Words>() -> Vec<&'static str> {
     T::all().into_iter().map(Word::word).collect()
 }
 
-/// The part of a file from one text to the next line that begins with another one.
+/// Part of a file between two texts.
 fn part(path: &str, from: &str, to: &str) -> String {
     let text = read_to_string(project().join(path)).unwrap();
     let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("{path}: {from}"));
@@ -31,7 +32,7 @@ fn the_console_has_a_text_for_each_word() {
         ("REFUSALS", words::<Refused>()),
         ("END_REASONS", words::<EndReason>()),
         ("SETPOINT_STATES", words::<CommandState>()),
-        // The others are those of cases, which it includes.
+        // The words of cases are included from another list.
         ("SETPOINT_REASONS", vec!["REFINEMENT", "RELEASE", "OPERATOR"]),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ACTION_KINDS", words::<ActionKind>()),
@@ -58,7 +59,11 @@ fn the_api_names_each_word() {
         for word in &words {
             assert!(part.contains(&format!(" = \"{word}\",")), "http/words.rs: {list} needs {word}");
         }
-        assert_eq!(part.matches(" = \"").count(), words.len(), "http/words.rs: {list} has a word of its own");
+        assert_eq!(
+            part.matches(" = \"").count(),
+            words.len(),
+            "http/words.rs: {list} has a word that the core does not have"
+        );
     }
 }
 

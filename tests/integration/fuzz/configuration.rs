@@ -1,4 +1,4 @@
-//! Configuration files and environment values of any kind.
+//! Arbitrary configuration files and environment variables.
 
 use proptest::prelude::*;
 use vibrissa::config::{Key, Sources, read, show};
@@ -32,7 +32,8 @@ fn variables() -> impl Strategy<Value = Vec<(String, String)>> {
     prop::collection::vec((name, text), 0..4)
 }
 
-/// What is taken is shown as a file that gives the same; what is not is told briefly, a line each.
+/// An accepted configuration is printed as a file with the same meaning. A refusal consists of short lines, one per
+/// problem.
 fn holds(sources: &Sources) -> Result<(), TestCaseError> {
     match in_time(|| read(sources)).config {
         Ok(config) => {

@@ -1,5 +1,5 @@
-//! An episode: some dozens of messages to one robot, drawn from a seed. A failed episode is reduced to the fewest messages that
-//! still fail.
+//! An episode: some dozens of messages from one robot, drawn from a seed. A failed episode is reduced to the fewest
+//! messages that still fail.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -18,23 +18,23 @@ use vibrissa_tests::extremes::{Context, Messages, Without, number};
 
 use crate::subject::{Fate, Input, Subject, name_of};
 
-/// Messages of an episode.
+/// Number of messages in an episode.
 pub(crate) const MESSAGES: usize = 64;
 const START_US: u64 = 1_795_248_000_000_000;
 const MODEL: &str = "nguyen-2021";
-/// The whole state is checked after so many inputs and at the end: a number that is not finite stays so.
+/// The whole state is checked after this many inputs and at the end; a number that is not finite remains in the state.
 const LOOK_EVERY: usize = 16;
-/// Ordinary contacts before anything else in an episode that learns its whiskers first: more than the cold start of the test.
+/// Ordinary contacts at the start of an episode that learns its whiskers first: more than the cold start of the test.
 const LEARNED: usize = 28;
 
 /// Inputs with their times by the supervisor's clock.
 pub(crate) type Inputs = Vec<(Micros, Input)>;
 
-/// An episode that was played.
+/// Result of an episode.
 pub(crate) struct Played {
     pub(crate) inputs: Inputs,
     pub(crate) fates: BTreeMap<&'static str, u64>,
-    /// The first violation of an invariant.
+    /// First violation of an invariant.
     pub(crate) fault: Option<String>,
 }
 
@@ -42,7 +42,7 @@ thread_local! {
     static IS_QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs the work. A panic becomes an error and is not printed.
+/// Runs a closure. A panic becomes an error and is not printed.
 fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -63,7 +63,7 @@ fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     })
 }
 
-/// Plays an episode.
+/// Plays the episode of a seed.
 pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Without) -> Played {
     let mut player = Player::new(seed, messages, without);
     let mut inputs = Inputs::new();
@@ -93,7 +93,8 @@ pub(crate) fn play(seed: u64, params: &Params, messages: &Messages, without: &Wi
     Played { inputs, fates, fault: fault.err() }
 }
 
-/// Plays the inputs, checks the state after each one, and returns the number of inputs up to the first fault, and the fault.
+/// Plays the inputs and checks the state after each one. Returns the number of inputs up to the first fault, and the
+/// fault.
 fn fault_of(inputs: &[(Micros, Input)], params: &Params) -> Option<(usize, String)> {
     let mut count = 0;
     let result = caught(|| {
@@ -136,7 +137,7 @@ pub(crate) fn shrunk(mut inputs: Inputs, params: &Params) -> Option<(Inputs, Str
     Some((inputs, fault))
 }
 
-/// The same with an entry less in the list of one message, if there is still a fault.
+/// Removes one entry from a list of one message. None if there is no fault any more.
 fn with_fewer_entries(inputs: &Inputs, at: usize, params: &Params) -> Option<(Inputs, String)> {
     let Input::Message(kind, payload) = &inputs.get(at)?.1 else { return None };
     let message: Value = serde_json::from_slice(payload).ok()?;
@@ -163,9 +164,9 @@ struct Player<'a> {
     boots: u32,
     seqs: BTreeMap<RobotTopic, u64>,
     arrays: Vec<(String, u16)>,
-    /// By array and whisker: length and pressure in truth.
+    /// True length in mm and pressure in MPa by array and whisker.
     truth: BTreeMap<(usize, u16), (f64, f64)>,
-    /// Its whiskers pass the cold start before the first extreme message.
+    /// Whether its whiskers pass the cold start before the first extreme message.
     learns_first: bool,
     ordinary: usize,
     said: usize,
@@ -186,7 +187,7 @@ impl<'a> Player<'a> {
             boots: 1,
             seqs: BTreeMap::new(),
             truth: BTreeMap::new(),
-            // Where factsheets or contacts are ordinary, they are all from the start.
+            // If factsheets or contacts are ordinary in the whole run, every episode begins with ordinary ones.
             learns_first: random.random_bool(0.6)
                 || without.is_ordinary(RobotTopic::Factsheet)
                 || without.is_ordinary(RobotTopic::Contacts),
@@ -212,7 +213,7 @@ impl<'a> Player<'a> {
             1 => RobotTopic::Connection,
             2 => RobotTopic::Factsheet,
             _ if self.learns_first && self.ordinary < LEARNED => RobotTopic::Contacts,
-            // There is no ordinary status.
+            // This test cannot make an ordinary status, so contacts replace it.
             _ => Some(self.kind())
                 .filter(|&kind| kind != RobotTopic::Status || !self.without.is_ordinary(kind))
                 .unwrap_or(RobotTopic::Contacts),
@@ -287,7 +288,7 @@ impl<'a> Player<'a> {
         format!("b{}", self.boots)
     }
 
-    /// With the fields in the order of the contract, as nearly every robot writes them.
+    /// A message with its fields in the order of the contract, as nearly every robot writes them.
     fn in_order(&self, kind: RobotTopic, seq: u64, mut fields: Value) -> String {
         if kind == RobotTopic::Contacts {
             let contacts = fields["contacts"].as_str().unwrap_or_default();
@@ -320,7 +321,7 @@ impl<'a> Player<'a> {
     fn contacts(&mut self) -> Value {
         let is_learning = self.ordinary < LEARNED;
         let count = if is_learning { 8 } else { self.random.random_range(1..=3) };
-        // A whisker is cut now and then.
+        // Sometimes a whisker is cut.
         if !is_learning && self.random.random_bool(0.1) {
             let cut_mm = self.random.random_range(50.0..69.0);
             let whiskers: Vec<(usize, u16)> = self.truth.keys().copied().collect();
@@ -352,7 +353,7 @@ impl<'a> Player<'a> {
         ];
         if !is_learning && !self.without.is_ordinary(RobotTopic::Contacts) && self.random.random_bool(0.2) {
             for (field, value) in &mut numbers {
-                // The pressure is mostly right: far from the setpoint nothing of a contact is used.
+                // The pressure is mostly correct: contacts far from the setpoint's pressure are not used.
                 let is_odd = self.random.random_bool(if *field == "pressure_mpa" { 0.1 } else { 0.5 });
                 if is_odd {
                     *value = number(&mut self.random, self.messages.contact_range(field));
@@ -364,7 +365,7 @@ impl<'a> Player<'a> {
         Some(format!("{{\"array\":\"{name}\",\"whisker\":{whisker},\"t_us\":{t_us}{numbers}}}"))
     }
 
-    /// A setpoint under way is reached.
+    /// Answers a pending setpoint with APPLIED.
     fn applied(&mut self, subject: &Subject<'_>) -> Option<Value> {
         let command = subject.robot.commands_under_way().next()?;
         let view = subject.robot.whisker(command.whisker)?;

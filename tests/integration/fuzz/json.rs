@@ -1,11 +1,11 @@
-//! JSON as a tree that can also be bent into what JSON does not allow.
+//! JSON as a tree that can be changed into invalid JSON.
 
 use serde_json::Value;
 
-/// A node. A list's and an object's entries can be anything, names can come twice.
+/// A node. Entries of lists and objects can be any text, and names can repeat.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// Written as it is.
+    /// Text written without changes.
     Leaf(String),
     List(Vec<Node>),
     Object(Vec<(String, Node)>),
@@ -46,7 +46,7 @@ impl Node {
         }
     }
 
-    /// How many nodes there are, this one included.
+    /// Number of nodes, including this one.
     fn count(&self) -> usize {
         1 + match self {
             Self::Leaf(_) => 0,
@@ -55,7 +55,7 @@ impl Node {
         }
     }
 
-    /// One of the nodes for which that holds; which one is `place`, from 0 to 1.
+    /// Picks one of the nodes that satisfy `holds`; `place` from 0 to 1 selects which one.
     pub(crate) fn pick(&mut self, place: f64, holds: fn(&Node) -> bool) -> Option<&mut Node> {
         let mut matching = Vec::with_capacity(self.count());
         self.each(&mut |index, node| {
@@ -81,7 +81,7 @@ impl Node {
         }
     }
 
-    /// The node that [`Node::each`] sees at that index.
+    /// The node that [`Node::each`] visits at this index.
     fn nth(&mut self, index: &mut usize) -> Option<&mut Node> {
         if *index == 0 {
             return Some(self);
@@ -95,7 +95,7 @@ impl Node {
     }
 }
 
-/// The index that a place from 0 to 1 stands for; none of nothing.
+/// Index for a place from 0 to 1. None if the length is 0.
 pub(crate) fn at(place: f64, length: usize) -> Option<usize> {
     (length > 0).then(|| ((place * length as f64) as usize).min(length - 1))
 }

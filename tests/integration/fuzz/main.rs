@@ -1,7 +1,7 @@
-//! What comes from outside, bent in every way: no input may stop the program, or hold it up.
+//! Fuzz tests of all external inputs: no input may crash or delay the program.
 //!
-//! The inputs are always the same ones. `PROPTEST_CASES=100000 cargo test -p vibrissa-tests --test fuzz` tries as many
-//! new ones.
+//! The inputs are the same in each run. `PROPTEST_CASES=100000 cargo test -p vibrissa-tests --test fuzz` tries that
+//! many cases.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -20,12 +20,12 @@ use std::time::{Duration, Instant};
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// The largest input: four times what a message may have.
+/// Largest input: four times the size limit of a message.
 pub(crate) const INPUT_MAX_BYTES: usize = 1 << 20;
-/// The longest that any input may take, in the profile of the tests.
+/// Longest time for one input, in the build profile of the tests.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// So many cases, unless the environment asks for others.
+/// Configuration with this number of cases, unless the environment sets another number.
 pub(crate) fn cases(cases: u32) -> Config {
     if std::env::var_os("PROPTEST_CASES").is_some() {
         return Config { failure_persistence: None, ..Config::default() };
@@ -33,7 +33,7 @@ pub(crate) fn cases(cases: u32) -> Config {
     Config { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(2021), ..Config::default() }
 }
 
-/// An input that is shown as text and not at length.
+/// An input that is printed as text and abbreviated.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Input(pub(crate) Vec<u8>);
 
@@ -45,14 +45,14 @@ impl fmt::Debug for Input {
     }
 }
 
-/// What the work gives. It must be done in time; a busy machine gets more tries.
+/// Result of the closure, which must finish within [`PATIENCE`]; on a busy machine it is tried up to five times.
 pub(crate) fn in_time<T>(mut work: impl FnMut() -> T) -> T {
     let mut least = Duration::MAX;
     for _ in 0..5 {
         let (start, before) = (Instant::now(), processor_time());
         let result = work();
         let took = start.elapsed();
-        // What others took from us does not count.
+        // Time in which the processor ran other threads is not counted.
         least = least.min(before.zip(processor_time()).map_or(took, |(before, after)| took.min(after - before)));
         if least <= PATIENCE {
             return result;
@@ -61,7 +61,7 @@ pub(crate) fn in_time<T>(mut work: impl FnMut() -> T) -> T {
     panic!("took {least:?} at best");
 }
 
-/// How long this thread has run; none where the system does not tell.
+/// Processor time of this thread. None if the system does not report it.
 fn processor_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split(' ').next()?.parse().map(Duration::from_nanos).ok()

@@ -1,4 +1,4 @@
-//! Payloads of any kind, on each of the contract's topics.
+//! Arbitrary payloads on each topic of the contract.
 
 use std::sync::LazyLock;
 
@@ -9,7 +9,7 @@ use vibrissa_protocol::{Topic, decode, encode, envelope};
 use crate::mutation::{anything, bent_message, mutations};
 use crate::{Input, cases, in_time};
 
-/// A good message of each kind with its topic; the longest lists come by repeating.
+/// A valid message of each kind with its topic. Mutations make long lists by repetition.
 static GOOD: LazyLock<Vec<(Topic, Value)>> = LazyLock::new(|| {
     let whisker = |number: u16, neighbour: u16| {
         json!({"whisker": number, "x_mm": 0.0, "y_mm": 25.0, "model": "nguyen-2021", "length_mm": 70.0,
@@ -57,7 +57,7 @@ static GOOD: LazyLock<Vec<(Topic, Value)>> = LazyLock::new(|| {
     whole.collect()
 });
 
-/// A topic of the list above and what comes on it.
+/// An index into the list above, and a payload.
 fn payloads() -> impl Strategy<Value = (usize, Input)> {
     let kinds = || 0..GOOD.len();
     prop_oneof![
@@ -68,7 +68,7 @@ fn payloads() -> impl Strategy<Value = (usize, Input)> {
     ]
 }
 
-/// Numbers as they are measured: with all the digits that a float has.
+/// Numbers like measured ones, with all digits of a float.
 fn numbers() -> impl Strategy<Value = (f64, f64)> {
     let strain = (-9.0..0.0_f64, any::<bool>()).prop_map(|(power, is_negative)| {
         10_f64.powf(power).clamp(1e-9, 1.0).copysign(if is_negative { -1.0 } else { 1.0 })
@@ -95,8 +95,8 @@ proptest! {
             Ok(message) => {
                 let written = in_time(|| encode(&message));
                 let again = decode(topic, &written);
-                let again = again.map_err(|refusal| TestCaseError::fail(format!("wrote what it refuses: {refusal}")))?;
-                // Timestamps are written with milliseconds: what was finer is cut off once.
+                let again = again.map_err(|refusal| TestCaseError::fail(format!("wrote a message that it refuses: {refusal}")))?;
+                // Timestamps are written with milliseconds, so finer digits are lost once.
                 prop_assert_eq!(Input(encode(&again)), Input(written));
             }
             Err(refusal) => prop_assert!(refusal.to_string().len() < 5000, "{} bytes", refusal.to_string().len()),

@@ -1,11 +1,11 @@
-//! What is done to a good input to make a bad one.
+//! Mutations that make an invalid input from a valid one.
 
 use proptest::prelude::*;
 
 use crate::INPUT_MAX_BYTES;
 use crate::json::{Node, at};
 
-/// Texts that have confused parsers before.
+/// Texts that commonly confuse parsers.
 pub(crate) const TOKENS: &[&str] = &[
     "null",
     "true",
@@ -59,32 +59,32 @@ pub(crate) const TOKENS: &[&str] = &[
     "\"[::1]:99999\"",
 ];
 
-/// One change. Places are from 0 to 1, so that they shrink towards the start.
+/// One mutation. Places are from 0 to 1, so that they shrink towards the start.
 #[derive(Debug, Clone)]
 pub(crate) enum Mutation {
-    /// A value becomes a token.
+    /// Replaces a value with a token.
     Replace(f64, usize),
-    /// A field or entry is not there.
+    /// Removes a field or entry.
     Remove(f64, f64),
-    /// A field or entry is there that many times more.
+    /// Repeats a field or entry this many times.
     Repeat(f64, f64, usize),
-    /// A field has another name.
+    /// Renames a field.
     Rename(f64, f64, String),
-    /// A value is within that many lists.
+    /// Wraps a value in this many lists.
     Nest(f64, usize),
-    /// A value is a text of that length.
+    /// Replaces a value with a text of this length.
     Lengthen(f64, usize),
-    /// A bit is another.
+    /// Flips a bit.
     Flip(f64, u8),
-    /// The rest is missing.
+    /// Removes the rest.
     Truncate(f64),
-    /// A part of another input, or anything, is put in.
+    /// Inserts a part of another input, or any bytes.
     Insert(f64, Vec<u8>),
-    /// A part is there that many times more.
+    /// Repeats a part this many times.
     Echo(f64, f64, usize),
 }
 
-/// Some changes, small ones first.
+/// A few mutations, mostly small ones.
 pub(crate) fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
     let place = || 0.0..1.0;
     let one = prop_oneof![
@@ -117,18 +117,18 @@ fn inserted() -> impl Strategy<Value = Vec<u8>> {
     ]
 }
 
-/// Bytes of any kind, most of them few.
+/// Arbitrary bytes, mostly short.
 pub(crate) fn anything() -> impl Strategy<Value = Vec<u8>> {
     prop_oneof![
         4 => prop::collection::vec(any::<u8>(), 0..200),
         4 => "\\PC{0,200}".prop_map(String::into_bytes),
-        // One piece again and again: bytes that are each drawn would take longer than what is tested.
+        // Long inputs repeat one piece: drawing each byte would take longer than the test itself.
         1 => (prop::collection::vec(any::<u8>(), 1..20), 1..60_000_usize).prop_map(|(piece, times)| piece.repeat(times)),
     ]
     .prop_map(bounded)
 }
 
-/// A message with all of that done to it.
+/// A message after all of these mutations.
 pub(crate) fn bent_message(good: &serde_json::Value, mutations: &[Mutation]) -> Vec<u8> {
     let mut tree = Node::new(good);
     for mutation in mutations {
@@ -185,7 +185,7 @@ fn repeat<T: Clone>(entries: &mut Vec<T>, entry: f64, times: usize) {
     }
 }
 
-/// Lines of `name = value` with all of that done to them.
+/// Lines of `name = value` after all of these mutations.
 pub(crate) fn bent_lines(good: &str, mutations: &[Mutation]) -> Vec<u8> {
     let mut lines: Vec<String> = good.lines().map(str::to_owned).collect();
     for mutation in mutations {

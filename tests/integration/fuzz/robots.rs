@@ -1,8 +1,10 @@
-//! A million messages at the limits of the contract, from bytes to the state of a robot. Nothing panics, every number stays finite,
-//! a receipt covers every accepted message, setpoints keep the contract, and the stored state can be restored.
+//! Sends a million messages at the limits of the contract, from bytes to the state of a robot. Nothing may panic, every
+//! number stays finite, a receipt covers every accepted message, setpoints keep the contract, and the stored state can
+//! be restored.
 //!
-//! `FUZZ_CASES=10000000` plays more messages, `FUZZ_SEED=7` others. The report of a fault has its seed and the fewest messages that
-//! cause it. `FUZZ_WITHOUT=factsheet,times` makes factsheets ordinary and times right, to find the cause of a fault.
+//! `FUZZ_CASES=10000000` plays more messages, `FUZZ_SEED=7` other ones. The report of a fault contains its seed and the
+//! fewest messages that cause it. `FUZZ_WITHOUT=factsheet,times` makes factsheets ordinary and times correct, to find
+//! the cause of a fault.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -15,16 +17,16 @@ use vibrissa_tests::extremes::{Messages, Without};
 use crate::episode::{self, Inputs, MESSAGES};
 use crate::subject::Input;
 
-/// The number of messages, unless the environment sets another.
+/// Number of messages, unless the environment sets another number.
 const CASES: u64 = 1_000_000;
-/// Kinds of faults that are reported with their messages.
+/// Number of kinds of faults that are reported with their messages.
 const SHOWN: usize = 6;
 
 fn from_environment(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).ok().map_or(otherwise, |text| text.parse().expect("a number"))
 }
 
-/// The kind of a fault: its first words and the field at its end, without numbers.
+/// Kind of a fault: its first words and the field at its end, without numbers.
 fn kind_of(fault: &str) -> String {
     let words: Vec<String> =
         fault.split_whitespace().map(|word| word.replace(|one: char| !one.is_alphabetic(), "")).collect();
@@ -79,11 +81,11 @@ fn property_extreme_messages_leave_every_number_finite_and_are_receipted() {
         let inputs = episode::play(seed, &params, &messages, &without).inputs;
         match episode::shrunk(inputs, &params) {
             Some((inputs, fault)) => println!("  {fault}\n  by these messages:\n{}", listed(&inputs)),
-            None => println!("  it does not come again when each input is checked"),
+            None => println!("  not reproduced when the state is checked after each input"),
         }
     }
     assert_eq!(failed, 0, "{failed} of {episodes} episodes show a fault of {} kinds, see above", faults.len());
     assert!(said >= episodes * MESSAGES as u64, "{said} messages");
     let taken = fates.get("taken").copied().unwrap_or_default();
-    assert!(taken * 2 > said, "only {taken} of {said} messages are taken: they show too little");
+    assert!(taken * 2 > said, "only {taken} of {said} messages are accepted, too few for a meaningful test");
 }

@@ -1,4 +1,4 @@
-//! A robot under supervision without the service around it: bytes are decoded, become the core's events, and move the robot.
+//! A supervised robot without the service: bytes are decoded, converted to the core's events, and applied to the robot.
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
@@ -13,21 +13,21 @@ use vibrissa_tests::extremes::{FROM_ROBOTS, not_finite};
 
 const EPOCH: u64 = 1;
 
-/// One thing that happens to the robot.
+/// An input for the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Input {
     /// A tick of the clock.
     Tick,
-    /// A message comes.
+    /// A message on a topic.
     Message(RobotTopic, Vec<u8>),
 }
 
 /// The result of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fate {
-    /// The core took it.
+    /// The core accepted it.
     Taken,
-    /// The message was refused, under that label.
+    /// The message was refused with this label.
     Refused(&'static str),
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Subject<'a> {
     effects: Vec<Effect>,
 }
 
-/// The name of a setpoint in this test.
+/// Command id of a setpoint in this test.
 pub(crate) fn name_of(key: CommandKey) -> String {
     format!("{}-{}", key.epoch, key.version)
 }
@@ -57,11 +57,11 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Takes an input as the service would.
+    /// Applies an input as the service would.
     ///
     /// # Errors
-    /// A violation of an invariant: an effect with a number that is not finite, a message without a receipt, or a setpoint that breaks
-    /// the contract.
+    /// A violation of an invariant: an effect with a number that is not finite, a message without a receipt, or a
+    /// setpoint that violates the contract.
     pub(crate) fn take(&mut self, now: Micros, input: &Input) -> Result<Fate, String> {
         let (kind, payload) = match input {
             Input::Tick => {
@@ -132,7 +132,7 @@ impl<'a> Subject<'a> {
                 seq < sequence.next() || sequence.held().iter().any(|&(first, last)| (first..=last).contains(&seq))
             })
         };
-        // Without a receipt the robot would send an accepted message again without end.
+        // Without a receipt the robot would send an accepted message again endlessly.
         if matches!(outcome, Outcome::Taken | Outcome::Duplicate) && !is_covered() {
             return Err(format!("contacts {seq} of boot {boot_id} are {outcome:?} and no receipt covers them"));
         }
@@ -168,9 +168,9 @@ impl<'a> Subject<'a> {
         Ok(outcome)
     }
 
-    /// Whether the setpoint can be read by a robot that checks it.
+    /// Checks that a robot that validates setpoints accepts this one.
     fn keeps_the_contract(&self, command: &Command) -> Result<(), String> {
-        let view = self.robot.whisker(command.whisker).ok_or("a setpoint is for a whisker that is not there")?;
+        let view = self.robot.whisker(command.whisker).ok_or("a setpoint for an unknown whisker")?;
         let setpoint = protocol::Setpoint {
             boot_id: BootId::new("s").unwrap(),
             seq: 0,

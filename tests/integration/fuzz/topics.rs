@@ -1,4 +1,4 @@
-//! Topics of any kind.
+//! Arbitrary topics must not crash or delay the decoder.
 
 use proptest::prelude::*;
 use vibrissa_protocol::Topic;

@@ -1,4 +1,4 @@
-//! Who is let in, and for what.
+//! Authentication and roles of all routes.
 
 use serde_json::{Value, json};
 use vibrissa_protocol::Name;
@@ -37,7 +37,8 @@ async fn asked(served: &Served, method: &str, path: &str, token: Option<&str>) -
     send(served.http, method, path, &headers, None).await.unwrap()
 }
 
-/// Something in each part of a path, of the fleet `f`; not a robot, or engines would be waited for that are not there.
+/// Fills each parameter of a path for fleet `f`. No robot is named, because the request would wait for an engine, which
+/// does not run here.
 fn filled(path: &str) -> String {
     let values = [
         ("{fleet}", "f"),
@@ -53,7 +54,7 @@ fn filled(path: &str) -> String {
     values.into_iter().fold(path.to_owned(), |path, (part, value)| path.replace(part, value))
 }
 
-/// Every route of the document with what it says that it asks for.
+/// Every route of the OpenAPI document with the role that it requires according to the document.
 async fn routes(served: &Served) -> Vec<(String, String, Role)> {
     let document: Value = asked(served, "GET", "/openapi.json", None).await.json();
     let mut routes = Vec::new();
@@ -67,7 +68,7 @@ async fn routes(served: &Served) -> Vec<(String, String, Role)> {
     routes
 }
 
-/// Roles by what a route is for, told apart from what the routes say of themselves.
+/// The role that a route should require, derived from its method and path.
 fn expected(method: &str, path: &str) -> Role {
     match (method, path) {
         ("GET", _) => Role::Viewer,
@@ -92,7 +93,7 @@ async fn every_route_for_every_role_in_every_fleet() {
         let is_of_fleet = path.starts_with("/v1/fleets/{fleet}");
         let filled = filled(&path);
         for (role, covers, token) in &callers {
-            // A stream does not end: its beginning tells.
+            // A stream does not end, so only its status is read.
             let status = if path == "/v1/events" {
                 let bearer = token.as_ref().map(|token| format!("Bearer {token}")).unwrap_or_default();
                 open(served.http, &filled, &[("Authorization", &bearer)]).await.unwrap().0

@@ -1,19 +1,19 @@
-//! The OpenAPI document, held against what is answered.
+//! Checks the OpenAPI document against actual answers.
 
 use serde_json::{Value, json};
 
 use crate::served::Served;
 
-/// The document that is served.
+/// The served OpenAPI document.
 pub(crate) struct Document(pub(crate) Value);
 
-/// What is said of each GET.
+/// Paths and operations of all GET routes.
 pub(crate) fn get_operations(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
     let paths = document["paths"].as_object().unwrap().iter();
     paths.filter_map(|(path, item)| Some((path.as_str(), item.get("get")?)))
 }
 
-/// Whether it is of what robots have done and are.
+/// Whether the operation returns data about robots.
 fn is_read(operation: &Value) -> bool {
     let tags = ["fleets", "robots", "whiskers", "happenings", "compensations", "setpoints", "errors", "plots"];
     tags.iter().any(|tag| operation["tags"][0] == *tag)
@@ -24,7 +24,7 @@ impl Document {
         Self(served.json("/openapi.json").await)
     }
 
-    /// A schema without a reference.
+    /// Resolves a reference to a schema.
     fn resolved<'a>(&'a self, schema: &'a Value) -> &'a Value {
         match schema["$ref"].as_str() {
             Some(name) => self.0.pointer(name.trim_start_matches('#')).unwrap(),
@@ -32,7 +32,7 @@ impl Document {
         }
     }
 
-    /// The words that a query parameter may have, if the operation has it.
+    /// Allowed values of a query parameter, if the operation has it.
     pub(crate) fn words(&self, operation: &Value, name: &str) -> Option<Vec<String>> {
         let parameter = operation["parameters"].as_array()?.iter().find(|one| one["name"] == name)?;
         let schema = &parameter["schema"];
@@ -41,11 +41,15 @@ impl Document {
         Some(words.iter().map(|word| word.as_str().unwrap().to_owned()).collect())
     }
 
-    /// Holds an answer against the schema of its status.
+    /// Validates an answer with the schema of its status.
     fn check(&self, path: &str, operation: &Value, status: u16, body: &Value) {
         let content = &operation["responses"][status.to_string()]["content"];
-        let (_, content) =
-            content.as_object().unwrap_or_else(|| panic!("{path} says nothing of {status}")).iter().next().unwrap();
+        let (_, content) = content
+            .as_object()
+            .unwrap_or_else(|| panic!("{path} does not document status {status}"))
+            .iter()
+            .next()
+            .unwrap();
         let mut schema = content["schema"].clone();
         schema["components"] = self.0["components"].clone();
         let validator = jsonschema::options().should_validate_formats(true).build(&schema).unwrap();
@@ -55,7 +59,7 @@ impl Document {
     }
 }
 
-/// Names that are there, and one that is not.
+/// A path with names that exist, and one with names that do not.
 fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
     let named = |fleet: &str, whisker: &str, id: &str, command: &str| {
         let values = [
@@ -72,7 +76,7 @@ fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
     [named("f", "0", &compensation_id.to_string(), command_id), named("nobody", "9", "77", "nothing")]
 }
 
-/// Every GET answers as the document says, for what is there and what is not.
+/// Every GET answers as documented, for existing and for unknown names.
 async fn answers_are_as_the_document_says(served: &Served) {
     let document = Document::of(served).await;
     let compensation_id =

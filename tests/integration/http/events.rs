@@ -1,4 +1,4 @@
-//! What happens is followed in the order of commits, on both databases, also where transactions overtake each other.
+//! The event stream follows the order of commits on both databases, even when transactions overlap.
 
 use serde_json::{Value, json};
 use sqlx::{Connection as _, PgConnection};
@@ -7,7 +7,7 @@ use vibrissa_tests::web::{Events, open, send};
 use crate::served::Served;
 
 async fn next(events: &mut Events) -> (String, Value) {
-    let event = events.next().await.unwrap().expect("the stream goes on");
+    let event = events.next().await.unwrap().expect("the stream must continue");
     (event.id, serde_json::from_str(&event.data).unwrap())
 }
 
@@ -23,7 +23,7 @@ async fn acknowledged_is_followed(served: &Served) {
     let (_, mut again) = open(served.http, "/v1/events", &[("Last-Event-ID", &id)]).await.unwrap();
     let path = format!("/v1/alarms/{}/acknowledge", alarms[1]["alarm_id"]);
     assert_eq!(send(served.http, "POST", &path, &[], None).await.unwrap().status, 200);
-    assert_eq!(next(&mut again).await, next(&mut events).await, "what came after it, and nothing before");
+    assert_eq!(next(&mut again).await, next(&mut events).await, "only later events must follow");
 }
 
 #[tokio::test]

@@ -1,4 +1,4 @@
-//! Errors in groups.
+//! Grouped compensation errors.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::rows::WrittenError;
 use crate::served::Served;
 
-/// Of each compensation the newest statement, by a span of time too if there is one.
+/// Newest error of each compensation in each time bucket.
 fn newest(errors: &[WrittenError], bucket_us: i64) -> Vec<&WrittenError> {
     let mut newest = BTreeMap::new();
     for error in errors {
@@ -63,7 +63,10 @@ async fn groups_are_those_of_the_rows(served: &Served) {
         let key = (item["robot"].as_str().unwrap().to_owned(), item["whisker"].as_u64().unwrap() as usize);
         check(item, &whiskers[&key]);
     }
-    assert!(items.windows(2).all(|pair| pair[0]["error"].as_f64() >= pair[1]["error"].as_f64()), "worst first");
+    assert!(
+        items.windows(2).all(|pair| pair[0]["error"].as_f64() >= pair[1]["error"].as_f64()),
+        "the worst must come first"
+    );
 
     for bucket_s in [60, 600, 31_536_000] {
         let items = served.items(&format!("/v1/errors/by-time?bucket_s={bucket_s}")).await;

@@ -1,4 +1,4 @@
-//! Minutes and hours of a whisker.
+//! Aggregates of a whisker by minute and hour.
 
 use serde_json::Value;
 use vibrissa_store::Resolution;
@@ -42,7 +42,7 @@ async fn history_is_what_was_written(served: &Served) {
         let rows: Vec<_> = rows.filter(|row| (row.resolution == Resolution::Hour) == (resolution == "hour")).collect();
         assert_eq!((all.len(), rows.len()), (count as usize, count as usize));
         all.iter().zip(&rows).for_each(|(item, row)| same(item, row));
-        // The newest first, unless it is said otherwise.
+        // Newest first unless the request says otherwise.
         let newest = served.items(&format!("{query}&limit=3")).await;
         assert_eq!(newest, all.iter().rev().take(3).cloned().collect::<Vec<_>>());
         let within = served.items(&format!("{query}&from=2026-11-21T09:00:00Z&to=2026-11-21T10:00:00Z")).await;
@@ -52,7 +52,7 @@ async fn history_is_what_was_written(served: &Served) {
         assert_eq!(within.len(), if resolution == "minute" { 60 } else { 1 });
     }
     assert_eq!(Time(START_US).to_string(), "2026-11-21T08:00:00.000Z");
-    assert_eq!(served.items(HISTORY).await.len() as i64, HOURS, "hours unless it is asked for otherwise");
+    assert_eq!(served.items(HISTORY).await.len() as i64, HOURS, "hours are the default");
     for (query, status) in [("?resolution=day", 422), ("?from=yesterday", 422), ("?cursor=x", 422)] {
         let answer = ask(served.http, "GET", &format!("{HISTORY}{query}"), &[]).await.unwrap();
         assert_eq!(answer.status, status, "{query}");

@@ -1,4 +1,4 @@
-//! What HTTP tells of rows that were written by hand, on both databases.
+//! HTTP answers for rows that the test has written, on both databases.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

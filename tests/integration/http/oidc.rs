@@ -1,4 +1,4 @@
-//! Tokens of an identity provider, made here with a key that a provider of the test's own vouches for.
+//! Tokens of an identity provider. The test signs them with a key that its own provider publishes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -18,7 +18,7 @@ use vibrissa_tests::web::{Answer, ask, open};
 use crate::served::Served;
 use crate::streams::{checked_always, ended, until_the_end};
 
-/// A provider that answers where its keys are, and with its keys; it counts how often it is asked for them.
+/// A provider that serves its discovery document and its keys, and counts the requests for keys.
 struct Provider {
     issuer: String,
     key: KeyPair,
@@ -65,7 +65,7 @@ impl Provider {
         AccessOptions { token: None, oidc: Some(oidc) }
     }
 
-    /// Good claims with some of them changed; null takes one out.
+    /// A token with valid claims and the given changes; null removes a claim.
     fn token(&self, kid: &str, changed: &Value) -> String {
         let mut claims = json!({ "iss": self.issuer, "aud": "vibrissa", "sub": "ann", "groups": ["staff", "operator"],
                                  "fleets": ["f"], "exp": now_us() / 1_000_000 + 600 });
@@ -91,12 +91,16 @@ async fn tokens_of_the_provider_give_what_their_claims_say_and_others_nothing() 
     let listed = asked(&served, "GET", "/v1/robots", &good).await;
     assert_eq!(listed.status, 200, "{}", listed.body);
     assert!(listed.json()["items"].as_array().unwrap().iter().all(|robot| robot["fleet"] == "f"));
-    assert_eq!(asked(&served, "GET", "/v1/fleets/g", &good).await.status, 403, "not its fleet");
-    assert_eq!(asked(&served, "POST", "/v1/calibrations", &good).await.status, 403, "not its role");
+    assert_eq!(asked(&served, "GET", "/v1/fleets/g", &good).await.status, 403, "another fleet");
+    assert_eq!(asked(&served, "POST", "/v1/calibrations", &good).await.status, 403, "insufficient role");
     let all = provider.token("k1", &json!({ "fleets": "*", "groups": "ENGINEER" }));
     assert_eq!(asked(&served, "GET", "/v1/fleets/g", &all).await.status, 200);
-    assert_eq!(asked(&served, "POST", "/v1/calibrations", &all).await.status, 415, "it may; it sends nothing");
-    assert_eq!(provider.asked.load(Ordering::SeqCst), 1, "keys are kept");
+    assert_eq!(
+        asked(&served, "POST", "/v1/calibrations", &all).await.status,
+        415,
+        "allowed, but the request has no body"
+    );
+    assert_eq!(provider.asked.load(Ordering::SeqCst), 1, "the keys must be cached");
     let now_s = now_us() / 1_000_000;
     let forged = {
         let (signed, _) = good.rsplit_once('.').unwrap();
@@ -121,15 +125,19 @@ async fn tokens_of_the_provider_give_what_their_claims_say_and_others_nothing() 
         assert_eq!(answer.status, status, "{}", answer.body);
     }
     let nowhere = provider.token("k1", &json!({ "fleets": null }));
-    assert_eq!(asked(&served, "GET", "/v1/robots", &nowhere).await.json()["items"], json!([]), "no fleet, nothing");
-    assert_eq!(provider.asked.load(Ordering::SeqCst), 1, "a name that is not known does not make it ask each time");
+    assert_eq!(
+        asked(&served, "GET", "/v1/robots", &nowhere).await.json()["items"],
+        json!([]),
+        "a token without fleets sees nothing"
+    );
+    assert_eq!(provider.asked.load(Ordering::SeqCst), 1, "an unknown key id must not cause a request each time");
 }
 
 #[tokio::test]
 async fn regress_a_stream_ends_with_the_token_of_the_provider() {
     let provider = Provider::start().await;
     let served = Served::streaming(&provider.options(), checked_always()).await;
-    // A minute of leeway is given to clocks: this one is over in some seconds.
+    // Clocks have a leeway of one minute; this token expires in some seconds.
     let bearer = format!("Bearer {}", provider.token("k1", &json!({ "exp": now_us() / 1_000_000 - 55 })));
     let (status, mut events) = open(served.http, "/v1/events", &until_the_end(&bearer)).await.unwrap();
     assert_eq!(status, 200);

@@ -1,11 +1,11 @@
-//! Pages of lists.
+//! Paging, sorting and filters of lists.
 
 use serde_json::Value;
 
 use crate::document::{Document, get_operations};
 use crate::served::Served;
 
-/// What sorts a list, if its rows show it.
+/// Whether the items are in order of a column; items without it are ignored.
 fn sorted_by(items: &[Value], column: &str, descending: bool) -> bool {
     let value = |item: &Value| item.get(column).cloned();
     let is_in_order = |a: &Value, b: &Value| match (a, b) {
@@ -24,13 +24,13 @@ fn sorted_by(items: &[Value], column: &str, descending: bool) -> bool {
     })
 }
 
-/// For each list, sort and order: all pages together are the whole list, in order, each row once.
+/// For each list, sort and order: all pages together are the whole list in order, with each row once.
 async fn pages_are_the_list(served: &Served) {
     let document = Document::of(served).await;
     let mut lists = 0;
     for (path, operation) in get_operations(&document.0) {
         let Some(sorts) = document.words(operation, "sort") else { continue };
-        // What people do is not among the rows.
+        // No operator actions were written, so their list is empty.
         if path.contains('{') || served.items(path).await.is_empty() {
             continue;
         }
@@ -50,9 +50,9 @@ async fn pages_are_the_list(served: &Served) {
         let count = rows.len();
         rows.sort();
         rows.dedup();
-        assert_eq!(rows.len(), count, "{path}: each row once");
+        assert_eq!(rows.len(), count, "{path}: every row must appear once");
     }
-    assert!(lists >= 10, "every list of rows that were written");
+    assert!(lists >= 10, "some lists were skipped");
 }
 
 #[tokio::test]
@@ -65,10 +65,10 @@ async fn property_pages_are_the_list_on_postgres() {
     pages_are_the_list(&Served::postgres().await).await;
 }
 
-/// A list, its filter, and what the filter keeps.
+/// Path of a list, its filter, and the condition that remaining items satisfy.
 type Filtered = (&'static str, &'static str, Box<dyn Fn(&Value) -> bool>);
 
-/// Filters keep what they name, and nothing else.
+/// Filters return the items that satisfy their condition, and no others.
 async fn filters_keep_what_they_name(served: &Served) {
     let is = |field: &'static str, value: Value| move |item: &Value| item[field] == value;
     let at = "2026-11-21T08:00:02.000Z";
@@ -106,7 +106,7 @@ async fn filters_keep_what_they_name_on_postgres() {
     filters_keep_what_they_name(&Served::postgres().await).await;
 }
 
-/// Counts of fleets, robots and arrays are those of their whiskers and alarms.
+/// Counts of fleets, robots and arrays agree with the lists of whiskers and alarms.
 #[tokio::test]
 async fn brute_force_counts_are_those_of_the_lists() {
     for served in [Served::sqlite().await, Served::postgres().await] {

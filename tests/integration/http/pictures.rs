@@ -1,9 +1,9 @@
-//! Pictures are documents that every viewer can read, and screen readers too.
+//! Plots are well-formed SVG documents with texts for screen readers.
 
 use crate::document::{Document, get_operations};
 use crate::served::Served;
 
-/// Fails unless every element that begins ends, in order, and no attribute or text is open.
+/// Panics unless elements are properly nested and no tag or text is open.
 fn assert_well_formed(svg: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = svg;
@@ -49,7 +49,7 @@ async fn pictures_are_well_formed_and_told_in_words() {
             for unwanted in ["<script", "<svg width", "NaN", "inf"] {
                 assert!(!svg.contains(unwanted), "{path}: {unwanted}");
             }
-            assert_eq!(*svg, served.get(&path).await.body, "{path}: the same each time");
+            assert_eq!(*svg, served.get(&path).await.body, "{path}: every request must give the same plot");
             pictures += 1;
         }
     }

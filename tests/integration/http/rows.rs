@@ -1,4 +1,4 @@
-//! Rows of two fleets with two robots each: three whiskers, and everything that can happen to them.
+//! Test data: two fleets with two robots of three whiskers each, and all kinds of events.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,20 +15,20 @@ use vibrissa_store::batch::{
 };
 use vibrissa_store::{Batch, Lease, Store, Supervisor, Writer};
 
-/// When things begin.
+/// Time of the first row, microseconds since 1970 UTC.
 pub(crate) const START_US: i64 = 1_795_248_000_000_000;
-/// The cases of the paper.
+/// The compensation cases of the paper.
 pub(crate) const CASES: [&str; 3] = ["SELF_COMPENSATION", "SHORTER_FOR_LONGER", "LONGER_FOR_SHORTER"];
-/// Contacts of whisker 0 of the first robot.
+/// Number of contacts of whisker 0 of the first robot.
 pub(crate) const CONTACTS: i64 = 3000;
-/// Minutes of each whisker.
+/// Number of minute aggregates per whisker.
 pub(crate) const MINUTES: i64 = 130;
-/// Hours of each whisker.
+/// Number of hour aggregates per whisker.
 pub(crate) const HOURS: i64 = 7;
-/// Decisions of each robot.
+/// Number of decisions per robot.
 const DECISIONS: u32 = 7;
 
-/// A measured error that was written.
+/// A compensation error that was written.
 #[derive(Debug)]
 pub(crate) struct WrittenError {
     pub(crate) fleet: String,
@@ -38,15 +38,15 @@ pub(crate) struct WrittenError {
     pub(crate) row: ErrorRow,
 }
 
-/// What was written.
+/// Rows that were written.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
     pub(crate) contacts: Vec<ContactRow>,
-    /// In the order in which they were written.
+    /// Errors in the order in which they were written.
     pub(crate) errors: Vec<WrittenError>,
 }
 
-/// Writes everything.
+/// Writes all rows.
 pub(crate) async fn write(store: &Store) -> Written {
     let mut random = ChaCha8Rng::seed_from_u64(2021);
     let mut written = Written::default();
@@ -134,7 +134,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
     }
 }
 
-/// Minutes and hours of each whisker; some have an error and no contact.
+/// Minute and hour aggregates of each whisker; some have an error but no contact.
 pub(crate) fn rollups(ids: &[i64]) -> Vec<RollupRow> {
     let row = |(index, number, resolution): (usize, i64, Resolution)| {
         let felt = |value: f32| (number % 5 != 4).then_some(value);
@@ -182,7 +182,7 @@ fn whisker(robot: &Robot, ids: &[i64], index: usize) -> WhiskerRow {
     }
 }
 
-/// Trims, changes and alarms, some at the same time.
+/// Trims, changes and alarms, some of them at the same time.
 fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
     let mut records = Vec::new();
     for number in 0..9_u32 {
@@ -218,7 +218,7 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
     records
 }
 
-/// One decision with what came of it.
+/// A decision and its effects.
 struct Decided<'a> {
     robot_id: i64,
     compensation_id: i64,
@@ -342,7 +342,7 @@ impl<'a> Decided<'a> {
     }
 }
 
-/// Contacts at irregular times, some at the same moment, one without deflection, with a pause.
+/// Contacts at irregular times: some at the same moment, one without deflection, and with a pause.
 fn contacts(whisker_id: i64, boot: i64, random: &mut ChaCha8Rng) -> Vec<ContactRow> {
     let mut t_us = START_US;
     let contact = |seq: i64| {

@@ -1,4 +1,4 @@
-//! Who has one fleet sees nothing of another.
+//! A token for one fleet shows nothing of other fleets.
 
 use std::collections::BTreeSet;
 

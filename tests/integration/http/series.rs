@@ -19,7 +19,7 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().sum::<f64>() / values.count() as f64
 }
 
-/// Means of the rows of a time over equal spans, as the document says.
+/// Rows grouped into equal time spans, as the OpenAPI document defines them.
 fn expected(rows: &[ContactRow], points: i64) -> BTreeMap<i64, Vec<&ContactRow>> {
     let (first, last) = (rows[0].t_us, rows[rows.len() - 1].t_us);
     let span_us = (last - first) / points + 1;
@@ -101,7 +101,11 @@ async fn times_of_nothing_are_empty_and_long_ones_are_cut() {
     }
     let answer = served.json(&format!("{WHISKER}/contacts?from=0001-01-01T00:00:00Z&to=9999-12-31T23:59:59Z")).await;
     assert_eq!(answer["total"], CONTACTS);
-    assert_eq!(answer["from"].as_str().unwrap().get(..10), Some("2026-10-21"), "31 days before the newest");
+    assert_eq!(
+        answer["from"].as_str().unwrap().get(..10),
+        Some("2026-10-21"),
+        "the range must begin 31 days before the newest contact"
+    );
     let untouched = served.json("/v1/fleets/f/robots/r1/arrays/left/whiskers/2/contacts").await;
     assert_eq!((&untouched["total"], &untouched["from"]), (&0.into(), &Value::Null));
 }

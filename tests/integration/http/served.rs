@@ -1,4 +1,4 @@
-//! HTTP over a database of the test's own, without a broker.
+//! Serves HTTP from a private database, without a broker.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -24,13 +24,13 @@ use vibrissa_tests::web::{Answer, ask};
 
 use crate::rows::{self, Written};
 
-/// HTTP that is served; it ends when this is dropped.
+/// A running HTTP server, stopped on drop.
 pub(crate) struct Served {
     pub(crate) store: Store,
     pub(crate) http: SocketAddr,
-    /// Where the database is, if it is a server.
+    /// URL of the database if it is a server.
     pub(crate) url: Option<String>,
-    /// What the database has.
+    /// Rows in the database.
     pub(crate) written: Written,
     _stop: watch::Sender<bool>,
     _server: Option<Postgres>,
@@ -38,7 +38,7 @@ pub(crate) struct Served {
 }
 
 impl Served {
-    /// Rows of two fleets in SQLite.
+    /// Serves the rows of two fleets from SQLite.
     pub(crate) async fn sqlite() -> Self {
         let folder = tempfile::tempdir().unwrap();
         Self::over(
@@ -51,25 +51,25 @@ impl Served {
         .await
     }
 
-    /// The same rows in PostgreSQL.
+    /// Serves the same rows from PostgreSQL.
     pub(crate) async fn postgres() -> Self {
         let server = Postgres::start().await;
         let address = Postgres::url(server.port()).parse().unwrap();
         Self::over(address, Some(server), None, &AccessOptions::default(), StreamOptions::default()).await
     }
 
-    /// The same rows, for those who are let in only.
+    /// Serves the same rows with access control.
     pub(crate) async fn to(access: &AccessOptions) -> Self {
         Self::streaming(access, StreamOptions::default()).await
     }
 
-    /// The same with other limits of event streams.
+    /// Serves the same rows with access control and other limits of event streams.
     pub(crate) async fn streaming(access: &AccessOptions, streams: StreamOptions) -> Self {
         let folder = tempfile::tempdir().unwrap();
         Self::over(DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), None, Some(folder), access, streams).await
     }
 
-    /// The same rows in PostgreSQL, for those who are let in only, with other limits of event streams.
+    /// Serves the same rows from PostgreSQL with access control and other limits of event streams.
     pub(crate) async fn streaming_from_postgres(access: &AccessOptions, streams: StreamOptions) -> Self {
         let server = Postgres::start().await;
         Self::over(Postgres::url(server.port()).parse().unwrap(), Some(server), None, access, streams).await
@@ -96,21 +96,21 @@ impl Served {
         Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }
     }
 
-    /// An answer; a service that is asked too often is asked again.
+    /// The answer to a GET. Status 429 (too many requests) is retried.
     pub(crate) async fn get(&self, path: &str) -> Answer {
         let asked =
             async || Some(ask(self.http, "GET", path, &[]).await.unwrap()).filter(|answer| answer.status != 429);
         until("an answer", asked).await
     }
 
-    /// The JSON of a good answer.
+    /// The JSON of a successful answer.
     pub(crate) async fn json(&self, path: &str) -> Value {
         let answer = self.get(path).await;
         assert_eq!(answer.status, 200, "{path}: {}", answer.body);
         answer.json()
     }
 
-    /// The items of a good answer.
+    /// The items of a successful answer.
     pub(crate) async fn items(&self, path: &str) -> Vec<Value> {
         self.json(path).await["items"].as_array().unwrap().clone()
     }

@@ -1,4 +1,4 @@
-//! An event stream shows what its token allows at that moment, on both databases.
+//! An event stream checks the current rights of its token, on both databases.
 
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ fn closed() -> AccessOptions {
     AccessOptions { token: Some(Secret::new(ROOT)), oidc: None }
 }
 
-/// The caller is identified again before each event.
+/// The caller's rights are checked before each event.
 pub(crate) fn checked_always() -> StreamOptions {
     StreamOptions { check_every: Duration::ZERO, ..StreamOptions::default() }
 }
@@ -39,7 +39,7 @@ async fn token(served: &Served, good_for_us: i64) -> (String, String) {
     (format!("Bearer {token}"), row.token_id)
 }
 
-/// Headers with which the connection ends with the stream.
+/// Headers that close the connection when the stream ends.
 pub(crate) fn until_the_end(bearer: &str) -> [(&str, &str); 2] {
     [("Authorization", bearer), ("Connection", "close")]
 }
@@ -50,13 +50,13 @@ async fn follow(served: &Served, bearer: &str) -> Events {
     events
 }
 
-/// Until the stream has ended, whatever comes before.
+/// Waits until the stream has ended and ignores its events.
 pub(crate) async fn ended(events: &mut Events) {
     let end = async { while events.next().await.unwrap().is_some() {} };
-    timeout(PATIENCE, end).await.expect("the stream ends");
+    timeout(PATIENCE, end).await.expect("the stream must end");
 }
 
-/// Something that is followed.
+/// Causes an event.
 async fn acknowledge(served: &Served, number: usize) {
     let root = format!("Bearer {ROOT}");
     let headers = [("Authorization", root.as_str())];
@@ -74,14 +74,14 @@ async fn streams_end_with_their_tokens(served: &Served) {
     let mut of_expiring = follow(served, &expiring).await;
     let (mut of_revoked, mut of_good) = (follow(served, &revoked).await, follow(served, &good).await);
     acknowledge(served, 0).await;
-    assert!(of_revoked.next().await.unwrap().is_some(), "it goes on while the token is good");
+    assert!(of_revoked.next().await.unwrap().is_some(), "the stream must continue while the token is valid");
     assert!(of_good.next().await.unwrap().is_some());
     assert!(served.store.revoke_token(&id, now_us() as i64).await.unwrap());
     ended(&mut of_revoked).await;
     ended(&mut of_expiring).await;
     acknowledge(served, 1).await;
     let next = timeout(PATIENCE, of_good.next()).await.expect("an event").unwrap();
-    assert!(next.is_some(), "another token's stream goes on");
+    assert!(next.is_some(), "the stream of another token must continue");
 }
 
 #[tokio::test]
@@ -109,7 +109,7 @@ async fn regress_a_stream_shows_the_fleets_that_its_token_has_now() {
             .await
             .unwrap();
     }
-    let event = timeout(PATIENCE, events.next()).await.expect("an event").unwrap().expect("the stream goes on");
+    let event = timeout(PATIENCE, events.next()).await.expect("an event").unwrap().expect("the stream must continue");
     let change: Value = serde_json::from_str(&event.data).unwrap();
     assert_eq!((&change["fleet"], &change["number"]), (&Value::from("g"), &Value::from(2)));
 }

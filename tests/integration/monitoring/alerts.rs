@@ -1,4 +1,4 @@
-//! The alerts: each does what its unit test says, leads to its runbook, and asks for what there is.
+//! Checks of the alerts: unit tests, runbooks, and queries that only use what exists.
 
 mod grafana;
 mod served;
@@ -10,7 +10,7 @@ use std::process::Command;
 use serde_json::Value;
 use vibrissa::config::Key;
 
-/// The program.
+/// Path of the program.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
 fn project() -> PathBuf {
@@ -25,7 +25,7 @@ fn yaml(path: &str) -> Value {
     serde_saphyr::from_str(&read(path)).unwrap_or_else(|problem| panic!("{path}: {problem}"))
 }
 
-/// The files of a folder, as paths in the project, in order.
+/// The files of a folder as sorted paths relative to the project.
 fn files(folder: &str) -> Vec<String> {
     let entries = std::fs::read_dir(project().join(folder)).unwrap();
     let mut names: Vec<String> =
@@ -39,29 +39,29 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
 }
 
 fn text(value: &Value) -> &str {
-    value.as_str().unwrap_or_else(|| panic!("no text: {value}"))
+    value.as_str().unwrap_or_else(|| panic!("not a text: {value}"))
 }
 
-/// Every rule of Prometheus, recorded ones too.
+/// Every rule of Prometheus, recording rules included.
 fn rules() -> Vec<Value> {
     let groups = yaml("deploy/prometheus/rules/vibrissa.yml");
     list(&groups["groups"]).flat_map(|group| list(&group["rules"])).cloned().collect()
 }
 
-/// The alerts of Prometheus by their names.
+/// Alerts of Prometheus by name.
 fn alerts() -> BTreeMap<String, Value> {
     let rules = rules().into_iter();
     rules.filter_map(|rule| Some((rule["alert"].as_str()?.to_owned(), rule))).collect()
 }
 
-/// The alerts of Grafana by their titles.
+/// Alerts of Grafana by title.
 pub(crate) fn named_alerts() -> BTreeMap<String, Value> {
     let groups = yaml("dashboards/provisioning/alerting/whiskers.yml");
     let rules = list(&groups["groups"]).flat_map(|group| list(&group["rules"]));
     rules.map(|rule| (text(&rule["title"]).to_owned(), rule.clone())).collect()
 }
 
-/// The pages, without the one that lists them.
+/// All runbooks, without the page that lists them.
 fn runbooks() -> Vec<String> {
     files("docs/runbooks").into_iter().filter(|path| !path.ends_with("/README.md")).collect()
 }
@@ -79,7 +79,7 @@ fn prometheus_reads_its_configuration_and_the_rules_with_it() {
     promtool(&["check", "config", "prometheus.yml"]);
     promtool(&["check", "rules", "rules/vibrissa.yml"]);
     let jobs = yaml("deploy/prometheus/prometheus.yml");
-    assert!(list(&jobs["scrape_configs"]).all(|job| job["job_name"] == "vibrissa"), "alerts ask for that job");
+    assert!(list(&jobs["scrape_configs"]).all(|job| job["job_name"] == "vibrissa"), "the alerts select that job");
     let compose = read("docker-compose.yml");
     for mounted in ["./deploy/prometheus/rules:/etc/prometheus/rules:ro", "./docs/runbooks:/etc/prometheus/consoles/"] {
         assert!(compose.contains(mounted), "{mounted}");
@@ -113,7 +113,7 @@ fn every_alert_has_a_unit_test_in_which_it_begins_and_ends() {
             let begins = looks.iter().position(|fires| *fires);
             begins.is_some_and(|begins| begins > 0) && looks.last() == Some(&false)
         };
-        assert!(looks.iter().any(begins_and_ends), "{alert} does not begin and end in a test: {looks:?}");
+        assert!(looks.iter().any(begins_and_ends), "no unit test in which {alert} begins and ends: {looks:?}");
     }
 }
 
@@ -127,10 +127,10 @@ fn every_alert_says_what_is_wrong_and_leads_to_its_runbook() {
         let runbook = said("runbook");
         let page = runbook.strip_prefix("docs/runbooks/").unwrap_or_else(|| panic!("{alert}: {runbook}"));
         assert!(said("runbook_url").ends_with(&format!("/consoles/runbooks/{page}")), "{alert}");
-        assert!(read("docs/runbooks/README.md").contains(&format!("]({page})")), "{page} is not in the table");
+        assert!(read("docs/runbooks/README.md").contains(&format!("]({page})")), "{page} is missing in the table");
         led_to.insert(runbook);
     }
-    assert_eq!(led_to.into_iter().collect::<Vec<_>>(), runbooks(), "each runbook is of an alert");
+    assert_eq!(led_to.into_iter().collect::<Vec<_>>(), runbooks(), "each runbook must belong to an alert");
 }
 
 #[test]
@@ -148,11 +148,11 @@ fn every_runbook_has_the_same_parts_and_can_be_served_by_prometheus() {
         }
     }
     for path in files("docs/runbooks") {
-        assert!(!read(&path).contains("{{"), "{path}: Prometheus would take that for a template");
+        assert!(!read(&path).contains("{{"), "{path}: Prometheus would expand that as a template");
     }
 }
 
-/// What stands between backquotes.
+/// All text between backquotes.
 fn code(page: &str) -> impl Iterator<Item = &str> {
     page.split('`').skip(1).step_by(2)
 }
@@ -172,7 +172,7 @@ fn every_command_of_the_runbooks_is_one_of_the_programs() {
             let known = help(words.next_if(|word| !word.starts_with('-')).as_slice());
             for flag in words.filter_map(|word| word.strip_prefix("--")) {
                 let is_alias = Key::ALL.iter().any(|key| key.flag_alias() == Some(flag));
-                assert!(is_alias || known.contains(&format!("--{flag}")), "{path}: {command}: no --{flag}");
+                assert!(is_alias || known.contains(&format!("--{flag}")), "{path}: {command}: unknown flag --{flag}");
             }
             commands += 1;
         }

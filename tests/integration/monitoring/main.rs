@@ -1,4 +1,4 @@
-//! What people watch supervisors with: dashboards and alerts, on a real Prometheus and a real PostgreSQL.
+//! Tests of dashboards and alerts with a real Prometheus and a real PostgreSQL.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

@@ -1,4 +1,4 @@
-//! Recordings that were written by hand, or bent.
+//! Recordings written by hand or damaged on purpose.
 
 use std::path::PathBuf;
 
@@ -58,7 +58,7 @@ fn bad_lines_are_told_with_their_number_and_passed_over() {
     assert!(told.contains(&format!("{name}:2: not a recorded message: expected")), "{told}");
     assert!(told.contains(&format!("{name}:5: payload must be an object, or a text")), "{told}");
     assert!(told.contains("3 messages replayed, 2 bad lines"), "{told}");
-    // Without its bad lines it is the same.
+    // Without its bad lines the recording gives the same output.
     let good: Vec<String> = [birth(0), vec![status(1_000_000, 0)]].concat();
     let (_other, good) = file(&good);
     assert_eq!(String::from_utf8(output.stdout).unwrap(), replay(&good, &[]));
@@ -83,11 +83,11 @@ fn what_the_service_refuses_is_told_by_its_label() {
     lines.push(
         json!({ "received_us": START_US + 6, "topic": "whisker/v1/f/r/status", "payload_base64": "/w==" }).to_string(),
     );
-    // A refused message whose number can be read is accounted for, as in the service.
+    // A refused message with a readable number is counted as received, as in the service.
     let seq =
         |seq: u64, contacts: Value| line(7, "contacts", &json!({ "boot_id": "b", "seq": seq, "contacts": contacts }));
     lines.extend([seq(0, json!([{ "array": 7 }])), seq(0, json!([]))]);
-    // What a supervisor said is no input, whatever it is.
+    // Messages of a supervisor are not inputs, so even invalid ones are ignored.
     lines.push(text("whisker/v1/f/r/receipt", "no JSON").to_string());
     lines.push(text("whisker/v1/f/supervisor/state", "no JSON").to_string());
     let (_folder, path) = file(&lines);
@@ -105,7 +105,7 @@ fn time_passes_between_messages_and_a_long_silence_takes_no_time() {
     let faults = effects(&replay(&path, &[]), "FAULT");
     let told: Vec<(u64, &Value)> =
         faults.iter().map(|line| (line["received_us"].as_u64().unwrap() - START_US, &line["becomes"])).collect();
-    // Silent for more than 15 s: told at the next quarter of a second; back with the next status.
+    // The fault begins at the first tick (every 0.25 s) after 15 s of silence, and ends with the next status.
     let expected = [(16_250_000, json!("STALE")), (40_000_000, Value::Null), (55_250_000, json!("STALE"))];
     assert_eq!(told.len(), 4, "{told:?}");
     for ((at_us, becomes), (expected_us, expected)) in told.iter().zip(&expected) {

@@ -1,4 +1,4 @@
-//! A fleet with a trim, recorded while a supervisor works with it.
+//! Records a fleet with a trim while a supervisor works with it, and replays the recording.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,7 +22,7 @@ use vibrissa_tests::wait::until_true;
 
 use crate::program::{PROGRAM, effects, replay, run};
 
-/// Whisker 0 is cut to 65 mm and serves itself; 2 is cut too short for that, and 1 serves.
+/// Whisker 0 is cut to 65 mm and compensates itself. Whisker 2 is cut too short for that, and whisker 1 compensates it.
 const SCENARIO: &str = r#"
 fleet = "f"
 seed = 5
@@ -51,10 +51,10 @@ whisker = 2
 change = { kind = "TRIM", length_mm = 54.0 }
 "#;
 const COLD_START: u32 = 60;
-/// The parameters of that supervisor, as flags.
+/// Flags with the parameters of the recording supervisor.
 const AS_THEN: [&str; 2] = ["--detection-cold-start-contacts", "60"];
 
-/// A recording, and the database of the supervisor that worked meanwhile.
+/// A recording, and the database of the supervisor that worked at the same time.
 struct Recording {
     folder: TempDir,
     log: String,
@@ -82,7 +82,7 @@ async fn count(pool: &SqlitePool, sql: &'static str) -> u64 {
     count as u64
 }
 
-/// Made once: the tests look at it.
+/// The recording is made once for all tests.
 async fn recording() -> &'static Recording {
     static RECORDING: OnceCell<Recording> = OnceCell::const_new();
     RECORDING.get_or_init(record).await
@@ -109,7 +109,7 @@ async fn record() -> Recording {
     fleet.stop().await;
     service.stop().await;
     recorder.signal(Signal::SIGTERM);
-    assert!(recorder.ended(Duration::from_secs(10)).await.expect("it ends").success());
+    assert!(recorder.ended(Duration::from_secs(10)).await.expect("the recorder must end").success());
     let log = std::fs::read_to_string(&log).unwrap();
     Recording { folder, log }
 }
@@ -152,7 +152,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
     service
 }
 
-/// Some fields of lines, to be compared with rows.
+/// Selected fields of lines, for comparison with rows.
 fn fields(lines: &[Value], names: &[&str]) -> Vec<Value> {
     lines.iter().map(|line| names.iter().map(|&name| line[name].clone()).collect()).collect()
 }
@@ -195,14 +195,14 @@ async fn a_replay_finds_the_trims_that_were_found_and_decides_as_was_decided() {
         )
         .await;
     assert_eq!(fields(&effects(&text, "SETPOINT_STATE"), &["state", "pressure_mpa"]), states);
-    assert!(!text.contains("\"assumed\""), "every setpoint is one that was recorded");
+    assert!(!text.contains("\"assumed\""), "all setpoints must be recorded ones");
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn property_every_length_after_every_contact_is_what_it_was_and_twice_the_bytes_are_the_same() {
     let recording = recording().await;
     let text = replay(&recording.file(), &AS_THEN);
-    assert!(text == replay(&recording.file(), &AS_THEN), "twice the same bytes");
+    assert!(text == replay(&recording.file(), &AS_THEN), "two replays must give the same bytes");
     let contacts = recording
         .rows(
             "SELECT seq, c.position, t_us, used, residual, c.length_mm, c.length_sd_mm FROM contacts c ORDER BY contact_id",
@@ -235,7 +235,7 @@ async fn a_recording_has_what_robots_and_supervisors_said_and_tells_how_much() {
         assert!(lines.iter().any(|line| line["topic"] == topic && line["payload"]["boot_id"].is_string()), "{topic}");
     }
     assert!(lines.is_sorted_by_key(|line| line["received_us"].as_u64().unwrap()));
-    assert_eq!(replay(&recording.file(), &["--fleet", "other"]), "", "other fleets are passed over");
+    assert_eq!(replay(&recording.file(), &["--fleet", "other"]), "", "other fleets must be ignored");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -251,10 +251,10 @@ async fn two_policies_are_compared_on_the_same_traffic() {
         line.split_whitespace().skip(1).map(|field| field.parse::<f64>().unwrap()).collect::<Vec<_>>()
     };
     let (ours, theirs) = (row("this "), row("other.toml "));
-    // Served, unserved, ended; mean error; setpoints, in force.
+    // Compensated, uncompensated, ended; mean error; setpoints, in force.
     assert_eq!((&ours[..3], &ours[4..]), (&[2.0, 0.0, 0.0][..], &[2.0, 2.0][..]), "{compared}");
     assert_eq!((&theirs[..3], &theirs[4..]), (&[2.0, 0.0, 0.0][..], &[2.0, 2.0][..]), "{compared}");
-    assert!(theirs[3] < ours[3], "the least mean error is less: {compared}");
+    assert!(theirs[3] < ours[3], "the objective mean must give a smaller mean error: {compared}");
 
     std::fs::write(&other, "[policy]\nobjective = \"tip\"\n").unwrap();
     let compared = replay(&recording.file(), &[&AS_THEN[..], &["--policy", other.to_str().unwrap()]].concat());
@@ -264,17 +264,18 @@ async fn two_policies_are_compared_on_the_same_traffic() {
 #[tokio::test(flavor = "multi_thread")]
 async fn setpoints_that_were_never_sent_are_taken_to_be_applied() {
     let recording = recording().await;
-    // No error is small enough: nobody serves, though the supervisor of that time had setpoints for two.
+    // No predicted error is below this limit, so there is no compensation, although the supervisor had sent two
+    // setpoints.
     let nobody = replay(&recording.file(), &[&AS_THEN[..], &["--policy-predicted-error-max", "0.05"]].concat());
     assert_eq!(effects(&nobody, "SETPOINT"), Vec::<Value>::new());
     let alarms = effects(&nobody, "ALARM");
     assert_eq!(alarms.iter().filter(|line| line["kind"] == "UNCOMPENSATED").count(), 2, "{alarms:?}");
-    // Elsewhere than then: answered in place of the recorded ones.
+    // Pressures differ from the recorded ones, so the recorded answers are replaced.
     let other = replay(&recording.file(), &[&AS_THEN[..], &["--policy-objective", "mean"]].concat());
     let applied = effects(&other, "SETPOINT_STATE").into_iter().filter(|line| line["state"] == "APPLIED");
     let applied: Vec<Value> = applied.collect();
     let commanded = effects(&other, "SETPOINT");
-    assert_eq!(commanded.len(), 2, "once each");
+    assert_eq!(commanded.len(), 2, "one setpoint per whisker");
     assert_eq!(fields(&applied, &["pressure_mpa"]), fields(&commanded, &["pressure_mpa"]));
     assert!(applied.iter().all(|line| line["assumed"] == true), "{applied:?}");
 }

@@ -1,4 +1,4 @@
-//! Recordings: made from a real broker, replayed, and compared with what the supervisor of that time did.
+//! Recordings of a real broker's messages, replayed and compared with the recorded supervisor's decisions.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

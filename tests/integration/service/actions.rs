@@ -1,4 +1,4 @@
-//! What operators ask, from the mailbox in the database to the robot.
+//! Operator actions, from their rows in the database to the robot.
 
 use vibrissa_protocol::{ArrayType, SetpointOutcome, SetpointReason};
 use vibrissa_store::actions::{Action, Asked, NewAction};
@@ -28,7 +28,7 @@ fn policy(expected_version: i64, mode: &str) -> NewAction {
     asks("POLICY", &format!(r#"{{"expected_version": {expected_version}, "mode": "{mode}"}}"#))
 }
 
-/// Two whiskers that are learned.
+/// A robot with two whiskers whose baselines are learned.
 async fn learned(running: &Running, name: &str) -> HandRobot {
     let mut robot = HandRobot::born(running.port(), name, array(ArrayType::Type1, &[70.0, 65.0])).await;
     for whisker in [0, 1] {
@@ -69,7 +69,7 @@ async fn where_operators_approve_a_cut_is_served_once_somebody_has_approved() {
     let in_force = running.service.store.policy("f").await.unwrap().unwrap();
     assert_eq!((in_force.version, in_force.mode.as_str(), in_force.changed_by.as_str()), (1, "ADVISE", "ann"));
 
-    // The next owner has the same policy.
+    // The next owner of the fleet applies the same policy.
     let running = running.again(quick(), None).await;
     let still = refused(&running, &policy(0, "AUTOMATIC")).await;
     assert!(still.starts_with("VERSION: version 1 is in force"), "{still}");
@@ -154,7 +154,7 @@ async fn what_is_too_late_is_not_done_and_what_is_asked_twice_is_done_once() {
     running.service.stop().await;
 }
 
-/// The answer is there if and only if the effects are, whenever one looks.
+/// At any time the database has either both the answer and its effects or neither.
 #[tokio::test]
 async fn property_an_answer_and_its_effects_are_there_at_the_same_time() {
     let running = Running::start().await;

@@ -1,4 +1,4 @@
-//! What operators do over HTTP, from the request to the robot and the audit log.
+//! Operator actions over HTTP, from the request to the robot and the audit log.
 
 use serde_json::{Value, json};
 use vibrissa_core::units::Megapascal;
@@ -10,7 +10,7 @@ use crate::running::{LEARNED, Running};
 
 const WHISKER: &str = "/v1/fleets/f/robots/r/arrays/left/whiskers";
 
-/// Two whiskers that are learned.
+/// A robot with two whiskers whose baselines are learned.
 async fn learned(running: &Running) -> HandRobot {
     learned_in(running, ArrayType::Type1).await
 }
@@ -50,7 +50,7 @@ async fn a_pressure_by_hand_reaches_the_robot_and_the_audit_log_says_who_and_why
     let (setpoint, _) = robot.setpoint().await;
     assert_eq!((setpoint.whisker, setpoint.pressure_mpa, setpoint.reason), (1, 0.05, SetpointReason::Operator));
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
-    // Sent again it is the same action; with other content it is refused.
+    // Sending the same key again returns the same action; with other content it is refused.
     let again = ask(&running, "POST", &format!("{WHISKER}/1/setpoint"), &headers, Some(body)).await;
     assert_eq!((again.status, &again.json()["action_id"]), (200, &first.json()["action_id"]));
     let path = format!("{WHISKER}/1/setpoint");
@@ -97,7 +97,7 @@ async fn a_policy_is_changed_by_those_who_have_read_it() {
     assert_eq!(put(Some("\"0\""), json!({ "mode": "ADVISE" })).await.status, 422);
     let done = put(Some("\"0\""), policy("ADVISE")).await;
     assert_eq!(done.status, 200, "{}", done.body);
-    assert_eq!(put(Some("\"0\""), policy("AUTOMATIC")).await.status, 412, "it is version 1 now");
+    assert_eq!(put(Some("\"0\""), policy("AUTOMATIC")).await.status, 412, "version 1 is in force");
     let now = ask(&running, "GET", path, &[], None).await;
     assert_eq!((now.headers["etag"].as_str(), &now.json()["predicted_error_max"]), ("\"1\"", &json!(0.4)));
     assert_eq!(put(Some("*"), policy("AUTOMATIC")).await.status, 200);
@@ -109,10 +109,10 @@ async fn a_policy_is_changed_by_those_who_have_read_it() {
     running.service.stop().await;
 }
 
-/// The next event of that kind.
+/// The next event of this kind.
 async fn event(events: &mut Events, kind: &str) -> (ServerEvent, Value) {
     loop {
-        let event = events.next().await.unwrap().expect("the stream goes on");
+        let event = events.next().await.unwrap().expect("the stream must continue");
         let data: Value = serde_json::from_str(&event.data).unwrap();
         if data["kind"] == kind {
             return (event, data);
@@ -136,7 +136,7 @@ async fn what_happens_is_followed_and_taken_up_again_where_it_was_left() {
     let (_, decided) = event(&mut live, "COMPENSATION").await;
     let (setpoint, sent) = event(&mut live, "SETPOINT").await;
     assert!(sent["command_id"].is_string() && decided["number"].is_i64(), "{sent} {decided}");
-    // From where the trim was: what came after it comes again, and nothing else.
+    // A stream that resumes after the trim repeats exactly the later events.
     let (_, mut again) = open(running.service.http, "/v1/events", &[("Last-Event-ID", &trimmed.id)]).await.unwrap();
     let mut seen = Vec::new();
     while seen.last() != Some(&setpoint.id) {
@@ -148,14 +148,18 @@ async fn what_happens_is_followed_and_taken_up_again_where_it_was_left() {
     let bad = ask(&running, "GET", "/v1/events", &[("Last-Event-ID", "yesterday")], None).await;
     assert_eq!(bad.status, 422, "{}", bad.body);
     running.service.stop().await;
-    assert_eq!(elsewhere.next().await.unwrap(), None, "nothing of another fleet, and an end with the service");
+    assert_eq!(
+        elsewhere.next().await.unwrap(),
+        None,
+        "no event of another fleet, and the end of the stream with the service"
+    );
 }
 
 #[tokio::test]
 async fn alarms_are_acknowledged_and_shelved_with_who_and_why() {
     let running = Running::start().await;
     let mut robot = learned_in(&running, ArrayType::Type2).await;
-    // By itself, and too short for that: nobody can serve it.
+    // In this type of array a whisker can only compensate itself, and this one is then too short for that.
     robot.cut(0, 40.0);
     robot.touch(0, 120).await;
     robot.receipted().await;
@@ -166,7 +170,7 @@ async fn alarms_are_acknowledged_and_shelved_with_who_and_why() {
     let (status, action) = post(&running, &format!("{path}/acknowledge"), json!({ "reason": "on my way" })).await;
     assert_eq!((status, &action["kind"]), (200, &json!("ALARM_ACKNOWLEDGE")));
     assert_eq!(post(&running, &format!("{path}/acknowledge"), json!({})).await.0, 409, "once");
-    assert_eq!(post(&running, &format!("{path}/unshelve"), json!({})).await.0, 409, "it is not shelved");
+    assert_eq!(post(&running, &format!("{path}/unshelve"), json!({})).await.0, 409, "the alarm is not shelved");
     let shelf = |until: &str| json!({ "until": until, "reason": "spare part on its way" });
     assert_eq!(post(&running, &format!("{path}/shelve"), shelf("2020-01-01T00:00:00Z")).await.0, 422);
     let until = vibrissa_protocol::Timestamp(vibrissa_simulator::fleet::now_us() + 3_600_000_000).to_string();
@@ -190,7 +194,7 @@ async fn golden_measurements_become_a_calibration_that_a_fleet_works_with() {
     let mut robot = learned(&running).await;
     let before = get(&running, &format!("{WHISKER}/0")).await;
     assert_eq!(before["condition"], "HEALTHY", "{before}");
-    // What the paper's own model strains at these pressures: the fit gives its numbers back.
+    // The strains of the paper's own model at these pressures, so the fit must find its parameters.
     let model = vibrissa_core::mechanics::Model::nguyen_2021(vibrissa_core::mechanics::Formulation::Published);
     let truth = *model.calibration();
     let row = |pressure_mpa: f64| {
@@ -215,12 +219,16 @@ async fn golden_measurements_become_a_calibration_that_a_fleet_works_with() {
     assert_eq!(status, 200, "{done}");
     let listed = get(&running, "/v1/calibrations?model=nguyen-2021").await;
     assert_eq!(listed["items"][0]["active_in"], "f");
-    assert_eq!(get(&running, &format!("{WHISKER}/0")).await["condition"], "LEARNING", "its readings are learned anew");
+    assert_eq!(
+        get(&running, &format!("{WHISKER}/0")).await["condition"],
+        "LEARNING",
+        "a new calibration must restart learning"
+    );
     let picture = ask(&running, "GET", &format!("/v1/calibrations/{id}/plot.svg"), &[], None).await;
     assert!(picture.status == 200 && picture.body.contains("<svg"), "{}", picture.status);
     robot.touch(0, LEARNED + 20).await;
     robot.receipted().await;
-    // The next owner works with it, too.
+    // The next owner of the fleet uses it, too.
     let running = running.again(crate::running::quick(), None).await;
     assert_eq!(get(&running, "/v1/calibrations").await["items"][0]["active_in"], "f");
     running.service.stop().await;

@@ -1,4 +1,4 @@
-//! A collector of traces: OTLP as protobuf over HTTP, as much of it as tests need.
+//! A collector of traces: the part of OTLP (protobuf over HTTP) that the tests need.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,15 +12,15 @@ use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::{TcpListener, TcpStream};
 use vibrissa_tests::wait::until;
 
-/// Attributes as texts, by their names.
+/// Attributes as text, by name.
 pub(crate) type Attributes = BTreeMap<String, String>;
 
-/// A span as it has come in.
+/// A received span.
 #[derive(Debug, Clone)]
 pub(crate) struct Span {
     pub(crate) trace: String,
     pub(crate) id: String,
-    /// Empty for a root.
+    /// Id of the parent span, empty for a root.
     pub(crate) parent: String,
     pub(crate) name: String,
     pub(crate) kind: SpanKind,
@@ -32,7 +32,7 @@ pub(crate) struct Span {
     pub(crate) resource: Attributes,
 }
 
-/// A collector; dropped, it takes nothing more.
+/// A collector, stopped on drop.
 pub(crate) struct Collector {
     port: u16,
     spans: Arc<Mutex<Vec<Span>>>,
@@ -41,12 +41,12 @@ pub(crate) struct Collector {
 }
 
 impl Collector {
-    /// One that takes everything.
+    /// Starts a collector that accepts all spans.
     pub(crate) async fn start() -> Self {
         Self::that(true).await
     }
 
-    /// One that lets everybody in and answers nobody.
+    /// Starts a collector that accepts connections but never answers.
     pub(crate) async fn hanging() -> Self {
         Self::that(false).await
     }
@@ -71,32 +71,32 @@ impl Collector {
         Self { port, spans, connections, task }
     }
 
-    /// What `traces.otlp_endpoint` has to be.
+    /// Value of `traces.otlp_endpoint` for this collector.
     pub(crate) fn endpoint(&self) -> String {
         format!("http://127.0.0.1:{}", self.port)
     }
 
-    /// Where the exporter sends.
+    /// URL to which the exporter sends.
     pub(crate) fn url(&self) -> String {
         format!("{}/v1/traces", self.endpoint())
     }
 
-    /// How often somebody has connected.
+    /// Number of connections so far.
     pub(crate) fn connections(&self) -> usize {
         self.connections.load(Ordering::SeqCst)
     }
 
-    /// All that has come in.
+    /// All received spans.
     pub(crate) fn spans(&self) -> Vec<Span> {
         self.spans.lock().unwrap().clone()
     }
 
-    /// The first span of that kind, as soon as there is one.
+    /// Waits for a span that satisfies `is_it` and returns the first one.
     pub(crate) async fn span(&self, what: &str, is_it: impl Fn(&Span) -> bool) -> Span {
         until(&format!("a span: {what}"), async || self.spans().into_iter().find(|span| is_it(span))).await
     }
 
-    /// A trace as soon as its root is there; the others come with it or before. The root first, then by time.
+    /// Waits for the root of a trace; its other spans arrive with it or earlier. Returns the root first, then by time.
     pub(crate) async fn trace(&self, command_id: &str) -> Vec<Span> {
         let id = command_id.replace('-', "");
         self.span("the root of a trace", |span| span.trace == id && span.parent.is_empty()).await;
@@ -112,7 +112,7 @@ impl Drop for Collector {
     }
 }
 
-/// Takes requests from one connection until it ends.
+/// Accepts requests from one connection until it ends.
 async fn serve(stream: TcpStream, spans: Arc<Mutex<Vec<Span>>>) {
     let mut stream = BufReader::new(stream);
     loop {

@@ -1,4 +1,4 @@
-//! The configuration as a person meets it: which layer wins, where a value came from, and what is wrong.
+//! The configuration from the user's point of view: precedence of sources, origin of values, and problems.
 
 use std::path::Path;
 use std::process::Output;
@@ -9,10 +9,10 @@ use vibrissa::config::keys::Kind;
 
 use crate::program::PROGRAM;
 
-/// No error, no output and no warning may ever have it.
+/// A password that must not appear in any output, warning or error.
 const PASSWORD: &str = "hunter2-is-secret";
 
-/// The program in a folder, with nothing in its environment but that.
+/// Runs the program in a folder with only these environment variables.
 fn vibrissa(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Output {
     let mut command = assert_cmd::Command::new(PROGRAM);
     command.args(arguments).env_clear().envs(environment.iter().copied()).current_dir(folder).output().unwrap()
@@ -22,7 +22,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// What `vibrissa config` shows.
+/// Output of `vibrissa config`.
 fn shown(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> String {
     let arguments: Vec<&str> = ["config"].iter().chain(arguments).copied().collect();
     let ended = vibrissa(folder, &arguments, environment);
@@ -31,7 +31,7 @@ fn shown(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Str
     text(&ended.stdout)
 }
 
-/// What `vibrissa config` says is wrong.
+/// Problems reported by `vibrissa config`.
 fn refused(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> String {
     let arguments: Vec<&str> = ["config"].iter().chain(arguments).copied().collect();
     let ended = vibrissa(folder, &arguments, environment);
@@ -40,7 +40,7 @@ fn refused(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> S
     text(&ended.stderr)
 }
 
-/// The line of a key in what is shown.
+/// The line of a key in the output.
 fn line(shown: &str, key: Key) -> String {
     let (section, name) = key.section();
     let mut here = None;
@@ -53,10 +53,10 @@ fn line(shown: &str, key: Key) -> String {
             return line.to_owned();
         }
     }
-    panic!("{key} is not shown:\n{shown}");
+    panic!("{key} is missing:\n{shown}");
 }
 
-/// A folder with files that keys can name.
+/// A folder with files to which keys can refer.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for number in 0..3 {
@@ -72,7 +72,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Three good values of a key other than its default, as they are written in the environment.
+/// Three valid values of a key other than its default, as written in the environment.
 fn values(key: Key) -> [&'static str; 3] {
     match key {
         Key::Name => ["one", "two", "three"],
@@ -114,7 +114,7 @@ fn values(key: Key) -> [&'static str; 3] {
     }
 }
 
-/// Flags that a key's value needs around it to make sense.
+/// Further flags that the key requires.
 fn companions(key: Key) -> &'static [&'static str] {
     match key {
         Key::DatabasePasswordFile => &["--database-url=postgres://u@h/d"],
@@ -132,7 +132,7 @@ fn companions(key: Key) -> &'static [&'static str] {
     }
 }
 
-/// A value as TOML.
+/// A value in TOML.
 fn toml(key: Key, value: &str) -> String {
     match key.kind() {
         Kind::Number { .. } | Kind::Whole { .. } => value.to_owned(),
@@ -246,7 +246,7 @@ fn the_service_is_told_the_same_and_does_not_start() {
     let said = text(&ended.stderr);
     assert_eq!(ended.status.code(), Some(1));
     assert!(said.starts_with("vibrissa: the configuration has 2 problems:\n  mqtt.url (flag --mqtt-url): "), "{said}");
-    assert!(!folder.path().join("vibrissa.sqlite3").exists(), "it has opened the database");
+    assert!(!folder.path().join("vibrissa.sqlite3").exists(), "the database must not be opened");
 }
 
 #[test]
@@ -321,7 +321,7 @@ fn no_password_is_ever_printed() {
         file(toml);
         assert_eq!(said(&["--config", "v.toml"], &[]).0, is_good, "{toml}");
     }
-    // The file itself, taken for a configuration.
+    // The password file used as a configuration file.
     assert!(!said(&["--config", "file0"], &[]).0);
     let in_environment = [("VIBRISSA_MQTT_PASSWORD", PASSWORD)];
     let (is_good, shown) = said(&["--mqtt-url=mqtt://h", "--mqtt-username=u"], &in_environment);

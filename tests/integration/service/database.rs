@@ -1,16 +1,16 @@
-//! The database as its readers see it, beside the service that writes it.
+//! Reads the service's database as an external reader.
 
 use std::path::Path;
 
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{Row, SqlitePool};
 
-/// A reader.
+/// A connection that reads.
 pub(crate) struct Database {
     pool: SqlitePool,
 }
 
-/// A contact by its name: the robot's boot, the message's number, the position in it; and what it felt.
+/// A contact with its name (the robot's boot, the message's number, the position in it) and its measured values.
 #[derive(Debug)]
 pub(crate) struct Recorded {
     pub(crate) robot: String,
@@ -29,17 +29,17 @@ impl Database {
         Self { pool: SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap() }
     }
 
-    /// One number.
+    /// Runs a query for one number.
     pub(crate) async fn number(&self, sql: &'static str) -> i64 {
         sqlx::query_scalar(sql).fetch_one(&self.pool).await.unwrap_or_else(|error| panic!("{sql}: {error}"))
     }
 
-    /// One column of texts.
+    /// Runs a query for one column of texts.
     pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
         sqlx::query_scalar(sql).fetch_all(&self.pool).await.unwrap_or_else(|error| panic!("{sql}: {error}"))
     }
 
-    /// Every contact, in the order in which it was recorded.
+    /// Every contact in the order of recording.
     pub(crate) async fn contacts(&self) -> Vec<Recorded> {
         let rows = sqlx::query(
             "SELECT robot, b.boot_id, seq, c.position, whisker, t_us, strain, c.length_mm FROM contacts c \
@@ -62,7 +62,7 @@ impl Database {
         rows.iter().map(recorded).collect()
     }
 
-    /// Contacts, and how many different names they have: equal if none is there twice.
+    /// Number of contacts, and of their different names; equal if no contact is recorded twice.
     pub(crate) async fn counted(&self) -> (i64, i64) {
         let sql = "SELECT count(*), count(DISTINCT boot || ' ' || seq || ' ' || position) FROM contacts";
         sqlx::query_as(sql).fetch_one(&self.pool).await.unwrap()

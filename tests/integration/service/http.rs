@@ -1,4 +1,4 @@
-//! What HTTP says of the service.
+//! Health, lists and metrics over HTTP.
 
 use std::time::{Duration, Instant};
 
@@ -75,7 +75,7 @@ async fn what_happens_is_counted() {
     running.service.stop().await;
 }
 
-/// Each commit waits for the disk, and each receipt wakes a robot.
+/// Each commit waits for the disk, and each receipt makes a robot act.
 #[tokio::test]
 async fn few_messages_are_committed_and_receipted_together() {
     const MESSAGES: usize = 60;
@@ -85,7 +85,7 @@ async fn few_messages_are_committed_and_receipted_together() {
     robot.receipted().await;
     let before = running.metrics().await;
     for _ in 0..MESSAGES {
-        // As far apart as many would be gathered.
+        // The interval at which a busy fleet commits.
         tokio::time::sleep(Duration::from_millis(20)).await;
         robot.touch(0, 1).await;
     }
@@ -161,7 +161,7 @@ async fn a_service_ends_though_someone_holds_a_connection_open() {
     let _silent = TcpStream::connect(running.service.http).await.unwrap();
     let mut half = TcpStream::connect(running.service.http).await.unwrap();
     half.write_all(b"GET /livez HTTP/1.1\r\nHost:").await.unwrap();
-    assert_eq!(web::get(running.service.http, "/livez").await.0, 200, "the connections before are taken too");
+    assert_eq!(web::get(running.service.http, "/livez").await.0, 200, "earlier connections must be served, too");
     let begun = Instant::now();
     running.service.stop().await;
     assert!(begun.elapsed() < Duration::from_secs(8), "{:?}", begun.elapsed());

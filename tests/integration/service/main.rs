@@ -1,4 +1,4 @@
-//! The running service: real MQTT in, a real database, HTTP out.
+//! The running service: real MQTT, a real database, and HTTP.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! What Prometheus is told.
+//! Metrics for Prometheus.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -14,9 +14,9 @@ use vibrissa_tests::wait::{until, until_true};
 use crate::running::{LEARNED, Running, quick};
 use crate::web::{self, Metrics};
 
-/// Robots whose names somebody makes up.
+/// Number of robots with invented names.
 const INVENTED: usize = 100_000;
-/// Of them, those that say that they are born.
+/// One in this many of them also sends its birth.
 const BORN_EVERY: usize = 100;
 const SENDERS: usize = 50;
 
@@ -24,7 +24,7 @@ fn names(metrics: &Metrics) -> BTreeSet<String> {
     metrics.names().map(ToOwned::to_owned).collect()
 }
 
-/// Contacts messages that came, whatever became of them.
+/// Number of contacts messages received, with any outcome.
 fn came(metrics: &Metrics) -> f64 {
     let shed = metrics.get("vibrissa_messages_shed_total{fleet=\"f\"}");
     shed + metrics.get("vibrissa_messages_received_total{fleet=\"f\",topic=\"contacts\"}")
@@ -51,7 +51,7 @@ async fn a_hundred_thousand_invented_robots_make_no_series() {
     let mut robot = HandRobot::born(running.port(), "r", array(ArrayType::Type2, &[70.0, 70.0])).await;
     robot.touch(0, 10).await;
     robot.receipted().await;
-    // Routes are counted once they were asked for.
+    // A route has a metric after its first request.
     web::get(http, "/v1/robots").await;
     web::get(http, "/metrics").await;
     web::get(http, "/no/such/path").await;
@@ -102,7 +102,7 @@ async fn a_compensation_is_told_from_the_contact_to_the_error_and_also_after_a_r
         1.0
     );
     robot.settle().await;
-    // Fewer than lead to a refinement, after which it is measured anew.
+    // Fewer contacts than a refinement needs, after which the measurement of the error would restart.
     robot.touch(0, 150).await;
     robot.receipted().await;
     let told = until("the error", async || {
@@ -120,7 +120,7 @@ async fn a_compensation_is_told_from_the_contact_to_the_error_and_also_after_a_r
     running.service.stop().await;
 }
 
-/// Touches the cut whisker until something is done about it.
+/// Sends contacts of the cut whisker until a setpoint arrives.
 async fn until_setpoint(robot: &mut HandRobot) -> vibrissa_protocol::Setpoint {
     for _ in 0..30 {
         robot.touch(0, 10).await;

@@ -1,4 +1,4 @@
-//! The program `vibrissa run` as a process of its own, so that it can be killed.
+//! Runs `vibrissa run` as a separate process, which can be killed.
 
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
@@ -10,31 +10,31 @@ use vibrissa_tests::wait::{self, PATIENCE};
 
 use crate::running::LEARNED;
 
-/// The program.
+/// Path of the program.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
-/// A running program; dropped, it is killed.
+/// A running program, killed on drop.
 pub(crate) struct Program {
     process: Child,
     pub(crate) http: SocketAddr,
 }
 
-/// How a program ends.
+/// How a test ends the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// SIGTERM: it may tidy up.
+    /// SIGTERM: the program stops in an orderly way.
     Terminated,
-    /// SIGKILL: it may not.
+    /// SIGKILL: the program stops at once.
     Killed,
 }
 
 impl Program {
-    /// Supervises fleet `f`; returns when it says where it serves.
+    /// Starts a supervisor of fleet `f` and waits until it prints its HTTP address.
     pub(crate) fn start(database: &Path, broker_port: u16) -> Self {
         Self::start_in(database, broker_port, &[])
     }
 
-    /// The same in an environment.
+    /// The same with additional environment variables.
     pub(crate) fn start_in(database: &Path, broker_port: u16, environment: &[(&str, &str)]) -> Self {
         let mut process = Command::new(PROGRAM)
             .args(["run", "--fleet", "f", "--http", "127.0.0.1:0"])
@@ -51,12 +51,12 @@ impl Program {
         let lines = BufReader::new(process.stdout.take().unwrap()).lines();
         let (said, says) = mpsc::channel();
         std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
-        let line = says.recv_timeout(PATIENCE).expect("the program does not say where it serves");
+        let line = says.recv_timeout(PATIENCE).expect("the program does not print its address");
         let http = line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap();
         Self { process, http }
     }
 
-    /// Ends it, and waits until it has.
+    /// Ends the program and waits for its exit.
     pub(crate) async fn end(mut self, ending: Ending) {
         match ending {
             Ending::Killed => self.process.kill().unwrap(),

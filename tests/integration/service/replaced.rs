@@ -1,4 +1,4 @@
-//! A factsheet with a new whisker in the place of a trimmed one.
+//! A factsheet with a new whisker in place of a trimmed one.
 
 use vibrissa_protocol::{ArrayType, RobotTopic, SetpointOutcome, SetpointReason, encode};
 use vibrissa_tests::robot::{HandRobot, array};
@@ -41,7 +41,7 @@ async fn the_compensator_of_a_replaced_whisker_is_released_and_the_database_says
     until_true("the new whisker in the database", async || database.texts(now).await == expected).await;
     let applied = "SELECT state FROM setpoints WHERE reason = 'RELEASE'";
     until_true("the release applied", async || database.texts(applied).await == ["APPLIED"]).await;
-    // A new supervisor on the same database has the new layout.
+    // A new supervisor with the same database knows the new layout.
     let again = running.again(crate::running::quick(), None).await;
     assert_eq!(again.database.texts(now).await, expected);
     again.service.stop().await;

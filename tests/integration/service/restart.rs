@@ -1,4 +1,4 @@
-//! The service ends in the middle, in good order or not, and goes on where its last commit was.
+//! The service stops at any moment, orderly or not, and continues from its last commit.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::database::Database;
 use crate::program::{Ending, Program};
 use crate::running::{LEARNED, Running, database_in, list, quick};
 
-/// Robot `one` is compensated when robot `two` is cut so deep that its chamber vents for seconds.
+/// Robot `one` is compensated; then robot `two` is cut so much that its chamber vents for seconds.
 const SCENARIO: &str = r#"
 fleet = "f"
 seed = 7
@@ -41,13 +41,13 @@ fn start_fleet(broker: &Mosquitto) -> Fleet {
     Fleet::start(&scenario, &Broker::new("127.0.0.1", broker.port())).unwrap()
 }
 
-/// Waits until the robots have made that many contacts more.
+/// Waits until the robots have made this many further contacts.
 async fn more_contacts(fleet: &Fleet, more: u64) {
     let goal = fleet.contacts_made() + more;
     until_true("more contacts", async || fleet.contacts_made() >= goal).await;
 }
 
-/// Lets the robots rest until every message is receipted; then every contact must be there once.
+/// Stops the contacts, waits until every message is receipted, and checks that each contact is recorded once.
 async fn assert_each_contact_is_there_once(fleet: &Fleet, database: &Database) {
     fleet.rest();
     until_true("every message receipted", async || fleet.is_receipted()).await;
@@ -55,7 +55,7 @@ async fn assert_each_contact_is_there_once(fleet: &Fleet, database: &Database) {
     assert_eq!(database.counted().await, (made, made));
 }
 
-/// The state of a robot's newest setpoint for a compensation.
+/// State of a robot's newest setpoint for a compensation.
 fn setpoint_state<'a>(compensations: &'a [Value], robot: &str) -> Option<&'a str> {
     compensations.iter().find(|one| one["robot"] == robot)?["setpoint_state"].as_str()
 }
@@ -94,7 +94,7 @@ async fn goes_on_after(ending: Ending) {
     let program = Program::start(&path, broker.port());
     let (presence, second) = next_supervisor_state(&mut observer).await;
     assert!(presence == SupervisorPresence::Online && second > first, "{presence:?} in epoch {second} after {first}");
-    assert_eq!(conditions(&database).await, before, "at once as it was");
+    assert_eq!(conditions(&database).await, before, "conditions must be restored");
 
     until_true("two compensated", async || {
         setpoint_state(&list(program.http, "compensations").await, "two") == Some("APPLIED")
@@ -102,7 +102,7 @@ async fn goes_on_after(ending: Ending) {
     .await;
     more_contacts(&fleet, 200).await;
     assert_each_contact_is_there_once(&fleet, &database).await;
-    assert_eq!(conditions(&database).await, before, "nothing was learned or found again");
+    assert_eq!(conditions(&database).await, before, "nothing may be learned or detected again");
     assert_went_on(&database).await;
     program.end(Ending::Terminated).await;
     fleet.stop().await;
@@ -112,14 +112,14 @@ async fn conditions(database: &Database) -> Vec<String> {
     database.texts("SELECT condition || coalesce(fault, '') FROM whiskers ORDER BY whisker_id").await
 }
 
-/// Nothing began anew: not learning, not the length, not the decisions, not the setpoints.
+/// Checks that learning, lengths, decisions and setpoints continue without a restart.
 async fn assert_went_on(database: &Database) {
     let learned = database.number("SELECT count(*) FROM contacts WHERE used = 'LEARNING'").await;
-    assert_eq!(learned, 4 * LEARNED as i64, "four whiskers learn once");
+    assert_eq!(learned, 4 * LEARNED as i64, "each of the four whiskers must learn once");
     assert_eq!(database.number("SELECT count(*) FROM trims").await, 2);
-    assert_eq!(database.number("SELECT count(*) FROM compensations").await, 2, "decided once");
+    assert_eq!(database.number("SELECT count(*) FROM compensations").await, 2, "each trim must be decided once");
     assert_eq!(database.number("SELECT count(*) FROM compensations WHERE ended_us IS NOT NULL").await, 0);
-    // A refinement may be on its way at any moment; what was decided is not sent twice.
+    // A refinement may be pending at any moment; setpoints of decisions are sent once.
     let decided = database.texts("SELECT state FROM setpoints WHERE reason <> 'REFINEMENT'").await;
     assert_eq!(decided, ["APPLIED", "APPLIED"]);
 
@@ -241,7 +241,7 @@ async fn what_is_held_beyond_a_gap_survives_a_restart() {
     running.service.stop().await;
 }
 
-/// Learns a whisker, cuts it and gives the setpoint that follows.
+/// Lets a whisker learn, cuts it and returns the setpoint that follows.
 async fn cut(robot: &mut HandRobot, length_mm: f64) -> vibrissa_protocol::Setpoint {
     robot.touch(0, LEARNED + 20).await;
     robot.cut(0, length_mm);
@@ -301,7 +301,7 @@ async fn a_robot_whose_stored_state_cannot_be_read_starts_anew_and_its_trims_hav
     running.service.stop().await;
 }
 
-/// A supervisor that froze is declared dead by the broker when its fleet has long been another's.
+/// The broker may declare a frozen supervisor dead long after another one has acquired its fleet.
 #[tokio::test]
 async fn a_predecessors_late_will_does_not_stay_the_last_word() {
     let broker = Mosquitto::start();
@@ -314,7 +314,7 @@ async fn a_predecessors_late_will_does_not_stay_the_last_word() {
     assert_eq!(next_supervisor_state(&mut observer).await, (SupervisorPresence::Offline, first));
     let program = Program::start(&database_in(&folder), broker.port());
     let (_, second) = next_supervisor_state(&mut observer).await;
-    // The predecessor's, and that of a former connection of its own.
+    // The will of the predecessor, and the will of one of its earlier connections.
     for epoch in [first, second] {
         let boot_id = BootId::new("before").unwrap();
         let will = SupervisorState { boot_id, seq: 1, state: SupervisorPresence::Offline, epoch };

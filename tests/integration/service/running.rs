@@ -1,4 +1,4 @@
-//! The service in this process, with a database and a broker of its own.
+//! Runs the service in this process with a private database and broker.
 
 use std::path::PathBuf;
 
@@ -19,17 +19,17 @@ use vibrissa_tests::wait::until_true;
 use crate::database::Database;
 use crate::web::{self, Metrics};
 
-/// Contacts until a whisker counts as learned: few, so that tests are quick.
+/// Contacts until a whisker counts as learned; few, so that tests are fast.
 pub(crate) const LEARNED: usize = 60;
 
-/// A running service; its database outlives it.
+/// A running service. Its database can outlive it.
 pub(crate) struct Running {
     pub(crate) service: Service,
     pub(crate) database: Database,
     folder: TempDir,
 }
 
-/// Parameters that make things happen soon.
+/// Parameters with short times.
 pub(crate) fn quick() -> Params {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
@@ -38,28 +38,28 @@ pub(crate) fn quick() -> Params {
 }
 
 impl Running {
-    /// With the embedded broker, on any free port.
+    /// Starts a service with its embedded broker on a free port.
     pub(crate) async fn start() -> Self {
         Self::with(quick(), None).await
     }
 
-    /// With those parameters; with the broker on that port of 127.0.0.1 instead of the embedded one.
+    /// Starts a service with these parameters and, instead of the embedded broker, the one on this port of 127.0.0.1.
     pub(crate) async fn with(params: Params, broker: Option<u16>) -> Self {
         Self::on(tempfile::tempdir().unwrap(), params, broker).await
     }
 
-    /// For those who have this token, or one of the database's.
+    /// Starts a service that requires this token or one from the database.
     pub(crate) async fn closed(token: &str) -> Self {
         let access = AccessOptions { token: Some(Secret::new(token)), oidc: None };
         Self::let_in(tempfile::tempdir().unwrap(), quick(), None, access, None).await
     }
 
-    /// On the database in that folder.
+    /// Starts a service on the database in this folder.
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
         Self::let_in(folder, params, broker, AccessOptions::default(), None).await
     }
 
-    /// With a collector of traces.
+    /// Starts a service that exports traces.
     pub(crate) async fn traced(broker: Option<u16>, traces: TraceOptions) -> Self {
         Self::traced_on(tempfile::tempdir().unwrap(), broker, traces).await
     }
@@ -99,23 +99,23 @@ impl Running {
         Self { service, database: Database::open(&path).await, folder }
     }
 
-    /// Stops it in good order, and starts another on the same database.
+    /// Stops the service in an orderly way and starts another one with the same database.
     pub(crate) async fn again(self, params: Params, broker: Option<u16>) -> Self {
         Self::on(self.stop().await, params, broker).await
     }
 
-    /// The same with a collector of traces.
+    /// The same, with export of traces.
     pub(crate) async fn traced_again(self, broker: Option<u16>, traces: TraceOptions) -> Self {
         Self::traced_on(self.stop().await, broker, traces).await
     }
 
-    /// Stops it in good order; gives the folder with its database.
+    /// Stops the service in an orderly way and returns the folder with its database.
     pub(crate) async fn stop(self) -> TempDir {
         self.service.stop().await;
         self.folder
     }
 
-    /// The broker's port.
+    /// Port of the broker.
     pub(crate) fn port(&self) -> u16 {
         self.service.broker.port
     }
@@ -124,23 +124,23 @@ impl Running {
         Metrics::read(self.service.http).await
     }
 
-    /// One metric, by its name with labels.
+    /// Value of a metric, by name and labels.
     pub(crate) async fn metric(&self, name: &str) -> f64 {
         self.metrics().await.get(name)
     }
 
-    /// A list that is served under `/v1/`.
+    /// Items of a list under `/v1/`.
     pub(crate) async fn list(&self, name: &str) -> Vec<Value> {
         list(self.service.http, name).await
     }
 }
 
-/// A list that is served under `/v1/`.
+/// Items of a list under `/v1/`.
 pub(crate) async fn list(http: std::net::SocketAddr, name: &str) -> Vec<Value> {
     web::json(http, &format!("/v1/{name}")).await["items"].as_array().unwrap().clone()
 }
 
-/// Where the database is in a folder.
+/// Path of the database in a folder.
 pub(crate) fn database_in(folder: &TempDir) -> PathBuf {
     folder.path().join("vibrissa.sqlite3")
 }

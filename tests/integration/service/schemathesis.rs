@@ -1,5 +1,5 @@
-//! The OpenAPI document against the service, by schemathesis: requests that it allows and such that it does not, on every
-//! route, with every check.
+//! Tests the service against its OpenAPI document with schemathesis: valid and invalid requests on every route, with
+//! every check.
 
 use std::process::Stdio;
 
@@ -10,7 +10,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 use crate::running::{LEARNED, Running};
 
 const TOKEN: &str = "a-token-of-more-than-32-characters-for-the-test";
-/// Requests of a kind on a route.
+/// Number of requests of each kind on a route.
 const EXAMPLES: &str = "10";
 
 #[tokio::test(flavor = "multi_thread")]

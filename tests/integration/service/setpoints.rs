@@ -1,4 +1,4 @@
-//! Setpoints: sent until answered, one at a time, within limits, given up with an alarm.
+//! Setpoints are sent until they are answered, one at a time and within limits, and abandoned with an alarm.
 
 use rumqttc::QoS;
 use vibrissa_core::robot::Params;
@@ -28,7 +28,7 @@ async fn start(array: ArrayFacts) -> (Running, HandRobot) {
     (running, robot)
 }
 
-/// A robot with one whisker that was cut, and the setpoint that follows from it.
+/// A robot with a cut whisker, and the setpoint that follows.
 async fn cut() -> (Running, HandRobot, Setpoint) {
     let (running, mut robot) = start(array(ArrayType::Type2, &[70.0])).await;
     robot.cut(0, 66.0);
@@ -37,7 +37,7 @@ async fn cut() -> (Running, HandRobot, Setpoint) {
     (running, robot, setpoint)
 }
 
-/// Lets the supervisor's clock tick a few times more: each round needs an answer from it.
+/// Waits for some ticks of the supervisor: each round needs an answer from it.
 async fn some_rounds(robot: &mut HandRobot) {
     for _ in 0..10 {
         robot.status().await;
@@ -68,7 +68,7 @@ async fn an_unanswered_setpoint_is_sent_again_under_its_name_with_the_next_numbe
         assert!((1..=15).contains(&expiry_s), "{expiry_s} s");
     }
     let mut late = Observer::subscribed(running.port(), "late", &["whisker/v1/f/r/#"]).await;
-    // What is retained comes before the setpoint that is sent again.
+    // A retained message would arrive before the setpoint that is sent again.
     let retained = late.expect("a setpoint", |heard| {
         heard.payload.windows(10).any(|part| part == b"command_id").then_some(heard.retained)
     });
@@ -81,7 +81,7 @@ async fn an_unanswered_setpoint_is_sent_again_under_its_name_with_the_next_numbe
 #[tokio::test]
 async fn a_setpoint_expires_by_the_robots_clock_also_if_that_was_never_set_and_a_new_one_follows() {
     let (running, mut robot) = start(array(ArrayType::Type2, &[70.0])).await;
-    // A robot whose clock was never set, in 2020.
+    // A robot whose clock was never set and shows the year 2020.
     robot.restart();
     robot.clock_us = 1_600_000_000_000_000;
     robot.birth().await;
@@ -91,7 +91,7 @@ async fn a_setpoint_expires_by_the_robots_clock_also_if_that_was_never_set_and_a
     let (first, _) = robot.setpoint().await;
     let left_s = (first.expires_us as f64 - robot.clock_us as f64) / 1e6;
     let slewing_s = (0.1 - first.pressure_mpa) / SLEW_MPA_PER_S;
-    // This robot's clock goes on with its contacts, and the supervisor's does so always.
+    // This robot's clock only advances with contacts, the supervisor's clock always does.
     assert!((-1.0..1.0).contains(&(TIME_TO_LIVE_S + slewing_s - left_s)), "{left_s} s left");
 
     robot.clock_us = first.expires_us + 1;
@@ -129,7 +129,7 @@ async fn a_setpoint_that_a_robot_is_not_ready_for_is_tried_three_times_and_then_
     assert_eq!(robot.setpoints_left(), [&setpoint; 0]);
     assert_eq!(states(&running).await, ["REJECTED"; 3]);
     let alarms = running.database.texts("SELECT kind FROM alarms ORDER BY alarm_id").await;
-    assert_eq!(alarms, ["SETPOINT_FAILED", "UNCOMPENSATED"], "nobody else can serve");
+    assert_eq!(alarms, ["SETPOINT_FAILED", "UNCOMPENSATED"], "no other whisker can compensate");
     let ended = running.database.texts("SELECT end_reason FROM compensations WHERE compensator_whisker_id IS NOT NULL");
     assert_eq!(ended.await, ["SETPOINT_FAILED"]);
     running.service.stop().await;
@@ -154,25 +154,25 @@ async fn there_is_one_setpoint_at_a_time_for_a_whisker() {
     let (running, mut robot, setpoint) = cut().await;
     robot.answer(&setpoint, SetpointOutcome::Received, None).await;
     until_states(&running, &["RECEIVED"]).await;
-    // A second cut while the first setpoint is under way.
+    // A second cut while the first setpoint is pending.
     robot.cut(0, 63.0);
     robot.touch(0, 100).await;
     let (second, _) = robot.setpoint().await;
     assert!(second.version > setpoint.version && second.pressure_mpa < setpoint.pressure_mpa);
     until_states(&running, &["SUPERSEDED", "PENDING"]).await;
-    // The first one's end says nothing any more.
+    // The end of the first setpoint no longer matters.
     robot.answer(&setpoint, SetpointOutcome::Superseded, None).await;
     robot.answer(&second, SetpointOutcome::Applied, None).await;
     until_states(&running, &["SUPERSEDED", "APPLIED"]).await;
     running.service.stop().await;
 }
 
-/// The pressures that robots with a stretchable neighbour are told, if its chamber may have that pressure.
+/// Pressures of the setpoints for an array in which the chamber of a neighbour is limited to this pressure.
 async fn pressures_at_most(pressure_max_mpa: f64) -> Vec<f64> {
     let mut array = array(ArrayType::Type1, &[66.0, 70.0]);
     array.whiskers[1].pressure_max_mpa = pressure_max_mpa;
     let (running, mut robot) = start(array).await;
-    // Too short to serve itself: only its longer neighbour can, with more pressure.
+    // Too short to compensate itself; only its longer neighbour can compensate it, with more pressure.
     robot.cut(0, 50.0);
     robot.touch(0, 80).await;
     robot.receipted().await;
@@ -214,7 +214,7 @@ async fn a_robot_that_restarts_is_sent_the_setpoint_of_a_compensation_in_force_a
     assert_eq!((again.pressure_mpa, again.reason), (setpoint.pressure_mpa, setpoint.reason));
     robot.answer(&again, SetpointOutcome::Applied, None).await;
     until_states(&running, &["APPLIED", "APPLIED"]).await;
-    assert_eq!(running.database.number("SELECT count(*) FROM compensations").await, 1, "decided once");
+    assert_eq!(running.database.number("SELECT count(*) FROM compensations").await, 1, "expected one decision");
     running.service.stop().await;
 }
 
@@ -230,7 +230,7 @@ async fn a_setpoint_under_way_to_a_boot_that_is_no_more_is_abandoned_and_made_an
     .await;
     assert!(again.version > setpoint.version);
     until_states(&running, &["ABANDONED", "PENDING"]).await;
-    // Asked for the old one, a robot can only say that it is another by now.
+    // The robot has restarted and cannot apply a setpoint for its earlier boot.
     robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::WrongBoot)).await;
     robot.answer(&again, SetpointOutcome::Applied, None).await;
     until_states(&running, &["ABANDONED", "APPLIED"]).await;

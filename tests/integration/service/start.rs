@@ -1,4 +1,4 @@
-//! What a person is told when the program cannot start.
+//! Error messages when the program cannot start.
 
 use std::net::TcpListener;
 use std::path::Path;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::program::PROGRAM;
 
-/// What the program says, which must fail at once.
+/// The error message of the program, which must fail at once.
 fn refusal(database: &Path, arguments: &[&str]) -> String {
     let ended = assert_cmd::Command::new(PROGRAM)
         .args(["run", "--database-url"])
@@ -20,8 +20,8 @@ fn refusal(database: &Path, arguments: &[&str]) -> String {
         .unwrap();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(1), "{said}");
-    assert!(ended.stdout.is_empty(), "it must not say that it serves");
-    assert!(said.starts_with("vibrissa: ") && said.trim_end().lines().count() == 1, "one line, not {said:?}");
+    assert!(ended.stdout.is_empty(), "it must not print an address");
+    assert!(said.starts_with("vibrissa: ") && said.trim_end().lines().count() == 1, "expected one line, not {said:?}");
     said
 }
 
@@ -58,7 +58,7 @@ fn a_taken_http_port_is_named_with_the_way_out() {
     for part in [&format!("127.0.0.1:{port}"), "--http"] {
         assert!(said.contains(part), "{part} in {said}");
     }
-    assert_eq!(said.matches("in use").count(), 1, "said once: {said}");
+    assert_eq!(said.matches("in use").count(), 1, "expected once: {said}");
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_file_that_is_no_database_is_named_and_left_alone() {
     std::fs::write(&path, &text).unwrap();
     let said = refusal(&path, &ANY_PORTS);
     assert!(said.contains(&path.display().to_string()), "{said}");
-    assert_eq!(said.matches("file is not a database").count(), 1, "said once: {said}");
+    assert_eq!(said.matches("file is not a database").count(), 1, "expected once: {said}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
 }
 
@@ -86,7 +86,7 @@ fn beyond_this_machine_it_does_not_start_where_nobody_could_be_let_in() {
     let exposed = ["--http", "0.0.0.0:0", "--mqtt-port", "0"];
     let told = refusal(&database, &exposed);
     assert!(told.contains("vibrissa token create") && told.contains("0.0.0.0:0"), "{told}");
-    // With a token of the database, or of a file, it starts; on loopback it needs none.
+    // It starts with a token from the database or a file; on loopback it needs none.
     let url = format!("sqlite:{}", database.display());
     let create = |role: &str, scope: &[&str]| {
         let mut command = std::process::Command::new(PROGRAM);

@@ -1,4 +1,4 @@
-//! Traces, as a collector has them: one for each setpoint, whoever follows it, and one for each request.
+//! Traces received by a collector: one for each setpoint, across supervisors, and one for each request.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -25,7 +25,7 @@ fn to(url: String) -> TraceOptions {
 }
 
 /// A robot with a whisker that is learned and then cut, and the setpoint that follows. Each contact after the cut is a
-/// message of its own.
+/// separate message.
 async fn cut(port: u16) -> (HandRobot, Setpoint) {
     let mut robot = HandRobot::born(port, "r", array(ArrayType::Type2, &[70.0])).await;
     robot.touch(0, LEARNED + 20).await;
@@ -37,7 +37,7 @@ async fn cut(port: u16) -> (HandRobot, Setpoint) {
     (robot, setpoint)
 }
 
-/// Says what became of a setpoint, and waits until that is recorded.
+/// Answers a setpoint and waits until the answer is recorded.
 async fn answer(robot: &mut HandRobot, database: &Database, setpoint: &Setpoint, state: SetpointOutcome, word: &str) {
     let error = (state == SetpointOutcome::Rejected).then_some(SetpointError::OutOfRange);
     robot.answer(setpoint, state, error).await;
@@ -55,7 +55,7 @@ async fn applied(robot: &mut HandRobot, database: &Database, setpoint: &Setpoint
     }
 }
 
-/// What a trace consists of, in its order: names, with what makes a message of a robot its own.
+/// Names of a trace's spans in order; spans of answers include the state.
 fn chain(trace: &[Span]) -> Vec<String> {
     let word = |span: &Span| {
         let state = span.attributes.get(BY).filter(|_| !span.parent.is_empty());
@@ -64,7 +64,7 @@ fn chain(trace: &[Span]) -> Vec<String> {
     trace.iter().map(word).collect()
 }
 
-/// Every span but the root is under the root and within its time, and all that happened one after the other.
+/// Every span except the root is a child of the root and within its time, and successive spans do not overlap.
 fn assert_in_order(trace: &[Span]) {
     let (root, children) = trace.split_first().unwrap();
     assert_eq!(root.parent, "");
@@ -75,7 +75,8 @@ fn assert_in_order(trace: &[Span]) {
     for pair in children.windows(2) {
         let [before, after] = pair else { unreachable!("two") };
         assert!(before.start_us <= after.start_us && before.end_us <= after.end_us, "{pair:#?}");
-        // Messages are received while others are processed; what follows from one begins when that is over.
+        // A message may be received while another is processed, but spans that follow from it begin when its processing
+        // ends.
         assert!(after.kind == SpanKind::Consumer || before.end_us <= after.start_us, "{pair:#?}");
     }
 }
@@ -99,7 +100,7 @@ async fn from_the_contact_that_raised_the_suspicion_to_applied_it_is_one_trace()
     let collector = Collector::start().await;
     let running = Running::traced(None, to(collector.url())).await;
     let (mut robot, setpoint) = cut(running.port()).await;
-    // The first sending may be followed by others while nobody answers.
+    // The setpoint is sent repeatedly until it is answered.
     let database = &running.database;
     applied(&mut robot, database, &setpoint).await;
     let now = now_us();
@@ -109,7 +110,7 @@ async fn from_the_contact_that_raised_the_suspicion_to_applied_it_is_one_trace()
     assert_eq!(told, WHOLE);
     assert_in_order(&trace);
 
-    // The times are those of the record.
+    // Times of spans agree with the database.
     let [root, suspected, trimmed, ..] = &trace[..] else { panic!("{trace:#?}") };
     let at = async |query| database.number(query).await as u64;
     let suspicion = "SELECT max(recorded_us) FROM health_changes WHERE becomes = 'SUSPECTED'";
@@ -198,7 +199,7 @@ async fn after_a_restart_the_same_trace_goes_on_and_has_one_root() {
     );
     let (root, children) = trace.split_first().unwrap();
     assert!(children.iter().all(|child| child.parent == root.id), "{trace:#?}");
-    // The suspicion is the predecessor's knowledge: whoever goes on knows since when the setpoint was decided.
+    // Only the predecessor knew the time of the suspicion; the new owner's trace begins with the decision.
     assert_eq!(root.start_us, children[1].start_us);
     assert_eq!(root.end_us, children.last().unwrap().end_us);
     assert_eq!(root.attributes["vibrissa.command_id"], setpoint.command_id);
@@ -222,7 +223,7 @@ async fn after_the_supervisor_was_killed_the_trace_is_found_under_the_setpoints_
     first.end(Ending::Killed).await;
     let second = program(&path, broker.port(), &collector.endpoint());
     let database = Database::open(&path).await;
-    // The second listens when it has asked after the setpoint.
+    // The second supervisor accepts an answer once it has sent the setpoint again.
     let again = until("the setpoint again", async || {
         Some(robot.setpoint().await.0).filter(|again| again.boot_id != setpoint.boot_id)
     })
@@ -261,10 +262,10 @@ async fn a_collector_that_hangs_keeps_nobody_waiting() {
     let running = Running::traced(None, to(collector.url())).await;
     let (mut robot, setpoint) = cut(running.port()).await;
     applied(&mut robot, &running.database, &setpoint).await;
-    until_true("somebody at the collector", async || collector.connections() > 0).await;
+    until_true("a connection to the collector", async || collector.connections() > 0).await;
     let begun = Instant::now();
     running.service.stop().await;
-    // Two seconds for the last traces; what else there is to stop takes less than one.
+    // Two seconds are for the last traces; everything else stops in less than one.
     assert!(begun.elapsed() < Duration::from_millis(3500), "{:?}", begun.elapsed());
 }
 

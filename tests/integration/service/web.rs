@@ -1,4 +1,4 @@
-//! What HTTP answers, which must be good.
+//! HTTP requests that must succeed.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -11,14 +11,14 @@ pub(crate) async fn get(address: SocketAddr, path: &str) -> (u16, String) {
     try_get(address, path).await.unwrap()
 }
 
-/// The JSON of a good answer.
+/// JSON of an answer with status 200.
 pub(crate) async fn json(address: SocketAddr, path: &str) -> Value {
     let (status, body) = get(address, path).await;
     assert_eq!(status, 200, "{path}: {body}");
     serde_json::from_str(&body).unwrap()
 }
 
-/// Every metric by its name with labels, such as `vibrissa_database_up`.
+/// Values of all metrics by name with labels, such as `vibrissa_database_up`.
 #[derive(Debug, Clone)]
 pub(crate) struct Metrics(BTreeMap<String, f64>);
 
@@ -34,12 +34,12 @@ impl Metrics {
         Self(lines.map(sample).collect())
     }
 
-    /// Zero for a metric, or a label of it, that was never counted.
+    /// Value of a metric; zero if it does not exist.
     pub(crate) fn get(&self, name: &str) -> f64 {
         self.0.get(name).copied().unwrap_or_default()
     }
 
-    /// What was refused, by reason.
+    /// Counts of refused messages by reason.
     pub(crate) fn refused(&self) -> BTreeMap<String, f64> {
         let before = "vibrissa_messages_refused_total{fleet=\"f\",reason=\"";
         let reason = |name: &str| Some(name.strip_prefix(before)?.strip_suffix("\"}")?.to_owned());
@@ -47,7 +47,7 @@ impl Metrics {
         some.filter_map(|(name, &value)| Some((reason(name)?, value))).collect()
     }
 
-    /// The names of all series, with their labels.
+    /// Names of all series with their labels.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(String::as_str)
     }

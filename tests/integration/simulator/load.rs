@@ -1,4 +1,4 @@
-//! The generator of load: what it says keeps the contract, ordinary whiskers stay ordinary, and all of it arrives.
+//! The load generator: its messages keep the contract, its whiskers stay ordinary, and all messages arrive.
 
 use std::collections::BTreeSet;
 use std::pin::pin;
@@ -76,7 +76,7 @@ fn what_robots_of_a_load_say_keeps_the_contract() {
     for seq in 0..20 {
         let (message, payload) = contacts(&plan, &texts, seq);
         assert_eq!((message.boot_id.as_str(), message.seq, message.contacts.len()), (BOOT, seq, 20));
-        assert_eq!(contacts(&plan, &texts, seq).1, payload, "the same message can be written once more");
+        assert_eq!(contacts(&plan, &texts, seq).1, payload, "the generator must reproduce the message");
         assert!(message.contacts.is_sorted_by_key(|contact| contact.t_us));
         assert_eq!(message.contacts[19].t_us, NOW_US + seq);
         touched.extend(message.contacts.into_iter().map(|contact| (contact.array, contact.whisker)));
@@ -85,7 +85,7 @@ fn what_robots_of_a_load_say_keeps_the_contract() {
         .arrays
         .iter()
         .flat_map(|array| array.whiskers.iter().map(|whisker| (array.array.clone(), whisker.whisker)));
-    assert_eq!(touched, there.collect(), "each whisker of the factsheet, and no other");
+    assert_eq!(touched, there.collect(), "contacts must cover exactly the whiskers of the factsheet");
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn ordinary_whiskers_of_a_load_stay_ordinary() {
     assert!(called.is_empty(), "in 40,000 contacts: {called:?}");
 }
 
-/// A receiver that overlooks some messages at first, and tells what it has.
+/// Records which messages have arrived, for receipts.
 #[derive(Default)]
 struct Receiver {
     arrived: BTreeSet<u64>,
@@ -155,7 +155,7 @@ async fn a_load_ends_when_all_of_it_is_receipted_although_messages_are_overlooke
         let receipt = encode(&receiver.receipt(&contacts.boot_id));
         observer.publish("whisker/v1/f/r000000/receipt", receipt, false).await;
     };
-    // One more is of the preparation.
+    // One further contact belongs to the preparation.
     assert_eq!((report.sent, report.receipted, report.contacts_in_all), (300, 300, 301));
     assert_eq!(receiver.arrived, (0..301).collect());
     assert!(report.sent_again >= 300 / 7, "{}", report.sent_again);
@@ -164,8 +164,8 @@ async fn a_load_ends_when_all_of_it_is_receipted_although_messages_are_overlooke
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the link loses of messages and receipts, for as long as not all is lost: everything is covered in the end, and
-    /// nothing is sent again that was covered, nor within a second.
+    /// Messages and receipts may be lost as long as some pass: every message is receipted in the end. No receipted
+    /// message is sent again, and no message is sent again within a second.
     #[test]
     fn property_whatever_is_lost_everything_is_receipted_in_the_end(
         count in 1_u64..400,
@@ -187,7 +187,7 @@ proptest! {
         let mut now_us = NOW_US;
         while outbox.uncovered() > 0 {
             now_us += 100_000;
-            prop_assert!(now_us < NOW_US + 20_000_000_000, "{} are left", outbox.uncovered());
+            prop_assert!(now_us < NOW_US + 20_000_000_000, "{} messages without a receipt", outbox.uncovered());
             if !is_lost() {
                 let receipt = receiver.receipt(&boot_id);
                 covered.extend((0..count).filter(|&seq| receipt.covers(seq)));

@@ -1,4 +1,4 @@
-//! A simulated robot against a real broker: what the contract says about connections, wills and delivery.
+//! A simulated robot and a real broker: the contract's rules about connections, wills and delivery.
 
 #![allow(
     clippy::unwrap_used,
@@ -45,7 +45,7 @@ fn supervisor() -> BootId {
     BootId::new("s1").unwrap()
 }
 
-/// The next connection message in that state.
+/// The next connection message with this state, and whether it was retained.
 async fn connection(observer: &mut Observer, state: ConnectionState) -> (Connection, bool) {
     observer
         .expect(state.as_str(), |heard| match heard {
@@ -67,26 +67,26 @@ async fn contacts(observer: &mut Observer) -> Contacts {
         .await
 }
 
-/// Receipts what came without a gap.
+/// Sends a receipt for all messages before the first gap.
 async fn receipt(observer: &Observer, robot_boot_id: &BootId, arrived: &BTreeSet<u64>) {
     let next = arrived.iter().zip(0..).take_while(|&(&seq, expected)| seq == expected).count() as u64;
     let receipt = Receipt { boot_id: supervisor(), seq: 0, robot_boot_id: robot_boot_id.clone(), next, held: vec![] };
     observer.send(RobotTopic::Receipt, &receipt).await;
 }
 
-/// Lets the robot rest, receipts what arrives until nothing is kept, and gives what has arrived.
+/// Stops the robot's contacts and sends receipts until it keeps no message. Returns the numbers that have arrived.
 async fn drain(observer: &mut Observer, robot: &RobotHandle, mut arrived: BTreeSet<u64>) -> BTreeSet<u64> {
     robot.with(vibrissa_simulator::Robot::rest);
     let boot_id = robot.with(|robot| robot.boot_id().clone());
     receipt(observer, &boot_id, &arrived).await;
     loop {
-        // A status comes every second: whatever is lost, this goes on.
+        // A status arrives every second, so the loop continues even if messages are lost.
         let heard = observer.expect("anything", Some).await;
         if let Message::Contacts(contacts) = heard.message {
             arrived.insert(contacts.seq);
         }
         receipt(observer, &boot_id, &arrived).await;
-        // Contacts that still wait for their message to fill up are due at once when a robot rests.
+        // Contacts in a message that is not yet full are due at once when a robot rests.
         let all_sent = robot.with(|robot| robot.next_deadline() > robot.start_us());
         if all_sent && robot.with(|robot| robot.messages_kept()) == 0 {
             return arrived;
@@ -131,7 +131,7 @@ async fn birth_and_factsheet_are_retained_for_whoever_comes_later() {
                 Heard { message: Message::Connection(_), retained: true, .. } => Some("connection"),
                 Heard { message: Message::Factsheet(_), retained: true, .. } => Some("factsheet"),
                 Heard { retained, message, .. } => {
-                    assert!(!retained, "only these two are retained, not {message:?}");
+                    assert!(!retained, "{message:?} must not be retained");
                     None
                 }
             })
@@ -180,7 +180,7 @@ async fn an_orderly_end_says_offline_and_leaves_no_will() {
     assert_eq!(farewell.seq, 1);
     let mut late = Observer::connect(broker.port(), "late").await;
     let (last, retained) = connection(&mut late, ConnectionState::Offline).await;
-    assert!(retained && last == farewell, "nothing came after it");
+    assert!(retained && last == farewell, "nothing may follow it");
 }
 
 #[tokio::test]
@@ -231,13 +231,13 @@ async fn contacts_are_sent_again_until_they_are_receipted() {
     loop {
         let again = contacts(&mut observer).await;
         if again.seq == first.seq {
-            assert_eq!(again, first, "the same message under the same number");
+            assert_eq!(again, first, "the same number must have the same content");
             break;
         }
         arrived.insert(again.seq);
     }
     let arrived = drain(&mut observer, &robot, arrived).await;
-    assert!(arrived.iter().zip(0..).all(|(&seq, expected)| seq == expected), "no gap");
+    assert!(arrived.iter().zip(0..).all(|(&seq, expected)| seq == expected), "numbers must have no gap");
     fleet.stop().await;
 }
 
@@ -263,7 +263,7 @@ async fn no_contact_is_lost_when_the_broker_is_killed() {
         arrived.insert(message.seq);
         times.extend(message.contacts.iter().map(|contact| (contact.whisker, contact.t_us)));
         receipt(&observer, &boot_id, &arrived).await;
-        // Once some were made, the rest is only what was made before it rested.
+        // After that, only contacts made before the rest are outstanding.
         robot.with(|robot| {
             if robot.contacts_made() > 300 {
                 robot.rest()

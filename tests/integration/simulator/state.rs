@@ -1,4 +1,4 @@
-//! The state file: what happened to whiskers outlives the process.
+//! The state file keeps the condition of whiskers across processes.
 
 use std::path::Path;
 
@@ -34,14 +34,14 @@ fn resume(broker: &Mosquitto, scenario: &Scenario, file: &Path) -> Result<Fleet,
     Fleet::resume(scenario, &Broker::new("127.0.0.1", broker.port()), file)
 }
 
-/// Of both whiskers.
+/// True state of both whiskers.
 #[derive(Debug, PartialEq)]
 struct Truth {
     lengths_mm: [f64; 2],
     changes: [usize; 2],
     contacts: [u64; 2],
     gauges: [Gauge; 2],
-    /// Strain per mm of deflection of the whole whisker: its own rubber.
+    /// Strain per mm of deflection of the uncut whisker, which differs between whiskers.
     whole: [f64; 2],
 }
 
@@ -86,7 +86,7 @@ async fn regress_a_simulator_that_ends_in_good_order_goes_on_where_it_was() {
     fleet.stop().await;
 }
 
-/// Dropped, a fleet has no chance to write anything, as a process that is killed.
+/// A dropped fleet writes nothing, like a killed process.
 #[tokio::test]
 async fn regress_a_simulator_that_is_killed_remembers_its_cuts() {
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
@@ -101,10 +101,10 @@ async fn regress_a_simulator_that_is_killed_remembers_its_cuts() {
     let after = truth(&fleet);
     assert_eq!((after.lengths_mm[0], after.changes[0]), (61.0, 1));
     assert_eq!(after.whole, before.whole);
-    assert!(after.contacts[0] >= 10, "the cut comes after 10 contacts");
+    assert!(after.contacts[0] >= 10, "the cut must come after 10 contacts");
     assert_ne!(boot(&fleet), boot_before);
     until_true("further contacts", async || truth(&fleet).contacts[0] > after.contacts[0]).await;
-    assert_eq!(truth(&fleet).changes[0], 1, "the cut does not happen again");
+    assert_eq!(truth(&fleet).changes[0], 1, "the cut must not happen again");
     drop(fleet);
 }
 
@@ -121,7 +121,7 @@ async fn wear_is_written_now_and_then() {
     drop(fleet);
 }
 
-/// Why it does not start; the file must be as before.
+/// The reason why a fleet does not start. Checks that the file has not changed.
 fn refused(broker: &Mosquitto, scenario: &Scenario, file: &Path) -> String {
     let before = std::fs::read(file).ok();
     let problem = resume(broker, scenario, file).expect_err("it must not start").to_string();
@@ -157,7 +157,7 @@ async fn a_file_of_another_scenario_or_version_or_that_is_damaged_is_refused_wit
         let problem = refused(&broker, &plain, &file);
         assert!(words.iter().all(|word| problem.contains(word)), "{words:?}: {problem}");
     }
-    // Other noise and another pace are no other whiskers.
+    // Noise and pace may differ, because they do not change the whiskers.
     std::fs::write(&file, good).unwrap();
     let mut quicker = plain;
     quicker.behaviour.contacts_per_second = 100.0;

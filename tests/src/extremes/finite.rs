@@ -2,9 +2,9 @@
 
 use std::fmt::{self, Debug, Write};
 
-/// Numbers that are not finite as `Debug` writes them; it writes the sign separately.
+/// How `Debug` writes numbers that are not finite; it writes the sign separately.
 const NOT_FINITE: [&str; 2] = ["NaN", "inf"];
-/// Characters before such a number in a report.
+/// Number of characters before such a number in a report.
 const BEFORE: usize = 120;
 
 /// Checks the output piece by piece without a copy: each number is a piece of its own.
@@ -17,14 +17,14 @@ impl Write for Search {
     fn write_str(&mut self, piece: &str) -> fmt::Result {
         if NOT_FINITE.contains(&piece) {
             self.is_found = true;
-            // Ends the writing.
+            // An error ends the formatting early.
             return Err(fmt::Error);
         }
         Ok(())
     }
 }
 
-/// Collects the output up to the number.
+/// Collects the `Debug` output up to the number.
 #[derive(Default)]
 struct Place {
     text: String,
@@ -37,12 +37,12 @@ impl Write for Place {
     }
 }
 
-/// The place of the first number that is not finite: the end of the `Debug` output before it. None if all are finite.
+/// The `Debug` output before the first number that is not finite, or None if all numbers are finite.
 ///
 /// A derived `Debug` visits every field, so new fields are checked, too. Texts must not be `NaN` or `inf`.
 pub fn not_finite(value: &impl Debug) -> Option<String> {
     let mut search = Search::default();
-    // It fails on purpose as soon as something is found.
+    // The write fails on purpose as soon as a number is found.
     let _ = write!(search, "{value:?}");
     search.is_found.then(|| {
         let mut place = Place::default();

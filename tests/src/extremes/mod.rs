@@ -1,8 +1,8 @@
-//! Robots' messages at the limits of the contract: the least and greatest values of each range, numbers that are nearly zero,
+//! Robots' messages at the limits of the contract: the least and greatest values of each range, numbers close to zero,
 //! clocks that are years off, texts with control characters.
 //!
-//! Ranges, words and lengths come from the contract's own schemas, so that a change of the contract is followed. The same
-//! seed gives the same messages.
+//! Ranges, words and lengths come from the contract's own schemas, so a change of the contract also changes these
+//! messages. The same seed gives the same messages.
 
 mod finite;
 mod shape;
@@ -33,30 +33,30 @@ pub const FROM_ROBOTS: [RobotTopic; 5] = [
 /// The identifiers and times that make a message relevant to the supervisor.
 #[derive(Debug, Clone, Default)]
 pub struct Context {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: String,
-    /// The number of the message.
+    /// Sequence number of the message.
     pub seq: u64,
-    /// The moment, in microseconds since 1970 UTC.
+    /// Current time, in microseconds since 1970 UTC.
     pub now_us: u64,
     /// Names of arrays, each with its number of whiskers.
     pub arrays: Vec<(String, u16)>,
-    /// Models of whiskers that the supervisor has loaded.
+    /// Names of the whisker models that the supervisor has loaded.
     pub models: Vec<String>,
-    /// Setpoints that wait for an answer.
+    /// Command ids of the setpoints that wait for an answer.
     pub commands: Vec<String>,
-    /// Pressures that whiskers are to hold, in MPa: two thirds of all pressures are among them. Far from those nothing of a contact
-    /// is used.
+    /// Target pressures of whiskers, in MPa; two thirds of all drawn pressures are among them. The supervisor does not
+    /// use contacts that were measured far from the target pressure.
     pub pressures_mpa: Vec<f64>,
-    /// The share of times that are right, from 0 to 1: one wrong time may end the use of all that follow.
+    /// Share of correct times, from 0 to 1: one wrong time may make the supervisor ignore all later messages.
     pub right_times: f64,
-    /// The share of texts that are odd, from 0 to 1: a refused factsheet ends the use of all that follow.
+    /// Share of odd texts, from 0 to 1: after a refused factsheet the supervisor ignores all later messages.
     pub odd_texts: f64,
-    /// The most entries of a list.
+    /// Largest number of entries in a list.
     pub list_most: usize,
 }
 
-/// Draws random messages of robots from the schemas of the contract.
+/// Draws random robot messages from the schemas of the contract.
 #[derive(Debug, Clone)]
 pub struct Messages {
     shapes: [Shape; FROM_ROBOTS.len()],
@@ -73,7 +73,7 @@ impl Default for Messages {
 }
 
 impl Messages {
-    /// The shape of a topic's message.
+    /// The shape of the messages of a topic.
     ///
     /// # Panics
     /// Robots do not publish on the topic.
@@ -83,10 +83,10 @@ impl Messages {
         &self.shapes[at.expect("a topic of robots")]
     }
 
-    /// The range of a number of contacts, such as `strain`: from the least to the greatest that the contract allows.
+    /// The range of a field of contacts, such as `strain`, as the contract allows it.
     ///
     /// # Panics
-    /// Contacts have no such number.
+    /// Contacts have no number of that name.
     #[must_use]
     pub fn contact_range(&self, field: &str) -> Range {
         let ranges = self.shape(RobotTopic::Contacts).at(&["contacts", field]).map(Shape::ranges).unwrap_or_default();
@@ -106,10 +106,10 @@ impl Messages {
 struct Writer<'a, R> {
     context: &'a Context,
     random: &'a mut R,
-    /// The whisker of a factsheet's array that is being written, and how many the array has.
+    /// Number of the whisker being written in the factsheet's array.
     whisker: u16,
     whiskers: u16,
-    /// The nominal pressure of that whisker and its limit, which must not be below.
+    /// Nominal pressure of that whisker and its pressure limit, which must not be below the nominal pressure.
     pressures: [Option<f64>; 2],
 }
 
@@ -163,7 +163,7 @@ impl<R: Rng> Writer<'_, R> {
         out.push(']');
     }
 
-    /// Fields whose values must fit to others'; false for all other fields.
+    /// Writes fields whose values depend on other fields. Returns false for all other fields.
     fn write_known(&mut self, shape: &Shape, name: &str, out: &mut String) -> bool {
         let is_odd = self.random.random_bool(self.context.odd_texts);
         match (name, shape) {
@@ -180,7 +180,7 @@ impl<R: Rng> Writer<'_, R> {
                 self.whiskers = *count;
                 quoted(array, out);
             }
-            // In a factsheet it is another for each; elsewhere one that is there, or none.
+            // A factsheet numbers its whiskers in order; other messages refer to a whisker that may or may not exist.
             ("whisker", _) if self.pressures != [None; 2] => put(self.whisker, out),
             ("whisker", _) if !is_odd && self.whiskers > 0 => {
                 put(self.random.random_range(0..self.whiskers), out);
@@ -213,7 +213,7 @@ impl<R: Rng> Writer<'_, R> {
         true
     }
 
-    /// The arrays of a factsheet, as the context names them.
+    /// Writes the arrays of a factsheet with the names of the context.
     fn arrays(&mut self, array: &Shape, out: &mut String) {
         out.push('[');
         let arrays = &self.context.arrays;

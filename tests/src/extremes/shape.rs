@@ -2,27 +2,27 @@
 
 use serde_json::Value;
 
-/// The most characters that a text gets where its schema gives no limit.
+/// Largest number of characters in a text whose schema gives no limit.
 const TEXT_CHARS: usize = 64;
 
-/// The values of one place of a message.
+/// The values allowed at one place of a message.
 #[derive(Debug, Clone)]
 pub enum Shape {
-    /// This JSON and nothing else.
+    /// Exactly this JSON.
     Constant(String),
-    /// Any of these.
+    /// Any of these shapes.
     Choice(Vec<Shape>),
-    /// An integer, both ends included.
+    /// An integer between these bounds, both included.
     Integer(u64, u64),
-    /// A number within a range.
+    /// A number within this range.
     Number(Range),
-    /// A text with that meaning.
+    /// A text of this kind.
     Text(Text),
     /// A list of up to `most` entries.
     List {
         /// The shape of each entry.
         item: Box<Shape>,
-        /// The most entries.
+        /// Largest number of entries.
         most: usize,
     },
     /// An object with its fields in the order of the contract.
@@ -38,14 +38,14 @@ pub struct Range {
     pub most: f64,
 }
 
-/// The meaning of a text, which its pattern tells.
+/// The kind of a text, derived from its schema's pattern and format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Text {
     /// A name: letters, digits, `_` and `-`.
     Name,
     /// A time in RFC 3339.
     Timestamp,
-    /// Anything of at most that many characters.
+    /// Any text up to this number of characters.
     Free(usize),
 }
 
@@ -56,12 +56,12 @@ pub struct Field {
     pub name: String,
     /// The field's values.
     pub shape: Shape,
-    /// Whether it must be there.
+    /// Whether the contract requires the field.
     pub is_required: bool,
 }
 
 impl Range {
-    /// The range of a schema; numbers that are excluded are left out.
+    /// The range of a schema, without excluded bounds.
     fn of(schema: &Value) -> Self {
         let number = |key: &str| schema[key].as_f64();
         let least = number("exclusiveMinimum").map(f64::next_up).or_else(|| number("minimum"));
@@ -71,10 +71,10 @@ impl Range {
 }
 
 impl Shape {
-    /// The shape of a whole schema of the contract.
+    /// Converts a whole schema of the contract.
     ///
     /// # Panics
-    /// The schema uses a word that this reader does not know.
+    /// The schema uses a keyword that this reader does not know.
     #[must_use]
     pub fn of_schema(schema: &Value) -> Self {
         Self::new(schema, schema)
@@ -93,7 +93,7 @@ impl Shape {
         }
         let list = |key: &str| schema[key].as_array();
         if let Some(one_of) = list("anyOf").or_else(|| list("oneOf")).or_else(|| list("allOf")) {
-            // A number's ranges stand beside its type.
+            // The limits of a number stand beside its type, so both parts are merged.
             let merged = |part: &Value| {
                 let mut whole = schema.clone();
                 let fields = whole.as_object_mut().expect("a schema is an object");
@@ -137,7 +137,7 @@ impl Shape {
         }
     }
 
-    /// Required ones first, which the schema lists in the order of the contract.
+    /// Fields in the order of the contract, required fields first.
     fn fields(schema: &Value, root: &Value) -> Vec<Field> {
         let required: Vec<&str> =
             schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
@@ -152,7 +152,7 @@ impl Shape {
         all.map(field).collect()
     }
 
-    /// The shape at a path of field names; lists are passed through.
+    /// The shape at a path of field names; lists on the way are skipped.
     #[must_use]
     pub fn at(&self, path: &[&str]) -> Option<&Self> {
         match self {
@@ -167,7 +167,7 @@ impl Shape {
         }
     }
 
-    /// Every range of a number that it has, also where others may stand beside it.
+    /// Every number range of this shape, including those inside a choice.
     #[must_use]
     pub fn ranges(&self) -> Vec<Range> {
         match self {

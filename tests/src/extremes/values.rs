@@ -7,7 +7,8 @@ use rand::seq::IndexedRandom;
 
 use super::shape::{Range, Text};
 
-/// Magnitudes at which arithmetic goes wrong: the least numbers, squares and quotients that leave the range of an `f64`.
+/// Magnitudes at which arithmetic goes wrong: the smallest numbers, and numbers whose squares and quotients leave the
+/// range of an `f64`.
 const MAGNITUDES: [f64; 12] =
     [5e-324, f64::MIN_POSITIVE, 1e-300, 1e-160, 1e-100, 1e-45, 1e-30, 1e-16, 1e-12, 1e-9, 1e-6, f64::EPSILON];
 
@@ -31,7 +32,7 @@ const TEXTS: [&str; 16] = [
     r#"" ""#,
 ];
 
-/// A number of the range, mostly at or near its ends, at zero or of an extreme magnitude.
+/// Draws a number of the range, mostly at or near its ends, at zero or of an extreme magnitude.
 pub fn number(random: &mut impl Rng, range: Range) -> f64 {
     let Range { least, most } = range;
     let value = match random.random_range(0..10) {
@@ -42,12 +43,12 @@ pub fn number(random: &mut impl Rng, range: Range) -> f64 {
         4 | 5 => {
             let magnitude = MAGNITUDES.choose(random).copied().unwrap_or(f64::MIN_POSITIVE);
             let sign = if least < 0.0 && random.random() { -1.0 } else { 1.0 };
-            // Where zero is not in the range, that far from its least value.
+            // If the range does not contain zero, the distance is taken from its least value.
             if least > 0.0 { least * (1.0 + magnitude) } else { sign * magnitude }
         }
         6 => 0.0 * if random.random() { -1.0 } else { 1.0 },
         7 => {
-            // Every magnitude is as likely as another.
+            // All magnitudes are equally likely.
             let (low, high) = (least.max(f64::MIN_POSITIVE).ln(), most.max(f64::MIN_POSITIVE).ln());
             if low < high { random.random_range(low..high).exp() } else { most }
         }
@@ -56,7 +57,7 @@ pub fn number(random: &mut impl Rng, range: Range) -> f64 {
     value.clamp(least, most)
 }
 
-/// An integer of the range, often at its ends.
+/// Draws an integer of the range, often one of its ends.
 pub fn integer(random: &mut impl Rng, least: u64, most: u64) -> u64 {
     match random.random_range(0..6) {
         0 => least,
@@ -68,7 +69,7 @@ pub fn integer(random: &mut impl Rng, least: u64, most: u64) -> u64 {
     .clamp(least, most)
 }
 
-/// A time in microseconds since 1970 UTC: of this moment, seconds or years off, or at the limits.
+/// Draws a time in microseconds since 1970 UTC: now, seconds or years off, or at the limits.
 pub fn time_us(random: &mut impl Rng, now_us: u64, most: u64) -> u64 {
     const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
     let back = |by: u64| now_us.saturating_sub(by);
@@ -97,7 +98,7 @@ pub fn text(random: &mut impl Rng, kind: Text, now_us: u64, out: &mut String) {
         }
         Text::Free(most) => match random.random_range(0..4) {
             0 => out.push_str(TEXTS.choose(random).copied().unwrap_or(r#""""#)),
-            // The longest text allowed, of characters of four bytes.
+            // The longest allowed text, made of characters of four bytes each.
             1 => {
                 let _ = write!(out, "\"{}\"", "😀".repeat(most));
             }
@@ -108,7 +109,7 @@ pub fn text(random: &mut impl Rng, kind: Text, now_us: u64, out: &mut String) {
     }
 }
 
-/// Appends a number so that it is read back to the last bit.
+/// Appends a number in a form that parses to the same `f64`.
 pub fn write_number(value: f64, out: &mut String) {
     let _ = write!(out, "{value:e}");
 }

@@ -1,25 +1,25 @@
-//! The parts of a run that are ordinary, to find the cause of a fault.
+//! Switches parts of a fuzz run back to ordinary values, to find the cause of a fault.
 
 use vibrissa_protocol::RobotTopic;
 
 use super::FROM_ROBOTS;
 
-/// The ordinary parts.
+/// The parts of a run that use ordinary values.
 #[derive(Debug, Clone, Default)]
 pub struct Without {
     /// Topics whose messages are ordinary.
     pub topics: Vec<RobotTopic>,
-    /// Times are right.
+    /// Whether all times are correct.
     pub times: bool,
-    /// No text is odd.
+    /// Whether all texts are ordinary.
     pub texts: bool,
 }
 
 impl Without {
-    /// The words of `FUZZ_WITHOUT`, separated by commas: topics such as `factsheet`, `times`, `texts`.
+    /// Reads `FUZZ_WITHOUT`, a comma-separated list of topics such as `factsheet`, `times` and `texts`.
     ///
     /// # Panics
-    /// A word is neither a topic of robots, nor `times`, nor `texts`.
+    /// A word is not a topic of robots, `times` or `texts`.
     #[must_use]
     pub fn from_environment() -> Self {
         let words = std::env::var("FUZZ_WITHOUT").unwrap_or_default();
@@ -35,7 +35,7 @@ impl Without {
         without
     }
 
-    /// Whether the messages of a topic are ordinary.
+    /// Whether messages of this topic are ordinary.
     #[must_use]
     pub fn is_ordinary(&self, kind: RobotTopic) -> bool {
         self.topics.contains(&kind)

@@ -1,4 +1,4 @@
-//! What Grafana asks the database, which has its real tables.
+//! Runs the queries of Grafana's alerts on a database with the real schema.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use vibrissa_tests::postgres::Postgres;
 
 use super::{list, named_alerts, text};
 
-/// Two robots, one ONLINE, with four healthy whiskers each: 1 to 4, and 5 to 8.
+/// Two robots, one ONLINE, with four healthy whiskers each (numbers 1 to 4 and 5 to 8).
 const HEALTHY: &str = r#"
 INSERT INTO robots (fleet, robot, connection) VALUES ('paint', 'crawler', 'ONLINE'), ('paint', 'away', 'OFFLINE');
 INSERT INTO arrays (robot_id, "array", array_type) SELECT robot_id, 'left', 'TYPE_1' FROM robots ORDER BY robot_id;
@@ -29,7 +29,8 @@ UPDATE whiskers SET condition = 'ERODING', contacts_left_high = 9000 WHERE whisk
 UPDATE whiskers SET fault = 'STALE', heard_us = 1 WHERE robot_id = 2;
 "#;
 
-/// What breaks one whisker, `crawler/left/1`, for each alert of Grafana; and what shelves it, where it can be.
+/// For each alert of Grafana: SQL that triggers it for the whisker `crawler/left/1`, and the kind of alarm that shelves
+/// it, if any.
 const BREAKS: [(&str, &str, Option<&str>); 5] = [
     (
         "WhiskerUncompensated",
@@ -57,7 +58,7 @@ const BREAKS: [(&str, &str, Option<&str>); 5] = [
     ),
 ];
 
-/// The whiskers that an alert's statement names; what Grafana wants of its columns holds.
+/// The whiskers that an alert's query returns. Also checks the columns that Grafana requires.
 async fn asked(link: &mut PgConnection, rule: &Value) -> Vec<String> {
     let data: Vec<&Value> = list(&rule["data"]).collect();
     let [query, threshold] = data[..] else { panic!("a query and a threshold: {data:?}") };
@@ -65,11 +66,15 @@ async fn asked(link: &mut PgConnection, rule: &Value) -> Vec<String> {
     assert_eq!((text(&threshold["refId"]), text(&threshold["model"]["expression"])), ("C", "A"));
     assert_eq!(text(&rule["condition"]), "C");
     let sql = text(&query["model"]["rawSql"]).to_owned();
-    assert!(!sql.contains('$'), "Grafana would put something in its place");
+    assert!(!sql.contains('$'), "Grafana would replace a variable");
     let rows = sqlx::raw_sql(AssertSqlSafe(sql)).fetch_all(link).await.unwrap();
     for row in &rows {
         let kinds: Vec<&str> = row.columns().iter().map(|column| column.type_info().name()).collect();
-        assert_eq!(kinds.iter().filter(|kind| **kind != "TEXT").collect::<Vec<_>>(), [&"FLOAT8"], "one number");
+        assert_eq!(
+            kinds.iter().filter(|kind| **kind != "TEXT").collect::<Vec<_>>(),
+            [&"FLOAT8"],
+            "expected one column with a number"
+        );
     }
     let part = |row: &PgRow, name: &str| row.get::<String, _>(name);
     rows.iter().map(|row| ["fleet", "robot", "array", "whisker"].map(|name| part(row, name)).join("/")).collect()

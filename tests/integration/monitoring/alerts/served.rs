@@ -1,4 +1,4 @@
-//! What alerts and runbooks ask for, held against a service that has something to tell.
+//! Checks metrics and API paths in alerts and runbooks against a running service.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ use vibrissa_tests::web::try_get;
 
 use super::{code, files, list, read, rules, text};
 
-/// A whisker that is cut early, so that everything that is counted has a reason to be.
+/// A whisker that is cut early, so that every metric gets a value.
 const SCENARIO: &str = r#"
 fleet = "f"
 seed = 3
@@ -29,13 +29,13 @@ events = [{ at_contact = 100, array = "left", whisker = 0, change = { kind = "TR
 arrays = [{ array = "left", type = "TYPE_2", whiskers = [{ whisker = 0 }, { whisker = 1 }] }]
 "#;
 
-/// The names of metrics in an expression or a text.
+/// Names of metrics in an expression or a text.
 fn metrics_in(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != ':');
     words.filter(|word| word.starts_with("vibrissa_") || word.starts_with("process_"))
 }
 
-/// The names that are told of, with those of a histogram's parts.
+/// Names of the declared metrics, including the series of histograms.
 fn declared(told: &str) -> BTreeSet<String> {
     let kinds = told.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' '));
     let parts = |(name, kind): (&str, &str)| match kind {
@@ -45,7 +45,7 @@ fn declared(told: &str) -> BTreeSet<String> {
     kinds.flat_map(parts).collect()
 }
 
-/// Whether an address of the API is one of the document's, and takes what is asked.
+/// Whether a path with its query is part of the OpenAPI document.
 fn is_served(document: &Value, address: &str) -> bool {
     let (path, query) = address.split_once('?').unwrap_or((address, ""));
     let segments = |path: &str| path.split('/').map(ToOwned::to_owned).collect::<Vec<_>>();
@@ -87,7 +87,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &Broker::new("127.0.0.1", service.broker.port))
             .unwrap();
     let document: Value = serde_json::from_str(&try_get(service.http, "/openapi.json").await.unwrap().1).unwrap();
-    // Errors are told of once there is one.
+    // The metric of errors appears with the first measured error.
     let told = async || try_get(service.http, "/metrics").await.unwrap().1;
     until_true("a measured error", async || told().await.contains("vibrissa_compensation_error_worst_ratio{")).await;
     let known = declared(&told().await);
@@ -95,7 +95,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
     for rule in rules() {
         let name = rule["alert"].as_str().or(rule["record"].as_str()).unwrap();
         for metric in metrics_in(text(&rule["expr"])) {
-            assert!(known.contains(metric), "{name}: {metric} is not told of: {known:?}");
+            assert!(known.contains(metric), "{name}: {metric} is not exported: {known:?}");
         }
     }
     let mut addresses = 0;

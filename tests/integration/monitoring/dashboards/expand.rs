@@ -1,23 +1,23 @@
-//! What Grafana puts into a query before it is asked: values of variables, and its macros.
+//! Expands variables and macros in queries as Grafana does.
 
 use std::collections::BTreeMap;
 
-/// Values that are chosen, and the time that is looked at.
+/// Chosen values of variables, and the time range.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Chosen {
-    /// Values by variable.
+    /// Chosen values by variable.
     pub(super) variables: BTreeMap<&'static str, Vec<String>>,
-    /// Begin of the time: microseconds since 1970 UTC.
+    /// Begin of the time range, microseconds since 1970 UTC.
     pub(super) from_us: i64,
-    /// Its end.
+    /// End of the time range, microseconds since 1970 UTC.
     pub(super) to_us: i64,
 }
 
 impl Chosen {
-    /// As the PostgreSQL data source does it, with intervals of one second.
+    /// Expands SQL as the PostgreSQL data source does, with intervals of one second.
     ///
     /// # Panics
-    /// Something is left that Grafana would have to put in.
+    /// The query has a variable or macro that this function does not know.
     pub(super) fn sql(&self, query: &str) -> String {
         let mut query = query.to_owned();
         for (name, values) in &self.variables {
@@ -29,21 +29,22 @@ impl Chosen {
             .replace("$__unixEpochNanoFrom()", &nanoseconds(self.from_us))
             .replace("$__unixEpochNanoTo()", &nanoseconds(self.to_us))
             .replace("$__interval_ms", "1000");
-        assert!(!query.contains('$'), "not all is put in: {query}");
+        assert!(!query.contains('$'), "not fully expanded: {query}");
         query
     }
 
-    /// As the Prometheus data source does it where it scrapes each second: $__rate_interval is four times that.
+    /// Expands PromQL as the Prometheus data source does with a scrape interval of one second: `$__rate_interval` is
+    /// four seconds.
     ///
     /// # Panics
-    /// Something is left that Grafana would have to put in.
+    /// The query has a variable or macro that this function does not know.
     pub(super) fn promql(&self, query: &str) -> String {
         let mut query = query.replace("$__rate_interval", "4s");
         query = query.replace("$__range", &format!("{}s", (self.to_us - self.from_us) / 1_000_000));
         for (name, values) in &self.variables {
             query = query.replace(&format!("${name}\""), &format!("{}\"", values.join("|")));
         }
-        assert!(!query.contains('$'), "not all is put in: {query}");
+        assert!(!query.contains('$'), "not fully expanded: {query}");
         query
     }
 }

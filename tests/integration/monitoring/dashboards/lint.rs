@@ -1,5 +1,5 @@
-//! The rules of Grafana's dashboard-linter under their names there; what is excepted is in `dashboards/.lint`, in the
-//! form that the linter reads, with a reason.
+//! The rules of Grafana's dashboard-linter, under the linter's names. Exceptions with their reasons are in
+//! `dashboards/.lint`, in the linter's own format.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::promql::selectors;
 use super::{ALL, Dashboard, folder, list, targets, text};
 
-/// Units that are used here, of those that Grafana knows (its `valueFormats/categories.ts`).
+/// Units in use, as Grafana names them in its `valueFormats/categories.ts`.
 const UNITS: [&str; 16] = [
     "bool_yes_no",
     "bytes",
@@ -28,7 +28,7 @@ const UNITS: [&str; 16] = [
     "string",
 ];
 
-/// A rule that is broken.
+/// A violation of a rule.
 #[derive(Debug)]
 struct Broken {
     rule: &'static str,
@@ -36,7 +36,7 @@ struct Broken {
     problem: String,
 }
 
-/// What a dashboard breaks.
+/// Violations of one dashboard.
 struct Report<'a> {
     dashboard: &'a Dashboard,
     broken: Vec<Broken>,
@@ -60,7 +60,7 @@ fn dashboards_keep_the_linters_rules() {
     for one in &broken {
         let exclusion = &excepted["exclusions"][one.rule];
         if list(&exclusion["entries"]).any(|entry| entry["dashboard"] == one.dashboard) {
-            assert!(!text(&exclusion["reason"]).is_empty(), "{}: excepted without a reason", one.rule);
+            assert!(!text(&exclusion["reason"]).is_empty(), "{}: exception without a reason", one.rule);
             used.insert((one.rule, one.dashboard.clone()));
         } else {
             problems.push(format!("{}: {}: {}", one.rule, one.dashboard, one.problem));
@@ -68,7 +68,7 @@ fn dashboards_keep_the_linters_rules() {
     }
     assert!(problems.is_empty(), "\n{}", problems.join("\n"));
     let entries = excepted["exclusions"].as_object().unwrap().values().map(|one| list(&one["entries"]).count());
-    assert_eq!(entries.sum::<usize>(), used.len(), "an exception that nothing needs; needed are {used:?}");
+    assert_eq!(entries.sum::<usize>(), used.len(), "unused exception; only these are needed: {used:?}");
 }
 
 fn lint(dashboard: &Dashboard) -> Vec<Broken> {
@@ -100,12 +100,18 @@ fn sources(report: &mut Report<'_>) {
 }
 
 fn supervisors(report: &mut Report<'_>, rule: &'static str, name: &str, label: &str) {
-    let Some(variable) = report.dashboard.variable(name) else { return report.expect(rule, false, "is missing") };
-    report.expect(rule, variable["datasource"]["uid"] == "${prometheus_datasource}", "is of another source");
-    report.expect(rule, variable["type"] == "query", "is no query");
+    let Some(variable) = report.dashboard.variable(name) else {
+        return report.expect(rule, false, "variable is missing");
+    };
+    report.expect(rule, variable["datasource"]["uid"] == "${prometheus_datasource}", "has another data source");
+    report.expect(rule, variable["type"] == "query", "is not a query variable");
     report.expect(rule, variable["label"] == label, "has another label");
-    report.expect(rule, variable["multi"] == true && variable["includeAll"] == true, "is not for several");
-    report.expect(rule, variable["allValue"] == ".+", "means something else by all");
+    report.expect(
+        rule,
+        variable["multi"] == true && variable["includeAll"] == true,
+        "must allow several values and All",
+    );
+    report.expect(rule, variable["allValue"] == ".+", "must use .+ for All");
 }
 
 fn variables(report: &mut Report<'_>) {
@@ -139,7 +145,7 @@ fn panel_rules(report: &mut Report<'_>, panel: &Value) {
     report.expect("panel-no-targets-rule", targets(panel).count() > 0, title);
 }
 
-/// That the queries are PromQL at all is found where a real Prometheus is asked them.
+/// The test with a real Prometheus checks that queries are valid PromQL.
 fn target_rules(report: &mut Report<'_>, title: &str, expression: &str) {
     report.expect("target-promql-rule", !expression.trim().is_empty(), title);
     for selector in selectors(expression) {
@@ -149,7 +155,7 @@ fn target_rules(report: &mut Report<'_>, title: &str, expression: &str) {
         report.expect("target-instance-rule", has(r#"instance=~"$instance""#), place());
         let is_rate = ["rate", "irate"].contains(&selector.within);
         report.expect("target-rate-interval-rule", !is_rate || selector.range == Some("$__rate_interval"), place());
-        // Stricter than the linter: what is counted in a histogram is counted, too.
+        // Stricter than the linter: parts of histograms are counters, too.
         let counts = ["_total", "_bucket", "_count", "_sum"].iter().any(|ending| selector.metric.ends_with(ending));
         let is_aggregated = is_rate || selector.within == "increase";
         report.expect("target-counter-agg-rule", !counts || is_aggregated && selector.range.is_some(), place());

@@ -1,4 +1,4 @@
-//! Every query of every dashboard, asked of a real Prometheus and a real PostgreSQL while a fleet is supervised.
+//! Runs every query of every dashboard on a real Prometheus and a real PostgreSQL, while a fleet is supervised.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -14,7 +14,7 @@ use super::stage::Stage;
 use super::{ALL, Dashboard, list, targets, text};
 use crate::alerts::named_alerts;
 
-/// History that the plans are made for: this many times what the test's fleet has made.
+/// Factor on the number of contacts for the test of query plans.
 const HISTORY: u32 = 10;
 
 #[tokio::test(flavor = "multi_thread")]
@@ -43,7 +43,7 @@ async fn every_query_shows_something_of_a_fleet_that_is_supervised() {
     reads_and_no_more(&mut link).await;
 }
 
-/// As Prometheus' own tool sees it: names, units, help.
+/// Checks names, units and help of metrics with promtool.
 fn lint_metrics(metrics: &str) {
     let mut promtool = Command::new("promtool")
         .args(["check", "metrics"])
@@ -62,7 +62,7 @@ async fn promql_problems(stage: &Stage, dashboard: &Dashboard, chosen: &Chosen) 
         let place = format!("{}: {}: {}", dashboard.title(), text(&panel["title"]), text(&target["refId"]));
         match show(stage, chosen, target).await {
             Ok(series) if series.iter().all(|one| values(one) == 0) => {
-                problems.push(format!("{place}: nothing for {}", chosen.promql(text(&target["expr"]))));
+                problems.push(format!("{place}: no series for {}", chosen.promql(text(&target["expr"]))));
             }
             Ok(series) => {
                 let named = labels(text(&target["legendFormat"]));
@@ -78,13 +78,13 @@ async fn promql_problems(stage: &Stage, dashboard: &Dashboard, chosen: &Chosen) 
         let label = label.trim_end_matches(')');
         let data = stage.prometheus.ask(&format!("label/{label}/values"), &[("match[]", series)]).await.unwrap();
         if list(&data).count() == 0 {
-            problems.push(format!("{}: nothing to choose as {}", dashboard.title(), variable["name"]));
+            problems.push(format!("{}: no values for variable {}", dashboard.title(), variable["name"]));
         }
     }
     problems
 }
 
-/// The series of a query, as the panel asks for it.
+/// Series of a query, as the panel requests it.
 async fn show(stage: &Stage, chosen: &Chosen, target: &Value) -> Result<Vec<Value>, String> {
     let expression = chosen.promql(text(&target["expr"]));
     let seconds = |us: i64| (us / 1_000_000).to_string();
@@ -99,25 +99,25 @@ async fn show(stage: &Stage, chosen: &Chosen, target: &Value) -> Result<Vec<Valu
     Ok(list(&data["result"]).cloned().collect())
 }
 
-/// How many numbers a series has.
+/// Number of values in a series.
 fn values(series: &Value) -> usize {
     let samples = list(&series["values"]).chain(series.get("value"));
     samples.filter(|sample| text(&sample[1]).parse::<f64>().is_ok_and(f64::is_finite)).count()
 }
 
-/// The labels that a legend names.
+/// Labels that a legend names.
 fn labels(legend: &str) -> Vec<&str> {
     legend.split("{{").skip(1).map(|rest| rest.split("}}").next().unwrap()).collect()
 }
 
-/// A query in SQL, with the columns that must be there.
+/// A query in SQL and its required columns.
 struct Query {
     place: String,
     sql: String,
     columns: Vec<String>,
 }
 
-/// Every query in SQL: of panels, annotations and variables.
+/// All queries in SQL: of panels, annotations and variables.
 fn queries(dashboard: &Dashboard) -> Vec<Query> {
     let place = |what: &str, name: &Value| format!("{}: {what}{}", dashboard.title(), text(name));
     let of_panels = dashboard.panels().flat_map(targets).filter(|(_, target)| target["rawSql"].is_string());
@@ -140,7 +140,7 @@ fn queries(dashboard: &Dashboard) -> Vec<Query> {
     panels.chain(annotations).chain(variables).collect()
 }
 
-/// The columns that a panel rests on.
+/// The columns that a panel uses.
 fn columns(dashboard: &Dashboard, panel: &Value, target: &Value) -> Vec<String> {
     let is_alone = targets(panel).count() == 1;
     let overrides = list(&panel["fieldConfig"]["overrides"]).map(|one| text(&one["matcher"]["options"]));
@@ -153,7 +153,7 @@ fn columns(dashboard: &Dashboard, panel: &Value, target: &Value) -> Vec<String> 
     columns.into_iter().map(str::to_owned).collect()
 }
 
-/// What is wrong with a query: it fails, a column is missing, or no whisker has any rows of it.
+/// The problem of a query, if any: it fails, a column is missing, or no whisker has rows.
 async fn sql_problem(link: &mut PgConnection, query: &Query, choices: &[Chosen]) -> Option<String> {
     for chosen in choices {
         let sql = format!("SELECT row_to_json(q)::text FROM (\n{}\n) q", chosen.sql(&query.sql));
@@ -166,7 +166,7 @@ async fn sql_problem(link: &mut PgConnection, query: &Query, choices: &[Chosen])
         if let Some(column) = query.columns.iter().find(|column| first.get(column.as_str()).is_none()) {
             return Some(format!("{}: no column {column} in {first}", query.place));
         }
-        // A time alone shows nothing.
+        // A row with a time but no value shows nothing.
         let has_value =
             |row: &Value| row.as_object().unwrap().iter().any(|(name, value)| name != "time" && !value.is_null());
         if rows.iter().any(has_value) {
@@ -176,7 +176,7 @@ async fn sql_problem(link: &mut PgConnection, query: &Query, choices: &[Chosen])
     Some(format!("{}: no rows:\n{}", query.place, query.sql))
 }
 
-/// The same contacts again, day by day before.
+/// Copies the contacts to earlier days.
 async fn make_history(stage: &Stage) {
     let mut owner = stage.owner().await;
     let columns = "ratio, deflection_mm, strain, pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm";
@@ -193,12 +193,12 @@ async fn plan_uses_indexes(link: &mut PgConnection, query: &Query, chosen: &Chos
     let explain = format!("EXPLAIN {}", chosen.sql(&query.sql));
     let plan = sqlx::query(AssertSqlSafe(explain)).fetch_all(link).await.unwrap();
     let plan: Vec<String> = plan.iter().map(|row| row.get(0)).collect();
-    // What is not of these two days is in the default partition here.
+    // In this database only two days have partitions; all other contacts are in the default partition.
     let scans = plan.iter().any(|line| line.contains("Seq Scan on contacts_default"));
-    assert!(!scans, "{} reads every contact:\n{}", query.place, plan.join("\n"));
+    assert!(!scans, "{} scans all contacts:\n{}", query.place, plan.join("\n"));
 }
 
-/// What Grafana's alerts ask is asked as the same role.
+/// Runs the queries of Grafana's alerts with Grafana's role.
 async fn alerts_can_be_asked(link: &mut PgConnection) {
     for (alert, rule) in named_alerts() {
         let query = text(&rule["data"][0]["model"]["rawSql"]).to_owned();
@@ -207,7 +207,7 @@ async fn alerts_can_be_asked(link: &mut PgConnection) {
     }
 }
 
-/// Even if it does not keep to reading by itself.
+/// Checks that the role cannot write, even after it has switched off its read-only default.
 async fn reads_and_no_more(link: &mut PgConnection) {
     let own = link.fetch_one("SHOW default_transaction_read_only").await.unwrap().get::<String, _>(0);
     assert_eq!(own, "on");
@@ -227,7 +227,7 @@ async fn reads_and_no_more(link: &mut PgConnection) {
         "CREATE TABLE mine (n BIGINT)",
         "CREATE ROLE other",
     ] {
-        let problem = link.execute(forbidden).await.err().unwrap_or_else(|| panic!("{forbidden}: was done"));
+        let problem = link.execute(forbidden).await.err().unwrap_or_else(|| panic!("{forbidden}: was allowed"));
         let code = problem.as_database_error().and_then(|problem| problem.code().map(|code| code.into_owned()));
         assert_eq!(code.as_deref(), Some("42501"), "{forbidden}: {problem}");
     }

@@ -1,4 +1,4 @@
-//! The dashboards: as Grafana's linter wants them, as Grafana reads them, and with a real fleet behind them.
+//! Checks of the dashboards: linter rules, Grafana's requirements, and queries on data of a real fleet.
 
 mod expand;
 mod lint;
@@ -12,18 +12,18 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-/// The folder of the dashboards.
+/// Folder of the dashboards.
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("dashboards")
 }
 
-/// One dashboard.
+/// A dashboard and its file name.
 struct Dashboard {
     file: String,
     json: Value,
 }
 
-/// Every dashboard, by its file's name.
+/// All dashboards, by file name.
 static ALL: LazyLock<Vec<Dashboard>> = LazyLock::new(|| {
     let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> =
@@ -45,7 +45,7 @@ impl Dashboard {
         self.json["uid"].as_str().unwrap()
     }
 
-    /// Its panels, rows' headings not among them.
+    /// Panels of the dashboard, without headings of rows.
     fn panels(&self) -> impl Iterator<Item = &Value> {
         list(&self.json["panels"]).filter(|panel| panel["type"] != "row")
     }
@@ -58,13 +58,13 @@ impl Dashboard {
         self.variables().find(|variable| variable["name"] == name)
     }
 
-    /// Every query in PromQL, with its panel.
+    /// All queries in PromQL, each with its panel.
     fn promql(&self) -> impl Iterator<Item = (&Value, &Value)> {
         self.panels().flat_map(targets).filter(|(_, target)| target.get("expr").is_some())
     }
 }
 
-/// Its queries.
+/// Queries of a panel.
 fn targets(panel: &Value) -> impl Iterator<Item = (&Value, &Value)> {
     list(&panel["targets"]).map(move |target| (panel, target))
 }

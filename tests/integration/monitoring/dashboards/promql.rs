@@ -1,19 +1,19 @@
-//! As much of PromQL as its rules need: where series are selected, and what is asked of them.
+//! A parser of the part of PromQL that the lint rules need: selectors of series and the functions around them.
 
 /// A selector of series.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Selector<'a> {
-    /// The metric.
+    /// Name of the metric.
     pub(super) metric: &'a str,
-    /// What is between its braces; none without braces.
+    /// Text between the braces. None without braces.
     pub(super) matchers: Option<&'a str>,
-    /// What is between the brackets behind it.
+    /// Text between the brackets of a range selector.
     pub(super) range: Option<&'a str>,
-    /// The function or aggregation that it is in directly, empty if none.
+    /// The innermost function or aggregation around the selector; empty without one.
     pub(super) within: &'a str,
 }
 
-/// Every selector of the supervisors' metrics.
+/// All selectors of the supervisor's metrics.
 pub(super) fn selectors(expression: &str) -> Vec<Selector<'_>> {
     let mut found = Vec::new();
     let mut begin = 0;
@@ -25,13 +25,13 @@ pub(super) fn selectors(expression: &str) -> Vec<Selector<'_>> {
             let (range, _) = enclosed(rest, '[', ']');
             found.push(Selector { metric, matchers, range, within: caller(&expression[..begin]) });
         }
-        // Matchers are full of words, none of which is a metric.
+        // Matchers are skipped, because the words in them are not metrics.
         begin += length.max(1);
     }
     found
 }
 
-/// How long the word is that it begins with.
+/// Length of the word at the start of the text.
 fn word(text: &str) -> usize {
     text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len())
 }
@@ -43,7 +43,7 @@ fn enclosed(text: &str, open: char, close: char) -> (Option<&str>, &str) {
     }
 }
 
-/// The word before the parenthesis that the text ends with.
+/// The word before the parenthesis at the end of the text.
 fn caller(before: &str) -> &str {
     let Some(before) = before.trim_end().strip_suffix('(') else { return "" };
     let begin = before.rfind(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).map_or(0, |at| at + 1);

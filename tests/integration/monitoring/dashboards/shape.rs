@@ -1,4 +1,4 @@
-//! What Grafana needs beyond the linter's rules: identities that last, places without overlap, links that lead somewhere.
+//! Requirements of Grafana beyond the linter's rules: stable identities, panels that do not overlap, and valid links.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -15,7 +15,7 @@ fn dashboards_are_what_their_sources_make() {
     assert!(ended.status.success(), "run dashboards/build.py: {said}");
 }
 
-/// Bookmarks and links of people rest on them.
+/// Bookmarks and links depend on these ids.
 #[test]
 fn identities_last() {
     let uids: Vec<(&str, &str)> = ALL.iter().map(|one| (one.file.as_str(), one.uid())).collect();
@@ -28,11 +28,11 @@ fn identities_last() {
     ];
     assert_eq!(uids, expected);
     for dashboard in ALL.iter() {
-        // What Grafana 12 writes itself: it would change anything older on reading it.
+        // Grafana 12 writes this version; it would migrate an older one on load.
         assert_eq!(dashboard.json["schemaVersion"], 42, "{}", dashboard.file);
         let panels = || list(&dashboard.json["panels"]);
         let numbers: BTreeSet<u64> = panels().map(|panel| panel["id"].as_u64().unwrap()).collect();
-        assert_eq!(numbers.len(), panels().count(), "{}: two panels have a number", dashboard.file);
+        assert_eq!(numbers.len(), panels().count(), "{}: two panels have the same id", dashboard.file);
         for panel in dashboard.panels() {
             let letters: BTreeSet<&str> = targets(panel).map(|(_, target)| text(&target["refId"])).collect();
             assert_eq!(letters.len(), targets(panel).count(), "{}: {}", dashboard.file, panel["title"]);
@@ -64,7 +64,7 @@ fn no_panel_lies_on_another() {
             assert!(w > 0 && h > 0 && x + w <= 24, "{}: {}", dashboard.file, panel["title"]);
             for cell in (x..x + w).flat_map(|x| (y..y + h).map(move |y| (x, y))) {
                 let other = taken.insert(cell, &panel["title"]);
-                assert!(other.is_none(), "{}: {} lies on {other:?}", dashboard.file, panel["title"]);
+                assert!(other.is_none(), "{}: {} overlaps {other:?}", dashboard.file, panel["title"]);
             }
         }
     }
@@ -80,12 +80,13 @@ fn links_lead_to_dashboards_that_know_their_variables() {
         for (panel, link) in drill_downs(dashboard) {
             let place = format!("{}: {}: {link}", dashboard.file, panel["title"]);
             let (uid, query) = link.strip_prefix("/d/").and_then(|rest| rest.split_once('?')).expect(&place);
-            let target = ALL.iter().find(|one| one.uid() == uid).unwrap_or_else(|| panic!("{place}: leads nowhere"));
+            let target =
+                ALL.iter().find(|one| one.uid() == uid).unwrap_or_else(|| panic!("{place}: unknown dashboard"));
             for part in query.split('&') {
                 match part.split_once('=') {
                     Some((name, _)) => {
                         let name = name.strip_prefix("var-").expect(&place);
-                        assert!(target.variable(name).is_some(), "{place}: {name} is nothing there");
+                        assert!(target.variable(name).is_some(), "{place}: the target has no variable {name}");
                     }
                     None => {
                         assert!(part == "${__url_time_range}" || part.ends_with("_datasource:queryparam}"), "{place}")
@@ -98,7 +99,7 @@ fn links_lead_to_dashboards_that_know_their_variables() {
     assert!(leads_to("/vibrissa-robot?") >= 3 && leads_to("/vibrissa-whisker?") >= 5);
 }
 
-/// Links of cells, with their panels.
+/// Links in table cells, each with its panel.
 pub(super) fn drill_downs(dashboard: &Dashboard) -> impl Iterator<Item = (&Value, &str)> {
     dashboard.panels().flat_map(|panel| {
         let properties = list(&panel["fieldConfig"]["overrides"]).flat_map(|one| list(&one["properties"]));
@@ -112,7 +113,7 @@ pub(super) fn drill_downs(dashboard: &Dashboard) -> impl Iterator<Item = (&Value
 fn grafanas_alerts_lead_to_dashboards() {
     for (alert, rule) in named_alerts() {
         let uid = text(&rule["annotations"]["dashboard"]);
-        assert!(ALL.iter().any(|dashboard| dashboard.uid() == uid), "{alert}: {uid} is no dashboard");
+        assert!(ALL.iter().any(|dashboard| dashboard.uid() == uid), "{alert}: {uid} is not a dashboard");
     }
 }
 
@@ -124,12 +125,12 @@ fn every_variable_that_is_used_is_one() {
         let texts = queries.chain(annotations).flat_map(|one| [text(&one["expr"]), text(&one["rawSql"])]);
         let texts = texts.chain(dashboard.variables().map(|one| text(&one["definition"])));
         for used in texts.flat_map(used_variables) {
-            assert!(dashboard.variable(used).is_some(), "{}: {used} is no variable of it", dashboard.file);
+            assert!(dashboard.variable(used).is_some(), "{}: {used} is not one of its variables", dashboard.file);
         }
     }
 }
 
-/// Names after a dollar, those of Grafana's own not among them.
+/// Names after a dollar sign, without Grafana's own variables.
 fn used_variables(query: &str) -> impl Iterator<Item = &str> {
     let name = |after: &'_ str| after.trim_start_matches('{').len();
     query

@@ -1,4 +1,4 @@
-//! A supervisor with a simulated fleet, its database, a Prometheus that scrapes it, and the role that Grafana has.
+//! A supervisor with a simulated fleet, its database, a Prometheus that scrapes it, and Grafana's database role.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ use super::expand::Chosen;
 const SEED: u64 = 2021;
 const PASSWORD: &str = "it's a \\ password";
 
-/// Everything that runs; dropped, it ends.
+/// All running programs, stopped on drop.
 pub(super) struct Stage {
     pub(super) prometheus: Prometheus,
     pub(super) http: SocketAddr,
@@ -34,7 +34,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Starts all, and cuts whiskers until there is something to see of everything.
+    /// Starts all programs and cuts whiskers until every metric has a value.
     pub(super) async fn new() -> Self {
         let (server, folder) = (Postgres::start().await, tempfile::tempdir().unwrap());
         let [mqtt, http] = [free_port(), free_port()];
@@ -48,7 +48,7 @@ impl Stage {
             "global: {{scrape_interval: 1s}}\nscrape_configs:\n- job_name: vibrissa\n  static_configs: [{{targets: ['{http}']}}]\n"
         );
         let prometheus = Prometheus::start(&configuration).await;
-        // The time of dashboards begins with what is there from the start.
+        // The time range of dashboards begins when the first series exist.
         until_true("the first scrape", async || value(&prometheus, "sum(vibrissa_trims_total)").await == Some(0.0))
             .await;
         let fleet = Fleet::start(&scenario::scenario(SEED).unwrap(), &Broker::new("127.0.0.1", mqtt)).unwrap();
@@ -59,18 +59,18 @@ impl Stage {
         stage
     }
 
-    /// Until the last of what a compensation goes through has been seen by Prometheus.
+    /// Waits until Prometheus has scraped the last metric of a compensation.
     async fn wait(&self) {
         for (what, expression) in [
             ("trims that were found", "sum(vibrissa_trims_total) >= 2"),
             ("alarms", "sum(vibrissa_alarms_standing) > 0"),
             ("measured errors", "sum(vibrissa_compensation_error_ratio_count) > 0"),
             ("a look at a setpoint", "sum(increase(vibrissa_refinements_total[4s])) > 0"),
-            // Dashboards ask for whole seconds: one that is over.
+            // Dashboards query whole seconds, so the value must be older than one second.
             ("an error with a gain", "vibrissa_compensation_error_with_gain_mean_ratio offset 2s"),
         ] {
             until_true(what, async || {
-                // Requests, which are seen as well.
+                // Requests, which are metrics as well.
                 let _ = try_get(self.http, "/v1/compensations").await;
                 value(&self.prometheus, expression).await.is_some()
             })
@@ -78,7 +78,7 @@ impl Stage {
         }
     }
 
-    /// Makes the role, with the script that is shipped; twice, as after an update.
+    /// Creates the role with the shipped script; twice, as after an update.
     fn make_role(&self, folder: &std::path::Path) {
         let password = self._folder.path().join("password");
         std::fs::write(&password, format!("{PASSWORD}\n")).unwrap();
@@ -95,22 +95,22 @@ impl Stage {
         }
     }
 
-    /// As Grafana.
+    /// A connection with Grafana's role.
     pub(super) async fn grafana(&self) -> PgConnection {
         self.server.connect().username("grafana").password(PASSWORD).connect().await.unwrap()
     }
 
-    /// As the owner of everything.
+    /// A connection with the role of the database's owner.
     pub(super) async fn owner(&self) -> PgConnection {
         self.server.connect().connect().await.unwrap()
     }
 
-    /// No more contacts from here on.
+    /// Stops the contacts of the fleet.
     pub(super) fn rest(&self) {
         self.fleet.rest();
     }
 
-    /// What people may have chosen at the top of a dashboard: each whisker, one after the other.
+    /// Possible choices of the dashboards' variables: each whisker, one after the other.
     pub(super) async fn choices(&self) -> Vec<Chosen> {
         let query = "SELECT r.fleet, r.robot, a.\"array\", w.whisker::text FROM whiskers w JOIN arrays a USING (array_id) \
                      JOIN robots r ON r.robot_id = w.robot_id ORDER BY 1, 2, 3, 4";
@@ -149,7 +149,7 @@ fn folder_of_deployment() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("deploy")
 }
 
-/// The first value that an expression has now.
+/// The first value of an expression at this moment.
 async fn value(prometheus: &Prometheus, expression: &str) -> Option<f64> {
     let data = prometheus.ask("query", &[("query", expression)]).await.unwrap();
     data["result"][0]["value"][1].as_str()?.parse().ok()

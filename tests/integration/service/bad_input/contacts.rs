@@ -1,4 +1,4 @@
-//! Contacts that are none.
+//! Contacts messages that violate the contract.
 
 use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode};
@@ -6,7 +6,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 
 use super::{Names, assert_recorded, counts, good, names, start, template};
 
-/// A message whose second contact has another value in a field, or lacks it.
+/// A message whose second contact has another value in a field, or lacks the field.
 fn spoilt(robot: &mut HandRobot, field: &str, value: Option<Value>) -> Vec<u8> {
     let mut message = template(robot);
     let contact = message["contacts"][1].as_object_mut().unwrap();
@@ -17,7 +17,7 @@ fn spoilt(robot: &mut HandRobot, field: &str, value: Option<Value>) -> Vec<u8> {
     message.to_string().into_bytes()
 }
 
-/// Messages that must be refused though their number can be read, with the reason.
+/// Invalid messages with a readable number, and the reason of their refusal.
 fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     let mut junk: Vec<(Vec<u8>, &str)> = [
         ("ratio", Some(json!(0)), "out_of_range"),
@@ -39,7 +39,7 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     .map(|(field, value, reason)| (spoilt(robot, field, value), reason))
     .collect();
 
-    // In the contract's order, so that the number comes before what cannot be read.
+    // Fields in the contract's order, so that the number comes before the invalid part.
     let contacts = vec![Contact { ratio: 0.75, ..robot.contact(0) }];
     let whole = String::from_utf8(encode(&robot.message(contacts))).unwrap();
     junk.push((whole.replace("0.75", "NaN").into_bytes(), "not_json"));
@@ -92,7 +92,7 @@ async fn a_message_whose_number_cannot_be_read_stops_no_later_one() {
     let mut unnumbered = template(&mut robot);
     unnumbered.as_object_mut().unwrap().remove("seq");
     let mut lifted = unnumbered.clone();
-    // That number was taken from the robot's count: a message that is never sent would be waited for.
+    // The robot has used this number, so the supervisor would wait for its message.
     lifted["seq"] = json!(1);
     lifted["contacts"] = json!([]);
     robot.say(RobotTopic::Contacts, lifted.to_string()).await;
@@ -188,7 +188,7 @@ async fn contacts_under_another_robots_boot_are_not_taken() {
     bad["contacts"] = json!("many");
     other.say(RobotTopic::Contacts, foreign.to_string()).await;
     other.say(RobotTopic::Contacts, bad.to_string()).await;
-    // The number is still free on the robot's own topic.
+    // The number is still unused on the robot's own topic.
     one.say(RobotTopic::Contacts, foreign.to_string()).await;
     one.receipted().await;
     expected.extend(good(&mut other).await);

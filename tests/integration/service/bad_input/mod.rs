@@ -1,4 +1,4 @@
-//! What robots must not say: it is refused under its reason, and nothing else is affected.
+//! Invalid messages of robots are refused with the right reason and have no other effect.
 
 mod contacts;
 mod topics;
@@ -11,7 +11,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 
 use crate::running::Running;
 
-/// What was sent and must be recorded: (boot, seq, position, whisker, robot's time).
+/// Contacts that were sent and must be recorded: boot, number, position, whisker, and time by the robot's clock.
 type Names = Vec<(String, i64, i64, i64, i64)>;
 
 async fn start(robot: &str) -> (Running, HandRobot) {
@@ -27,13 +27,13 @@ fn names(message: &Contacts) -> Names {
     (0..).zip(&message.contacts).map(name).collect()
 }
 
-/// Sends two good contacts; gives their names.
+/// Sends two valid contacts and returns their names.
 async fn good(robot: &mut HandRobot) -> Names {
     let contacts = vec![robot.contact(0), robot.contact(1)];
     names(&robot.send(contacts).await)
 }
 
-/// Exactly these are in the database, each once, in this order.
+/// Checks that exactly these contacts are in the database, in this order.
 async fn assert_recorded(running: &Running, expected: &Names) {
     let rows = running.database.contacts().await;
     let found: Names =
@@ -49,7 +49,7 @@ fn counts(reasons: &[&str]) -> BTreeMap<String, f64> {
     counts
 }
 
-/// A good message as JSON, to be spoilt.
+/// A valid message as JSON, to be changed.
 fn template(robot: &mut HandRobot) -> Value {
     let contacts = vec![robot.contact(0), robot.contact(1)];
     serde_json::to_value(robot.message(contacts)).unwrap()

@@ -1,4 +1,4 @@
-//! Topics that are none, and junk on those that are.
+//! Invalid topics, and invalid messages on valid topics.
 
 use std::collections::BTreeMap;
 
@@ -42,7 +42,7 @@ async fn a_topic_that_is_not_the_contracts_is_refused_or_not_even_heard() {
     running.service.stop().await;
 }
 
-/// Junk on the other topics of a robot, with the reason.
+/// Invalid messages on the other topics of a robot, with the reason of their refusal.
 fn other_junk(robot: &mut HandRobot) -> Vec<(RobotTopic, Vec<u8>, &'static str)> {
     let boot_id = robot.boot_id.clone();
     let entry = |field: &str, value: Value| {
@@ -137,6 +137,6 @@ async fn a_packet_larger_than_the_supervisor_takes_does_not_break_its_connection
     expected.extend(good(&mut robot).await);
     robot.receipted().await;
     assert_recorded(&running, &expected).await;
-    assert_eq!(running.metrics().await.refused(), BTreeMap::new(), "the broker has kept it");
+    assert_eq!(running.metrics().await.refused(), BTreeMap::new(), "the broker must not pass it on");
     running.service.stop().await;
 }

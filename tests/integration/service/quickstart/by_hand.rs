@@ -1,4 +1,4 @@
-//! Against a test that is its supervisor: every answer to a setpoint, and contacts until they are receipted.
+//! The robot with the test as its supervisor: all answers to setpoints, and contacts until they are receipted.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use vibrissa_tests::observer::{Heard, Observer};
 use super::script::Script;
 use crate::program::PROGRAM;
 
-/// A robot that is born, and its supervisor.
+/// A robot that has sent its birth, and its supervisor.
 struct Scene {
     robot: Script,
     supervisor: Observer,
@@ -25,7 +25,7 @@ struct Scene {
 impl Scene {
     async fn start() -> Self {
         let broker = Mosquitto::start();
-        // Not what it says itself: that may be junk.
+        // Only topics of robots, because the supervisor's own messages may be invalid on purpose.
         let filters = RobotTopic::ALL.into_iter().filter(|topic| topic.is_from_robot());
         let filters: Vec<String> = filters.map(|topic| format!("whisker/v1/f/r/{topic}")).collect();
         let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
@@ -35,7 +35,7 @@ impl Scene {
         Self { robot, supervisor, boot_id, broker }
     }
 
-    /// A setpoint that the robot takes, of that version.
+    /// A valid setpoint with this version.
     fn setpoint(&self, version: u64) -> Setpoint {
         Setpoint {
             boot_id: BootId::new("s1").unwrap(),
@@ -55,7 +55,7 @@ impl Scene {
         }
     }
 
-    /// The next answer, whatever it is to.
+    /// The next answer to any setpoint.
     async fn answer(&mut self) -> SetpointState {
         let answer = |heard: Heard| match heard.message {
             Message::SetpointState(state) => Some(state),
@@ -64,7 +64,7 @@ impl Scene {
         self.supervisor.expect("an answer", answer).await
     }
 
-    /// Sends it, and expects those answers and no other.
+    /// Sends a setpoint and expects exactly these answers.
     async fn answered(&mut self, setpoint: &Setpoint, expected: &[SetpointOutcome]) -> Vec<SetpointState> {
         self.supervisor.send(RobotTopic::Setpoint, setpoint).await;
         let mut answers = Vec::new();
@@ -81,7 +81,7 @@ impl Scene {
         assert_eq!(answers[0].error, Some(error));
     }
 
-    /// Waits until the robot has heard everything that was said to it before.
+    /// Waits until the robot has received all earlier messages.
     async fn heard_all(&mut self) {
         let request = Request { boot_id: BootId::new("s1").unwrap(), seq: 0, request: RequestKind::Factsheet };
         self.supervisor.send(RobotTopic::Request, &request).await;
@@ -89,7 +89,7 @@ impl Scene {
         self.supervisor.expect("a factsheet again", factsheet).await;
     }
 
-    /// The next contacts message's number.
+    /// Number of the next contacts message.
     async fn contacts(&mut self) -> u64 {
         let contacts = |heard: Heard| match heard.message {
             Message::Contacts(contacts) => Some(contacts.seq),
@@ -136,7 +136,7 @@ async fn it_is_born_tells_what_is_on_it_and_leaves_a_will() {
         };
         let (t_us, qos) = scene.supervisor.expect("a status", status).await;
         assert_eq!(qos, QoS::AtMostOnce);
-        assert!(last_us == 0 || (900_000..9_000_000).contains(&(t_us - last_us)), "every second");
+        assert!(last_us == 0 || (900_000..9_000_000).contains(&(t_us - last_us)), "expected one status per second");
         last_us = t_us;
     }
     scene.robot.process.kill();
@@ -149,7 +149,7 @@ async fn a_setpoint_is_taken_followed_and_answered_again_but_not_applied_again()
     let setpoint = Setpoint { pressure_mpa: 0.05, ..scene.setpoint(1) };
     let answers = scene.answered(&setpoint, &TAKEN).await;
     assert!((answers[2].pressure_mpa.unwrap() - 0.05).abs() < 1e-6);
-    // 0.05 MPa at 0.1 MPa/s; its regulator is looked at 20 times a second, at best.
+    // 0.05 MPa at 0.1 MPa/s; the robot polls its regulator at most 20 times per second.
     let slewing_us = answers[2].t_us - answers[0].t_us;
     assert!((400_000..9_000_000).contains(&slewing_us), "{slewing_us} us");
 
@@ -174,7 +174,7 @@ async fn what_a_robot_must_not_take_is_rejected_with_its_reason() {
     scene.rejected(&Setpoint { expires_us: now_us() - 1, ..scene.setpoint(12) }, SetpointError::Expired).await;
     scene.rejected(&Setpoint { pressure_mpa: 0.2001, ..scene.setpoint(13) }, SetpointError::OutOfRange).await;
     scene.rejected(&Setpoint { pressure_mpa: -0.001, ..scene.setpoint(14) }, SetpointError::OutOfRange).await;
-    // Seen is seen, although it was not taken; what was meant for another boot says nothing about this one.
+    // A rejected setpoint still counts as seen, except one for another boot.
     scene.rejected(&Setpoint { version: 13, ..scene.setpoint(15) }, SetpointError::Stale).await;
     scene.answered(&Setpoint { version: 20, ..scene.setpoint(16) }, &TAKEN).await;
     scene.answered(&Setpoint { epoch: 8, version: 0, ..scene.setpoint(17) }, &TAKEN).await;
@@ -183,7 +183,7 @@ async fn what_a_robot_must_not_take_is_rejected_with_its_reason() {
 #[tokio::test]
 async fn a_newer_setpoint_supersedes_one_under_way_and_junk_changes_nothing() {
     let mut scene = Scene::start().await;
-    // Far away: on its way until the next one comes.
+    // A distant target, so that the first setpoint is still in progress when the next one arrives.
     let first = Setpoint { pressure_mpa: 0.2, slew_mpa_per_s: 0.001, ..scene.setpoint(1) };
     scene.answered(&first, &[SetpointOutcome::Received, SetpointOutcome::Applying]).await;
     for junk in ["{}", "nonsense", "[]", "7", r#"{"command_id":"x","epoch":9,"version":9}"#] {
@@ -233,7 +233,7 @@ async fn contacts_come_again_after_pauses_that_double_until_a_receipt_covers_the
     assert!(again.iter().all(|&seq| seq >= 5 && seq != 7 && seq != 8), "{again:?}");
 }
 
-/// With the contract's own times: it takes half a minute.
+/// Uses the contract's own times and takes half a minute.
 #[tokio::test(flavor = "multi_thread")]
 async fn it_passes_the_check_of_robots() {
     let scene = Scene::start().await;

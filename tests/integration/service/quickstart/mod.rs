@@ -1,4 +1,4 @@
-//! The robot of `docs/robot-quickstart.md`, as it stands there: it keeps the contract's rules.
+//! The robot in `docs/robot-quickstart.md`, exactly as printed there, keeps the contract's rules.
 
 mod by_hand;
 mod script;

@@ -1,4 +1,4 @@
-//! The Python block of the document, and what it needs to run.
+//! The Python block of the document, and an environment in which it runs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use tempfile::TempDir;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::python::environment;
 
-/// The document's robot as a process: robot `r` of the fleet `f`.
+/// The document's robot as a process: robot `r` of fleet `f`.
 pub(super) struct Script {
     pub(super) process: Process,
     folder: TempDir,
 }
 
 impl Script {
-    /// Starts it; whisker 1 loses 5 mm after so many seconds.
+    /// Starts the robot; whisker 1 loses 5 mm after this many seconds.
     pub(super) fn start(broker_port: u16, cut_after_s: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robot.py");
@@ -35,7 +35,7 @@ impl Script {
         Self { process, folder }
     }
 
-    /// What it has complained of.
+    /// Errors that the robot has printed.
     pub(super) fn complaints(&self) -> String {
         fs::read_to_string(self.folder.path().join("log")).unwrap()
     }
@@ -45,15 +45,15 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The document's only block of Python.
+/// The document's only Python block.
 fn block() -> String {
     let document = fs::read_to_string(repository().join("docs/robot-quickstart.md")).unwrap();
     let (_, rest) = document.split_once("```python\n").expect("a block of Python");
-    assert!(!rest.contains("```python"), "one block");
-    rest.split_once("```").expect("its end").0.to_owned()
+    assert!(!rest.contains("```python"), "there must be only one block");
+    rest.split_once("```").expect("the end of the block").0.to_owned()
 }
 
-/// A Python that has what the block needs.
+/// Path of a Python with the packages that the block needs.
 fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| environment("requirements.txt", env!("CARGO_TARGET_TMPDIR")).join("python"))

@@ -1,4 +1,4 @@
-//! Under the service: known, recorded once, found out when it is cut, and told a pressure.
+//! The robot with the real service: it is registered, each contact is recorded once, and its cut leads to a setpoint.
 
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::wait::until_true;
@@ -6,11 +6,11 @@ use vibrissa_tests::wait::until_true;
 use super::script::Script;
 use crate::running::{Running, quick};
 
-/// Whether each contact is recorded under a name of its own, and no message is missing between them.
+/// Whether each contact is recorded once and no message is missing.
 async fn each_is_there_once(running: &Running) -> bool {
     let (contacts, names) = running.database.counted().await;
-    assert_eq!(contacts, names, "recorded once");
-    // Three contacts in a message, numbered from 0.
+    assert_eq!(contacts, names, "each contact must be recorded once");
+    // Messages have three contacts and are numbered from 0.
     contacts == 3 * running.database.number("SELECT max(seq) + 1 FROM contacts").await
 }
 
@@ -28,7 +28,7 @@ async fn it_is_known_and_its_cut_is_found_and_compensated() {
     assert_eq!(trimmed.len(), 1);
     assert_eq!((&trimmed[0]["robot"], trimmed[0]["whisker"].as_u64()), (&"r".into(), Some(1)));
     let length_mm = trimmed[0]["length_mm"].as_f64().unwrap();
-    // Its formula is made up, not the model's: near enough is all that can be asked.
+    // The robot's formula is invented and differs from the model, so the estimate is only approximate.
     assert!((61.0..69.0).contains(&length_mm), "{length_mm} mm");
     until_true("all contacts once", async || each_is_there_once(&running).await).await;
     assert_eq!(robot.complaints(), "");
@@ -48,6 +48,6 @@ async fn what_it_felt_while_the_broker_was_down_comes_later_and_once() {
     broker.restart();
     until_true("later contacts", async || last().await > before + 40).await;
     until_true("those between", async || each_is_there_once(&running).await).await;
-    assert_eq!(running.database.number("SELECT count(*) FROM boots").await, 1, "the robot went on");
+    assert_eq!(running.database.number("SELECT count(*) FROM boots").await, 1, "the robot must not restart");
     running.service.stop().await;
 }
