@@ -1,8 +1,10 @@
-//! vibrissa, the supervisor: robots' whiskers in over MQTT, pressure setpoints out, everything recorded.
+//! vibrissa, a supervisor for robots with soft whiskers: contacts arrive over MQTT, pressure setpoints go out, and
+//! everything is recorded.
 //!
-//! Read in this order: [`service`] (all tasks), `ownership` and `fleet` (leases of fleets), [`mqtt`], [`inbox`], [`outbox`] and
-//! [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (one message's way), [`store`] (SQL), [`http`],
-//! [`trace`]; then [`record`] and [`replay`], [`check`] (a robot against the contract), [`config`], [`demo`] and [`cli`].
+//! Reading order: [`service`] (all tasks), `ownership` and `fleet` (leases of fleets), [`mqtt`], [`inbox`], [`outbox`]
+//! and [`broker`], [`vibrissa_edge`] (messages become events), [`engine`] (processing of a message), [`store`] (SQL),
+//! [`http`], [`trace`]; then [`record`] and [`replay`], [`check`] (tests a robot against the contract), [`config`],
+//! [`demo`] and [`cli`].
 
 pub mod service;
 
