@@ -71,7 +71,7 @@ impl Broker {
         Ok(Self { address, stop, task })
     }
 
-    /// Listening address.
+    /// Address and port on which the broker listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address

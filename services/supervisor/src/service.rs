@@ -42,7 +42,7 @@ pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
 pub struct HistoryOptions {
     /// Which contacts get a row of their own.
     pub keep: Keep,
-    /// How long these rows and the aggregates are kept.
+    /// Retention periods of these rows and of the aggregates.
     pub retention: Retention,
 }
 
@@ -62,7 +62,7 @@ pub struct ServiceOptions {
     pub name: String,
     /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
     pub fleets: Vec<Name>,
-    /// The database.
+    /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
     /// Time to live of a lease: an owner that is silent for longer loses the fleet.
     pub lease_time_to_live: Duration,
@@ -94,7 +94,7 @@ pub struct Service {
     pub http: SocketAddr,
     /// Address that serves only `/livez`, `/readyz` and `/metrics`, if one is configured.
     pub monitoring: Option<SocketAddr>,
-    /// The database.
+    /// Access to the database.
     pub store: Store,
     /// Metrics of the service.
     pub metrics: Metrics,
@@ -245,7 +245,7 @@ fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
     Ok(metrics)
 }
 
-/// How long the change log of the live pages is kept.
+/// Retention period of the change log that live pages follow.
 const CHANGES_KEPT: Duration = Duration::from_secs(86_400);
 /// Interval between two removals of older changes.
 const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);

@@ -14,7 +14,7 @@ use crate::secret::Secret;
 pub struct BrokerAddress {
     /// Host name or address; IPv6 without brackets.
     pub host: String,
-    /// TCP port.
+    /// TCP port of the broker.
     pub port: u16,
     /// User and password; `None` for a broker that accepts anonymous clients.
     pub credentials: Option<Credentials>,
@@ -30,9 +30,9 @@ const DEAF_RELEASE_AFTER: Duration = Duration::from_secs(10);
 /// Credentials of a broker user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Credentials {
-    /// User name.
+    /// Name of the user.
     pub username: String,
-    /// User password.
+    /// Password of the user.
     pub password: Secret,
 }
 

@@ -32,7 +32,7 @@ pub(crate) use story::{Asked, Step, is_told};
 const QUEUE_SPANS: usize = 4096;
 /// Largest number of spans in one export.
 const BATCH_SPANS: usize = 512;
-/// Export interval.
+/// Interval between two exports.
 const SEND_EVERY: Duration = Duration::from_secs(1);
 /// Time limit for the last export when the service stops.
 const STOP_PATIENCE: Duration = Duration::from_secs(2);

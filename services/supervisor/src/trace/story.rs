@@ -16,9 +16,9 @@ use crate::store::actions::Action;
 
 /// A step of the core.
 pub(crate) struct Step<'a> {
-    /// The fleet.
+    /// Fleet of the robot.
     pub(crate) fleet: &'a Name,
-    /// The robot.
+    /// Name of the robot.
     pub(crate) name: &'a Name,
     /// Row id of the robot in the database.
     pub(crate) robot_id: i64,
@@ -26,7 +26,7 @@ pub(crate) struct Step<'a> {
     pub(crate) robot: &'a Robot,
     /// Time of the step: receipt of the message, or the time of a tick.
     pub(crate) now: Micros,
-    /// The event.
+    /// Event that the core was given.
     pub(crate) event: &'a Event<'a>,
     /// The effects of the step.
     pub(crate) effects: &'a [Effect],

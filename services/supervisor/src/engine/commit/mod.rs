@@ -1,7 +1,7 @@
 //! The write path, from the effects of a step to committed rows and back after a restart.
 //!
 //! - [`batch`]: the rows that the steps of a shard have led to since the last commit.
-//! - [`journal`]: an input log. A step that decides nothing writes its *event* here, and the robot's checkpoint may wait.
+//! - [`journal`]: an input log. A step without a decision writes its *event* here, and the robot's checkpoint may wait.
 //! - [`checkpoint`]: robots' states as rows, at once where something is decided, otherwise about two seconds later.
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`pipeline`]: sealed transactions, one after the other, and the publications that wait for them.
@@ -27,9 +27,9 @@
 //! take-up ──▶ Before: the checkpoint is older than the take-up, so that no entry may be added to it
 //! ```
 //!
-//! Each transaction advances the counter of commits in the lease's row, where owner, epoch and counter are those that this
-//! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, makes a repeated attempt
-//! write nothing twice, and renews the lease.
+//! Each transaction advances the counter of commits in the lease's row, if owner, epoch and counter are those that this
+//! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, keeps a repeated
+//! attempt from writing anything twice, and renews the lease.
 
 pub(super) mod batch;
 pub(super) mod checkpoint;
