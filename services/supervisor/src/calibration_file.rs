@@ -1,13 +1,13 @@
 //! Calibration files: `vibrissa calibrate` writes them, and the supervisor reads them.
 //!
 //! ```toml
-//! name = "left-front"              # what factsheets call this model
+//! name = "left-front"              # the model's name in factsheets
 //! c = 0.4693                       # k2 = c + a exp(-b Q)
 //! a = 1.6234
 //! b_per_mpa = 9.3977
 //! youngs_modulus_mpa = 1.1134
 //! elongation_gain_mm = 8.6766      # delta_l = G Q / (k2 E)
-//! # [geometry] follows for another shape than the paper's; all its sizes must be given.
+//! # [geometry] is required for dimensions other than the paper's, and must be complete.
 //! ```
 
 use std::path::{Path, PathBuf};

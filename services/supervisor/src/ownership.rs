@@ -177,7 +177,7 @@ impl Ownership {
         self.ending_names.retain(|_, task| !task.is_finished());
     }
 
-    /// Stops fleets that another supervisor owns by now. They could not write any more, but would still be a fault.
+    /// Stops fleets that another supervisor owns by now. Fencing already keeps them from writing.
     fn drop_lost(&mut self, roll: &Roll) {
         let is_ours = |fleet: &Fleet| {
             roll.leases.iter().any(|row| {

@@ -22,7 +22,7 @@ const LOOK_EVERY: Duration = Duration::from_secs(2);
 pub struct RobotsFile(BTreeMap<Name, Arc<HashSet<Name>>>);
 
 impl RobotsFile {
-    /// Reads a file.
+    /// Reads and parses a file.
     ///
     /// # Errors
     /// The file cannot be read, is too long, or has a line that is not `FLEET/ROBOT`; the text says which.

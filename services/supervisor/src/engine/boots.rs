@@ -20,7 +20,7 @@ impl Boots {
         }
     }
 
-    /// The highest number.
+    /// Number of the newest boot.
     pub(super) fn newest(&self) -> Option<i64> {
         self.newest.as_ref().map(|(_, boot)| *boot)
     }

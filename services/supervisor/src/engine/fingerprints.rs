@@ -18,7 +18,7 @@ pub(super) struct Fingerprints(Option<Box<[Fingerprint; REMEMBERED]>>);
 /// Fingerprint of one message. Content 0 marks an unused entry.
 #[derive(Debug, Clone, Copy, Default)]
 struct Fingerprint {
-    /// Boot number and the high part of `seq`.
+    /// Combines the boot number and the high part of `seq`.
     name: u32,
     content: u32,
 }

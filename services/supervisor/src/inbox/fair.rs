@@ -88,8 +88,8 @@ struct Queue {
     /// Hash of the robot's name.
     robot: u64,
     messages: VecDeque<Incoming>,
-    /// Space taken by waiting messages, and by received ones that are not handed over yet: of other messages [0], and
-    /// of contacts [1].
+    /// Space taken by waiting messages, and by received ones that are not handed over yet. The second item is that of
+    /// contacts, the first that of all other messages.
     held: [Filling; 2],
     /// Bytes that it may still give in its turn.
     deficit: usize,

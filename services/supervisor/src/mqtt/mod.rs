@@ -46,7 +46,7 @@ pub use tap::tap;
 pub use tls::{PrepareError, Prepared, prepare};
 pub use trial::try_hearing;
 
-/// Size limit of incoming packets in bytes. The broker learns it at the connection and must not send larger ones;
+/// Size limit of incoming packets in bytes. The broker is told at the connection, and must not send larger ones;
 /// without the limit, one larger packet would end each connection.
 const PACKET_MAX: u32 = 2 * 1024 * 1024;
 /// Limit of this supervisor's publications without an acknowledgement. The client keeps a table of this size; its

@@ -45,7 +45,7 @@ struct Verdict {
 enum State {
     /// Low rate: reads without pauses.
     Calm,
-    /// Trial in a burst: number of turns so far, and number of messages with pauses [0] and without [1].
+    /// Trial in a burst: number of turns so far, and numbers of messages with pauses and without.
     Trial(u32, [u64; 2]),
     /// A burst after a trial, with pauses or without.
     Burst(bool),

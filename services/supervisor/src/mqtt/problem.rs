@@ -90,7 +90,7 @@ impl Problem {
     ///
     /// `reached`: TCP was connected. `connected`: the broker had accepted the connection.
     pub(super) fn of(broker: &BrokerAddress, error: &ConnectionError, reached: bool, connected: bool) -> Self {
-        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: told apart by what they hold")]
+        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: classified by their contents")]
         let cause = match error {
             ConnectionError::ConnectionRefused(code) => of_code(*code),
             ConnectionError::Timeout(_) if reached => Cause::Mute,
@@ -132,7 +132,7 @@ fn is_end(error: &ConnectionError) -> bool {
 }
 
 fn of_code(code: ConnectReturnCode) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's codes: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's codes: the others have no specific advice")]
     match code {
         ConnectReturnCode::BadUserNamePassword
         | ConnectReturnCode::NotAuthorized
@@ -146,7 +146,7 @@ fn of_code(code: ConnectReturnCode) -> Cause {
 
 /// The socket's error, which the client wraps in several ways.
 fn io_of(error: &ConnectionError) -> Option<&io::Error> {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others hold no such thing")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others contain no socket error")]
     match error {
         ConnectionError::Io(error)
         | ConnectionError::Tls(TlsError::Io(error))
@@ -166,7 +166,7 @@ fn tls_of(error: &ConnectionError) -> Option<&rustls::Error> {
 }
 
 fn of_tls(error: &rustls::Error) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no specific advice")]
     match error {
         rustls::Error::InvalidCertificate(problem) => of_certificate(problem),
         rustls::Error::InvalidMessage(_) => Cause::NotTls,
@@ -189,7 +189,7 @@ fn of_tls(error: &rustls::Error) -> Cause {
 }
 
 fn of_certificate(problem: &CertificateError) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no specific advice")]
     match problem {
         CertificateError::UnknownIssuer | CertificateError::BadSignature => Cause::UnknownIssuer,
         CertificateError::NotValidForName => Cause::WrongName(Vec::new()),
@@ -206,7 +206,7 @@ fn of_dial(error: &ConnectionError) -> Cause {
     if let Some(LookupError(why)) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
         return Cause::UnknownHost(why.clone());
     }
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the others have no specific advice")]
     match error.kind() {
         io::ErrorKind::ConnectionRefused => Cause::Refused,
         io::ErrorKind::TimedOut => Cause::NoAnswer,
@@ -216,7 +216,7 @@ fn of_dial(error: &ConnectionError) -> Cause {
 
 /// Reason of a broken connection, without the client's wrapping texts.
 fn short(error: &ConnectionError) -> String {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others say it themselves")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
     match error {
         ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();

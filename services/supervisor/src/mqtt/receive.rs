@@ -119,9 +119,7 @@ impl Receiver {
                     match poller.next_while(&mut hearing, judge).await? {
                         Ok(event) => event,
                         Err(Failure::Broken(problem)) => return Err(problem),
-                        Err(Failure::Finished) => {
-                            return Err(self.problem(Cause::Lost("the client stopped".to_owned())));
-                        }
+                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost("client stopped".to_owned()))),
                     }
                 }
             };

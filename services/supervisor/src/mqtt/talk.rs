@@ -131,7 +131,7 @@ impl Drop for Talk {
 fn silence(failure: Failure) -> Silence {
     match failure {
         Failure::Broken(problem) => Silence(problem.to_string()),
-        Failure::Finished => Silence("the client stopped".to_owned()),
+        Failure::Finished => Silence("client stopped".to_owned()),
     }
 }
 

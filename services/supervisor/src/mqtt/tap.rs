@@ -70,7 +70,7 @@ async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Pro
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(broken)) => return (broken, was_heard),
-            Err(Failure::Finished) => return (problem(Cause::Lost("the client stopped".to_owned())), was_heard),
+            Err(Failure::Finished) => return (problem(Cause::Lost("client stopped".to_owned())), was_heard),
         }
     }
 }

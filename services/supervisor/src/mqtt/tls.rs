@@ -223,7 +223,10 @@ fn certificates(key: &'static str, path: &Path) -> Result<Vec<CertificateDer<'st
 
 fn private_key(path: &Path) -> Result<PrivateKeyDer<'static>, PrepareError> {
     let bytes = read(KEY, path)?;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: none of the others may be shown")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the library's errors: the texts of the others may reveal the key"
+    )]
     PrivateKeyDer::from_pem_slice(&bytes).map_err(|problem| match problem {
         pem::Error::NoItemsFound if String::from_utf8_lossy(&bytes).contains("BEGIN ENCRYPTED PRIVATE KEY") => {
             PrepareError::EncryptedKey { key: KEY, path: path.to_owned() }
@@ -236,7 +239,7 @@ fn private_key(path: &Path) -> Result<PrivateKeyDer<'static>, PrepareError> {
 
 fn refused_key(client: &ClientCertificate, problem: rustls::Error) -> PrepareError {
     let (key_file, certificate_file) = (client.key_file.clone(), client.certificate_file.clone());
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others say it themselves")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
     match problem {
         rustls::Error::InconsistentKeys(_) => PrepareError::KeyMismatch { key_file, certificate_file },
         rustls::Error::InvalidCertificate(why) => {

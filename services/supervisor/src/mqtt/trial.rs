@@ -58,7 +58,7 @@ async fn prove(connection: &Connection) -> Result<(), Problem> {
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => return Err(problem),
-            Err(Failure::Finished) => return Err(problem(Cause::Lost("the client stopped".to_owned()))),
+            Err(Failure::Finished) => return Err(problem(Cause::Lost("client stopped".to_owned()))),
         }
     }
     // Disconnects, so that the broker does not log a lost connection each time.

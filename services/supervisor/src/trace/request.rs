@@ -59,8 +59,8 @@ impl RequestSpan {
     }
 }
 
-/// Place of the request's span: in the caller's trace if that is sampled, else in a new trace, if the request is
-/// sampled.
+/// Place of the request's span: in the caller's trace, if there is one, or else in a new trace. `None` if the trace is
+/// not sampled.
 fn place(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<Place> {
     let new = RandomIdGenerator::default();
     let told = TraceContextPropagator::new().extract(&HeaderExtractor(headers));

@@ -18,8 +18,8 @@ use crate::engine::commit::batch::Source;
 use crate::engine::shard::Known;
 use crate::store::batch::ContactRow;
 
-/// Version of the entries' layout. A negative number is the version of the entries after it; entries begin with a
-/// robot's id, which is positive. Version 1 had the same layout and no version number.
+/// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
+/// id, which is positive. Version 1 had the same layout and no version number.
 const VERSION: i64 = 2;
 /// Index of an array that the robot does not have.
 const NO_ARRAY: u16 = u16::MAX;

@@ -35,7 +35,7 @@ pub(in crate::engine) struct Rounds {
     receipts_due: bool,
     /// Number of consecutive commits that have left them to the next one.
     passed_over: u32,
-    /// Number of the round, see [`Self::number`].
+    /// Number of the current round.
     number: u64,
 }
 

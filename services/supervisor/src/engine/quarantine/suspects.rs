@@ -2,7 +2,7 @@
 //! found.
 //!
 //! ```text
-//!                        rows refused                             all went well for a minute
+//!                        rows refused                             no rejection for a minute
 //!  ordinary robot ───────────────────────▶ suspect ──────────────────────────────────────────▶ ordinary robot
 //!                    state as it was        │   ▲
 //!                    committed last         ▼   │ rows refused: half as many messages; of one message: quarantine
