@@ -1,4 +1,4 @@
-//! The embedded MQTT broker: on loopback, nothing on disk. The only module that knows which one it is.
+//! The embedded MQTT broker, on loopback and in memory only. No other module depends on the library behind it.
 
 use std::net::{Ipv4Addr, SocketAddr};
 
@@ -6,7 +6,7 @@ use mqtt5::broker::config::{BrokerConfig, StorageBackend, StorageConfig};
 use mqtt5::broker::{BrokerShutdownHandle, MqttBroker};
 use tokio::task::JoinHandle;
 
-/// The largest packet that it takes: so large that junk reaches the supervisor and is counted there.
+/// Largest packet in bytes: large enough that oversized messages reach the supervisor and are counted there.
 const PACKET_MAX: usize = 2 * 1024 * 1024;
 
 /// A running broker.
@@ -16,31 +16,31 @@ pub struct Broker {
     task: JoinHandle<()>,
 }
 
-/// Why it does not run.
+/// Why the embedded broker does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerError {
-    /// Another program listens there.
+    /// Another program listens on the port.
     #[error(
         "port {port} on 127.0.0.1 is taken: stop the MQTT broker that listens there, use it with \
          --mqtt-url mqtt://127.0.0.1:{port}, or take any free port with --mqtt-port 0"
     )]
     PortTaken {
-        /// Which.
+        /// The port on 127.0.0.1.
         port: u16,
     },
-    /// Anything else.
-    #[error("the embedded MQTT broker does not start: {0}")]
+    /// Any other problem.
+    #[error("the embedded MQTT broker cannot start: {0}")]
     Start(String),
 }
 
 impl Broker {
-    /// Starts it on a port of 127.0.0.1; 0 takes any free one. It takes connections when this returns.
+    /// Starts the broker on a port of 127.0.0.1; 0 takes any free one. On return it accepts connections.
     ///
     /// # Errors
-    /// The port is taken, or the broker does not start.
+    /// The port is taken, or the broker cannot start.
     pub async fn start(port: u16) -> Result<Self, BrokerError> {
         if port != 0 {
-            // The broker's own error does not tell a taken port from the rest.
+            // The broker's own error does not distinguish a taken port from other problems.
             std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|problem| {
                 if problem.kind() == std::io::ErrorKind::AddrInUse {
                     BrokerError::PortTaken { port }
@@ -71,13 +71,13 @@ impl Broker {
         Ok(Self { address, stop, task })
     }
 
-    /// Where it listens.
+    /// Address and port on which the broker listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Stops it and waits until it has.
+    /// Stops the broker and waits for its end.
     pub async fn stop(self) {
         self.stop.shutdown();
         if self.task.await.is_err() {

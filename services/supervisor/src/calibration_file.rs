@@ -1,13 +1,13 @@
-//! Calibration files: what `vibrissa calibrate` writes and the supervisor reads.
+//! Calibration files: `vibrissa calibrate` writes them, and the supervisor reads them.
 //!
 //! ```toml
-//! name = "left-front"              # what factsheets call this model
+//! name = "left-front"              # the model's name in factsheets
 //! c = 0.4693                       # k2 = c + a exp(-b Q)
 //! a = 1.6234
 //! b_per_mpa = 9.3977
 //! youngs_modulus_mpa = 1.1134
 //! elongation_gain_mm = 8.6766      # delta_l = G Q / (k2 E)
-//! # [geometry] follows for another shape than the paper's; all its sizes must be given.
+//! # [geometry] is required for dimensions other than the paper's, and must be complete.
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -17,23 +17,23 @@ use utoipa::ToSchema;
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, ModelError};
 use vibrissa_protocol::{BadName, Name};
 
-/// A calibration with its name, as in the file.
+/// A calibration with its name, as stored in the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationFile {
     /// The name that factsheets use for the model: 1 to 64 letters, digits, `_` or `-`.
     pub name: String,
-    /// k2 that high pressures tend to.
+    /// Limit of k2 at high pressure, above 0: k2 = c + a exp(-b Q).
     pub c: f64,
-    /// Excess of k2 at zero pressure.
+    /// Excess of k2 over `c` at zero pressure, not below 0.
     pub a: f64,
-    /// Rate of softening per MPa.
+    /// Decay rate b of k2 with pressure, 1/MPa, above 0.
     pub b_per_mpa: f64,
-    /// E of the rubber.
+    /// Young's modulus E of the rubber, MPa, above 0.
     pub youngs_modulus_mpa: f64,
-    /// Elongation of the chamber for Q = E2.
+    /// Elongation gain G of the chamber, mm, not below 0: delta_l = G Q / (k2 E).
     pub elongation_gain_mm: f64,
-    /// The whisker's shape; the paper's (Table 1) if it is left out.
+    /// Dimensions of the whisker; those of the paper (Table 1) if omitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<GeometrySection>,
 }
@@ -41,44 +41,44 @@ pub struct CalibrationFile {
 /// Why a calibration file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("calibration file {path} cannot be read: {reason}")]
     Read {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         reason: std::io::Error,
     },
-    /// It is not TOML, or a key is missing, unknown or of the wrong type: the reason names it.
+    /// The file is not TOML, or a key is missing, unknown or of the wrong type: the reason names it.
     #[error("calibration file {path}: {reason}")]
     Parse {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where and what.
+        /// Position and cause.
         reason: Box<toml::de::Error>,
     },
-    /// The name is no name.
+    /// The name is invalid.
     #[error("calibration file {path}, key `name`: {reason}")]
     Name {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What a name is.
+        /// The rule for names.
         reason: BadName,
     },
-    /// The numbers make no model.
+    /// The numbers do not give a valid model.
     #[error("calibration file {path}: {reason}")]
     Model {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// The condition that fails.
+        /// The violated condition.
         reason: ModelError,
     },
 }
 
-/// Reads and checks a calibration file: the model's name and the model.
+/// Reads and checks a calibration file. Returns the model's name and the model.
 ///
 /// # Errors
-/// It cannot be read, a key is wrong, or its numbers make no model.
+/// The file cannot be read, a key is wrong, or its numbers do not give a valid model.
 pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), CalibrationFileError> {
     let text =
         std::fs::read_to_string(path).map_err(|reason| CalibrationFileError::Read { path: path.to_owned(), reason })?;
@@ -91,7 +91,7 @@ pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), Ca
 }
 
 impl CalibrationFile {
-    /// The file for a calibration. The paper's shape is left out.
+    /// The file for a calibration. The paper's geometry is omitted.
     #[must_use]
     pub fn new(name: &Name, geometry: &Geometry, calibration: &Calibration) -> Self {
         Self {
@@ -105,13 +105,13 @@ impl CalibrationFile {
         }
     }
 
-    /// The shape: the file's, or the paper's.
+    /// The geometry of the file, or the paper's.
     #[must_use]
     pub fn geometry(&self) -> Geometry {
         self.geometry.map_or_else(Geometry::nguyen_2021, Into::into)
     }
 
-    /// The five numbers.
+    /// The five parameters of the calibration.
     #[must_use]
     pub fn calibration(&self) -> Calibration {
         Calibration {
@@ -124,10 +124,10 @@ impl CalibrationFile {
     }
 }
 
-/// A section with the keys of [`Geometry`], which says what they mean, and both conversions.
+/// A section with the keys of [`Geometry`], where they are explained, and conversions in both directions.
 macro_rules! geometry_section {
     ($($key:ident),+ $(,)?) => {
-        /// The sizes of [`Geometry`], by the same names.
+        /// The dimensions of [`Geometry`], under the same names.
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
         #[serde(deny_unknown_fields)]
         #[allow(missing_docs, reason = "the fields are Geometry's, and explained there")]

@@ -1,7 +1,8 @@
-//! Fleets whose robots may be unheard: this supervisor reports to the others, in the roll, which of them it hears.
+//! Fleets whose robots may be unheard: this supervisor reports to the others, in the roll, which fleets it hears.
 //!
-//! An owner that has not heard its robots for a while says so. Supervisors that could take the fleet then try whether they hear it,
-//! and say so too. Whoever has given a fleet up tries until it hears it, and takes it no sooner.
+//! An owner that has not heard its robots for a while reports the fleet as deaf. Supervisors that could acquire the
+//! fleet then test whether they hear it, and report the result. A supervisor that has given a fleet up keeps testing,
+//! and acquires it again only after it hears it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -16,7 +17,7 @@ use crate::fleet::Shared;
 use crate::mqtt::{Connection, LinkState, try_hearing};
 use vibrissa_store::{FleetsHeard, Roll};
 
-/// From one trial to the next.
+/// Pause between two trials.
 const TRIAL_PAUSE: Duration = Duration::from_secs(2);
 /// Name of this part in the service's readiness.
 const PART: &str = "hearing";
@@ -57,7 +58,7 @@ impl Trial {
         let task = tokio::spawn(async move {
             loop {
                 let tried = try_hearing(&connection).await;
-                // Nobody looks any more.
+                // The trial was dropped.
                 if show.send(Some(tried)).is_err() {
                     return;
                 }
@@ -69,7 +70,7 @@ impl Trial {
 }
 
 impl Ears {
-    /// Looks at the fleets that are supervised here, with the links through which they are heard, and at the trials of the others.
+    /// Reads the hearing of the owned fleets from their links, and of the others from their trials.
     pub(crate) fn listen<'a>(
         &mut self,
         owned: impl Iterator<Item = (&'a Name, Option<&'a LinkState>)>,
@@ -80,7 +81,7 @@ impl Ears {
         for (fleet, link) in owned {
             owned_here.insert(fleet.clone());
             self.trials.remove(fleet);
-            // While the fleet is being taken up nothing is known.
+            // Before the engine has started, nothing is known.
             match link.map(LinkState::deafness) {
                 None => {}
                 Some(None) => drop(self.deaf.remove(fleet)),
@@ -88,7 +89,7 @@ impl Ears {
                 Some(Some((deaf_for, why))) => {
                     if !self.deaf.contains_key(fleet) {
                         let seconds = deaf_for.as_secs_f32();
-                        warn!(%fleet, seconds, why, "not heard: any supervisor that hears the fleet may have it");
+                        warn!(%fleet, seconds, why, "fleet not heard, any supervisor that hears it may acquire it");
                     }
                     self.deaf.insert(fleet.clone(), why);
                 }
@@ -97,7 +98,7 @@ impl Ears {
         for (fleet, trial) in &self.trials {
             match trial.shown.borrow().as_ref() {
                 None => {}
-                Some(Ok(())) if self.deaf.remove(fleet).is_some() => info!(%fleet, "it would be heard again"),
+                Some(Ok(())) if self.deaf.remove(fleet).is_some() => info!(%fleet, "trial heard the fleet again"),
                 Some(Ok(())) => {}
                 Some(Err(why)) => {
                     if let Some(told) = self.deaf.get_mut(fleet) {
@@ -107,14 +108,14 @@ impl Ears {
             }
         }
         for fleet in shared.readiness.fleets().keys() {
-            // The owner's link tells its own problem.
+            // The owner's link reports its problem itself.
             let given_up = self.deaf.get(fleet).filter(|_| !owned_here.contains(fleet));
-            let problem = given_up.map(|why| format!("given up, because its robots were not heard: {why}"));
+            let problem = given_up.map(|why| format!("released, because its robots were not heard: {why}"));
             shared.readiness.set_of(fleet, PART, problem);
         }
     }
 
-    /// The hearing reports for the other supervisors.
+    /// Hearing report for the other supervisors.
     pub(crate) fn told(&self) -> FleetsHeard {
         let heard = |trial: &Trial| matches!(&*trial.shown.borrow(), Some(Ok(())));
         FleetsHeard {
@@ -123,7 +124,7 @@ impl Ears {
         }
     }
 
-    /// Begins trials of fleets that somebody may not hear, and ends those that are not needed any more.
+    /// Starts trials of fleets that a supervisor may not hear, and stops those that are no longer needed.
     pub(crate) fn try_doubtful(&mut self, roll: &Roll, supervisor: &str, shared: &Shared) {
         let is_doubtful = |fleet: &Name| {
             self.deaf.contains_key(fleet)
@@ -145,7 +146,7 @@ impl Ears {
             if !self.trials.contains_key(&fleet)
                 && let Some(trial) = Trial::start(&fleet, shared)
             {
-                info!(%fleet, "trying whether the fleet would be heard");
+                info!(%fleet, "testing whether the fleet can be heard");
                 self.trials.insert(fleet, trial);
             }
         }

@@ -1,4 +1,4 @@
-//! One fleet under supervision, from taking it up to giving it back: the engine and its two connections.
+//! Supervision of one fleet from acquisition to release of its lease: the engine and its two connections.
 
 use std::sync::{Arc, OnceLock};
 
@@ -20,17 +20,17 @@ use crate::thread;
 use crate::trace::Traces;
 use vibrissa_store::{Lease, Store, StoreError};
 
-/// Publications that wait for the broker; beyond it they are dropped and made again.
+/// Publications that may wait for the broker. Beyond this number they are dropped and made again later.
 const OUTBOX_MESSAGES: usize = 10_000;
 
-/// How long a fleet may take to end in good order. Cutting it off loses nothing: what is not committed is not
-/// receipted, and robots send it again.
+/// Time limit for an orderly end of a fleet. Aborting after it loses nothing: uncommitted messages have no receipt, so
+/// robots send them again.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
-/// The part of readiness that is kept here.
+/// Name of this part in the service's readiness.
 const TAKING_UP: &str = "taking up";
 
-/// What all fleets of a supervisor share.
+/// Resources shared by all fleets of a supervisor.
 #[derive(Debug, Clone)]
 pub(crate) struct Shared {
     pub(crate) store: Store,
@@ -41,60 +41,61 @@ pub(crate) struct Shared {
     pub(crate) mailroom: Mailroom,
     pub(crate) traces: Option<Traces>,
     pub(crate) params: Arc<Params>,
-    /// Which contacts are kept one by one.
+    /// Which contacts get a row of their own.
     pub(crate) keep: Keep,
     /// Limits on the number of robots.
     pub(crate) limits: Limits,
-    /// The allow list of robots from a file, if there is one.
+    /// Allow list of robots from a file, if one is configured.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
-    /// One start of one supervisor.
+    /// Identifier of this start of this supervisor; the owner in the leases.
     pub(crate) supervisor: Arc<str>,
 }
 
-/// A fleet that is supervised here.
+/// A fleet that this supervisor owns.
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
-    /// State of the fleet's broker connections; not set while it is being taken up.
+    /// State of the fleet's broker connections; not set before the engine has started.
     link: Arc<OnceLock<LinkState>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,
 }
 
 impl Fleet {
-    /// Takes it up. What that needs from the database and the broker is waited for in the background, so that
-    /// the lease is kept meanwhile.
+    /// Starts the engine in the background, because it may have to wait for the database and the broker. Leases are
+    /// renewed meanwhile.
     pub(crate) fn start(lease: Lease, shared: &Shared) -> Self {
         let (stop, stopping) = watch::channel(false);
-        // Ready means: robots are heard.
-        shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("its robots are being taken up".to_owned()));
+        // The fleet is ready when its robots are heard.
+        shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("loading its robots".to_owned()));
         shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
         let link = Arc::new(OnceLock::new());
         let task = tokio::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
         Self { lease, link, stop, task }
     }
 
-    /// State of the fleet's broker connections; `None` while it is being taken up.
+    /// State of the fleet's broker connections; `None` before the engine has started.
     pub(crate) fn link(&self) -> Option<&LinkState> {
         self.link.get()
     }
 
-    /// The right to it.
+    /// The lease under which this supervisor owns the fleet.
     pub(crate) fn lease(&self) -> &Lease {
         &self.lease
     }
 
-    /// Whether it has ended by itself, because it was taken over.
+    /// Whether supervision has ended without [`Fleet::stop`], because another supervisor acquired the lease.
     pub(crate) fn is_over(&self) -> bool {
         self.task.is_finished()
     }
 
-    /// Ends in order: no more messages in, what is there committed, receipts and good-bye out.
+    /// Stops in order: no more messages are received, the rest is committed, receipts and the status of the supervisor
+    /// are published.
     pub(crate) async fn stop(self) -> Lease {
-        // Without a receiver it has ended already.
+        // An error means that the task has already ended and dropped the receiver.
         let _ = self.stop.send(true);
         if let Err(problem) = self.task.await {
-            error!(fleet = %self.lease.fleet(), %problem, "supervision ended abnormally");
+            error!(fleet = %self.lease.fleet(), %problem, "supervision task failed");
         }
         self.lease
     }
@@ -125,16 +126,16 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
     if let Some(whiskers) = &shared.metrics.whiskers {
         whiskers.show(fleet.as_str(), Vec::new());
     }
-    info!(%fleet, epoch = lease.epoch(), "supervised here no more");
+    info!(%fleet, epoch = lease.epoch(), "fleet supervision ended");
 }
 
-/// Loads the fleet; waits for a database that is away.
+/// Loads the fleet; retries while the database is unreachable.
 async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
-    // New with each epoch: its numbers of messages begin anew.
+    // New with each epoch, because the message numbers start again.
     let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
         Err(problem) => {
-            error!(%problem, "no boot id");
+            error!(%problem, "cannot make a boot id");
             return None;
         }
     };
@@ -155,12 +156,12 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
                 return Some((engine.traced(shared.traces.as_ref()), boot_id));
             }
             Err(problem @ StoreError::LeaseLost { .. }) => {
-                warn!(%problem, "not taken up");
+                warn!(%problem, "fleet not loaded, lease lost");
                 return None;
             }
             Err(problem) => {
                 shared.metrics.database_failed();
-                error!(%problem, fleet = %lease.fleet(), "cannot take the fleet up; trying again");
+                error!(%problem, fleet = %lease.fleet(), "cannot load the fleet, retrying");
                 shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.told()));
                 backoff.wait().await;
             }
@@ -168,14 +169,14 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     }
 }
 
-/// Runs until told to stop, or until the fleet is somebody else's.
+/// Runs the engine until `stop`, or until another supervisor acquires the lease.
 async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mut stop: watch::Receiver<bool>) {
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
     let mut publisher = mqtt::publish(connection, metrics.clone(), publications);
     let (cut_off, cutting_off) = watch::channel(false);
-    // Together: a message of a fleet that does little wakes one thread then.
+    // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
         let receiver = tokio::spawn(receiving);
         let ending = engine.run(inbox, outbox).await;
@@ -187,13 +188,13 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
         () = stopped(&mut stop) => {}
         ended = &mut engine => {
             if let Ok(Some(Ending::LeaseLost)) = ended {
-                warn!(fleet = %connection.fleet, epoch = connection.epoch, "taken over by another supervisor");
+                warn!(fleet = %connection.fleet, epoch = connection.epoch, "fleet lease lost to another supervisor");
             }
         }
     }
     let _ = hang_up.send(true);
     let deadline = Instant::now() + STOP_PATIENCE;
-    // In the order in which they end: the receiver first, and each lets go of what the next one waits for.
+    // In the order in which they end: the receiver first; each one releases the channel that the next one waits for.
     if !engine.is_finished() {
         end_by(deadline, "engine", &mut engine).await;
         let _ = cut_off.send(true);
@@ -203,7 +204,7 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
 
 async fn end_by<T>(deadline: Instant, name: &str, task: &mut JoinHandle<T>) {
     if timeout_at(deadline, &mut *task).await.is_err() {
-        warn!(task = name, "did not end in time");
+        warn!(task = name, "task did not end in time, aborting it");
         task.abort();
     }
 }

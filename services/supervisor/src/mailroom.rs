@@ -1,5 +1,6 @@
-//! Between those who ask for an action and the engines that carry it out, within one supervisor: it makes things quick.
-//! What was asked and what became of it is in the database, where supervisors meet.
+//! Wakes those who wait for actions, within one supervisor: the engine that executes an action, and the request that
+//! waits for its answer. It only saves time: actions and their answers are rows of the database, which all supervisors
+//! share.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,13 +12,13 @@ use vibrissa_protocol::Name;
 use vibrissa_store::actions::Action;
 use vibrissa_store::{Store, StoreError};
 
-/// How often an answer is looked for that another supervisor may give.
+/// Polling interval for answers that another supervisor may give.
 const POLL: Duration = Duration::from_millis(250);
 
-/// Answers that may wait to be noticed; beyond it they are found by looking.
+/// Capacity of the channel of answers; a receiver that lags behind reads the database instead.
 const ANSWERS: usize = 256;
 
-/// Shared by everything that asks, and by the fleets.
+/// Shared by the HTTP handlers and the fleets.
 #[derive(Debug, Clone)]
 pub struct Mailroom(Arc<Inner>);
 
@@ -39,15 +40,15 @@ impl Default for Mailroom {
 }
 
 impl Mailroom {
-    /// Announces a new action for a fleet. Its engine reads the action now if the fleet is supervised here, else within a second,
-    /// when the owner looks at the table of actions.
+    /// Announces a new action for a fleet. If the fleet is supervised here, its engine reads the action now; otherwise
+    /// its owner finds it within a second in the table of actions.
     pub fn ring(&self, fleet: &Name) {
         if let Some(bell) = self.bells().get(fleet) {
             bell.notify_one();
         }
     }
 
-    /// What rings when something is asked of a fleet.
+    /// Notified when a new action for a fleet arrives.
     pub(crate) fn bell(&self, fleet: &Name) -> Arc<Notify> {
         self.bells().entry(fleet.clone()).or_default().clone()
     }
@@ -56,26 +57,26 @@ impl Mailroom {
         self.0.bells.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Says that something was committed which live pages show.
+    /// Announces a commit that changes what live pages show.
     pub(crate) fn changed(&self) {
         self.0.changed.send_modify(|count| *count = count.wrapping_add(1));
     }
 
-    /// What changes with each such commit of this supervisor.
+    /// Counter that changes with each such commit of this supervisor.
     pub(crate) fn changes(&self) -> watch::Receiver<u64> {
         self.0.changed.subscribe()
     }
 
-    /// Says that these actions are answered, and committed so.
+    /// Announces actions whose answers are committed.
     pub(crate) fn answered(&self, actions: impl IntoIterator<Item = i64>) {
         for action in actions {
-            // Nobody may be waiting.
+            // An error means that nobody waits.
             let _ = self.0.answered.send(action);
         }
     }
 
-    /// Waits until an action is answered, here or elsewhere, but not longer than that; what is given back may be pending
-    /// still. None if there is no such action.
+    /// Waits until an action is answered by any supervisor, at most for `patience`; after that, the returned action may
+    /// still be pending. `None` if there is no such action.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -98,7 +99,7 @@ impl Mailroom {
                 tokio::select! {
                     told = answered.recv() => match told {
                         Ok(other) if other != action_id => {}
-                        // Also if so many were answered that some were missed.
+                        // Also if the receiver lagged behind and missed answers.
                         Ok(_) | Err(broadcast::error::RecvError::Lagged(_) | broadcast::error::RecvError::Closed) => break,
                     },
                     () = sleep_until(next) => break,

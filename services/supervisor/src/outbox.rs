@@ -19,11 +19,12 @@ pub struct Publication {
     pub qos: QualityOfService,
     /// Deadline for sending, for setpoints. The remaining time becomes the MQTT message expiry.
     pub until: Option<Instant>,
-    /// Measures the time until the setpoint is published; none for other messages, and for setpoints that are sent again.
+    /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
+    /// again.
     pub stopwatch: Option<Stopwatch>,
 }
 
-/// The time from what led to a setpoint, into a metric.
+/// Measures the time from the event that led to a setpoint, as a metric.
 #[derive(Debug, Clone)]
 pub struct Stopwatch {
     pub(crate) since: Micros,
@@ -31,7 +32,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Writes down the time that it took.
+    /// Records the elapsed time.
     pub fn stop(&self) {
         self.seconds.observe(wall_clock().since(self.since).as_s());
     }

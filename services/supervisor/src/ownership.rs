@@ -1,4 +1,4 @@
-//! Which fleets this supervisor has: keeps its leases, takes its share, gives back what is too much.
+//! Ownership of fleets: renews this supervisor's leases, acquires its share of the fleets, releases the surplus.
 
 use std::collections::BTreeMap;
 
@@ -16,22 +16,22 @@ use crate::readiness::Standing;
 use crate::sharing::shares;
 use vibrissa_store::{Roll, StoreError, Supervisor, Writer};
 
-/// Turns in a time to live: each renews the leases and looks for free ones.
+/// Number of turns in a lease's time to live. Each turn renews the leases and looks for free ones.
 const TURNS_A_TIME_TO_LIVE: u32 = 8;
 
-/// From one turn to the next at least: an owner may be renewing at this moment.
+/// Shortest pause between two turns: an owner may be renewing at this moment.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(20);
 
-/// The part of readiness that is kept here.
+/// Name of this part in the service's readiness.
 const PART: &str = "ownership";
 
-/// The keeper of the leases.
+/// Renews, acquires and releases leases.
 pub(crate) struct Ownership {
     supervisor: Supervisor,
     shared: Shared,
     writer: Writer,
     fleets: BTreeMap<Name, Fleet>,
-    /// Fleets that are ending, which must be over before they can be taken again.
+    /// Fleets that are being stopped. A fleet must have ended before it can be acquired again.
     ending: JoinSet<()>,
     ending_names: BTreeMap<Name, AbortHandle>,
     is_prepared: bool,
@@ -39,21 +39,21 @@ pub(crate) struct Ownership {
     outage: Outage,
 }
 
-/// A time in which leases cannot be renewed. The log has its begin and its end, and nothing in between.
+/// A period in which leases cannot be renewed. Only its start and its end are logged.
 #[derive(Debug, Default)]
 struct Outage(Option<Instant>);
 
 impl Outage {
-    /// Notes how an attempt went; true if that is news, which is logged.
+    /// Records the result of an attempt. Returns true, and logs, if the state has changed.
     fn note(&mut self, problem: Option<&StoreError>) -> bool {
         match (problem, self.0) {
             (Some(problem), None) => {
                 self.0 = Some(Instant::now());
-                warn!(%problem, "cannot keep the leases; trying again until it works");
+                warn!(%problem, "cannot renew the leases, retrying");
             }
             (None, Some(since)) => {
                 self.0 = None;
-                info!(seconds = since.elapsed().as_secs_f32(), "the leases can be kept again");
+                info!(seconds = since.elapsed().as_secs_f32(), "leases renewed again");
             }
             (Some(_), Some(_)) | (None, None) => return false,
         }
@@ -62,9 +62,9 @@ impl Outage {
 }
 
 impl Ownership {
-    /// Nothing is owned yet. The database counts as prepared if its tables are up to date.
+    /// Owns nothing yet. `is_prepared` says that the tables of the database are up to date.
     pub(crate) fn new(supervisor: Supervisor, shared: Shared, is_prepared: bool) -> Self {
-        shared.readiness.set(PART, Some("starting: not known yet whose the fleets are".to_owned()));
+        shared.readiness.set(PART, Some("starting: the owners of the fleets are not known yet".to_owned()));
         let writer = shared.store.writer();
         Self {
             supervisor,
@@ -79,7 +79,7 @@ impl Ownership {
         }
     }
 
-    /// Keeps at it until told to stop, then gives everything back.
+    /// Repeats turns until `stop`, then releases all leases.
     pub(crate) async fn run(mut self, mut stop: watch::Receiver<bool>) {
         loop {
             let turn = tokio::select! {
@@ -102,13 +102,13 @@ impl Ownership {
     }
 
     fn pause(&self) -> Duration {
-        // What is not shared has no lease to keep, and nobody to give way to.
+        // A database that is not shared needs no frequent renewal: there is no competitor.
         let turns = if self.shared.store.is_shared() { TURNS_A_TIME_TO_LIVE } else { 1 };
         self.supervisor.time_to_live / turns
     }
 
-    /// One turn: renew, look, give back, take. Tells when the next one is due: at the latest when a lease of
-    /// somebody else's expires unless it is renewed.
+    /// One turn: renew, read the roll, release, acquire. Returns the time until the next turn, which is due at the
+    /// latest when another supervisor's lease expires.
     async fn turn(&mut self) -> Result<Duration, StoreError> {
         if !self.is_prepared {
             self.shared.store.prepare().await?;
@@ -136,12 +136,12 @@ impl Ownership {
             .map(|lease| lease.fleet.clone())
             .collect();
         for fleet in too_many {
-            info!(%fleet, "handing over");
+            info!(%fleet, "releasing fleet to rebalance");
             self.end(&fleet);
         }
         for fleet in missing {
             if let Some(lease) = self.writer.acquire(&self.supervisor, &fleet).await? {
-                info!(%fleet, epoch = lease.epoch(), "taken");
+                info!(%fleet, epoch = lease.epoch(), "fleet lease acquired");
                 let metrics = self.shared.metrics.of_fleet(&fleet);
                 metrics.lease_held.set(1);
                 metrics.lease_epoch.set(lease.epoch() as i64);
@@ -162,7 +162,7 @@ impl Ownership {
         Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
     }
 
-    /// Fleets whose supervision has ended by itself, and those whose end is through.
+    /// Removes fleets whose supervision has ended on its own, and collects the stopped ones.
     fn bury(&mut self) {
         let over: Vec<Name> =
             self.fleets.iter().filter(|(_, fleet)| fleet.is_over()).map(|(name, _)| name.clone()).collect();
@@ -171,13 +171,13 @@ impl Ownership {
         }
         while let Some(ended) = self.ending.try_join_next() {
             if let Err(problem) = ended {
-                error!(%problem, "a fleet ended abnormally");
+                error!(%problem, "fleet task failed");
             }
         }
         self.ending_names.retain(|_, task| !task.is_finished());
     }
 
-    /// Fleets that somebody else has by now: it would be a fault to go on, even without writing.
+    /// Stops fleets that another supervisor owns by now. Fencing already keeps them from writing.
     fn drop_lost(&mut self, roll: &Roll) {
         let is_ours = |fleet: &Fleet| {
             roll.leases.iter().any(|row| {
@@ -189,13 +189,13 @@ impl Ownership {
         let lost: Vec<Name> =
             self.fleets.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(name, _)| name.clone()).collect();
         for name in lost {
-            warn!(fleet = %name, "its lease was taken over");
+            warn!(fleet = %name, "fleet lease lost to another supervisor");
             self.end(&name);
         }
     }
 
-    /// Ends the supervision of a fleet and gives its lease back, if it is still ours; in the background, because
-    /// the leases of the others must be kept meanwhile.
+    /// Stops the supervision of a fleet and releases its lease, if this supervisor still owns it. This runs in the
+    /// background, because the other leases must be renewed meanwhile.
     fn end(&mut self, name: &Name) {
         let Some(fleet) = self.fleets.remove(name) else { return };
         let metrics = self.shared.metrics.of_fleet(name);
@@ -205,13 +205,13 @@ impl Ownership {
         let task = self.ending.spawn(async move {
             let lease = fleet.stop().await;
             if let Err(problem) = writer.release(&lease).await {
-                warn!(%problem, "not given back: its lease expires by itself");
+                warn!(%problem, "cannot release the lease, it will expire");
             }
         });
         self.ending_names.insert(name.clone(), task);
     }
 
-    /// Ends everything at once, and says that it can be had.
+    /// Stops all fleets, then signs out, so that other supervisors can acquire them.
     async fn leave(mut self) {
         let names: Vec<Name> = self.fleets.keys().cloned().collect();
         for name in names {
@@ -219,11 +219,11 @@ impl Ownership {
         }
         while let Some(ended) = self.ending.join_next().await {
             if let Err(problem) = ended {
-                error!(%problem, "a fleet ended abnormally");
+                error!(%problem, "fleet task failed");
             }
         }
         if let Err(problem) = self.writer.sign_out(&self.supervisor).await {
-            warn!(%problem, "not signed out");
+            warn!(%problem, "cannot sign out");
         }
     }
 }
@@ -236,7 +236,7 @@ mod tests {
     fn regress_an_outage_is_logged_at_its_begin_and_at_its_end() {
         let problem = StoreError::NoAnswer { what: "keep the leases", patience: Duration::from_secs(2) };
         let mut outage = Outage::default();
-        assert!(!outage.note(None), "nothing was wrong");
+        assert!(!outage.note(None), "no outage before the first failure");
         for _ in 0..2 {
             let logged = (0..100).filter(|_| outage.note(Some(&problem))).count();
             assert_eq!(logged, 1);

@@ -1,4 +1,4 @@
-//! What keeps the service from its work, and which fleets it works for: what `/readyz` tells.
+//! Problems that keep the service from its work, and its standing in each fleet: the content of `/readyz`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,7 +8,7 @@ use vibrissa_protocol::Name;
 
 use crate::mqtt::LinkState;
 
-/// Shared by everything that can be in trouble.
+/// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness(Arc<Mutex<Parts>>);
 
@@ -19,24 +19,24 @@ struct Parts {
     links: BTreeMap<Name, LinkState>,
 }
 
-/// How this supervisor and a fleet stand.
+/// This supervisor's role in a fleet.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "standing", rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Standing {
-    /// Supervised here.
+    /// This supervisor owns the fleet.
     Owned {
-        /// Since when, in changes of owner.
+        /// Epoch of the lease.
         epoch: u64,
     },
-    /// Supervised elsewhere, or about to be.
+    /// Another supervisor owns the fleet, or nobody does yet.
     Standby {
-        /// Who supervises it, as it is called; null if nobody does.
+        /// Name of the supervisor that owns it; null if there is none.
         holder: Option<String>,
     },
 }
 
 impl Readiness {
-    /// Says what is wrong with a part, or that nothing is.
+    /// Sets the problem of a part; `None` clears it.
     pub fn set(&self, part: impl Into<String>, problem: Option<String>) {
         let part = part.into();
         let mut parts = self.parts();
@@ -46,36 +46,36 @@ impl Readiness {
         }
     }
 
-    /// Says how things stand with a fleet.
+    /// Sets this supervisor's role in a fleet.
     pub fn stands(&self, fleet: &Name, standing: Standing) {
         self.parts().fleets.insert(fleet.clone(), standing);
     }
 
-    /// Says what is wrong with a part of a fleet's supervision, or that nothing is.
+    /// Sets the problem of a part of a fleet's supervision; `None` clears it.
     pub fn set_of(&self, fleet: &Name, part: &str, problem: Option<String>) {
         self.set(format!("{}{part}", prefix(fleet)), problem.map(|problem| format!("fleet {fleet}: {problem}")));
     }
 
-    /// Says through what a fleet is listened to.
+    /// Registers the link of a fleet, whose problems are then included.
     pub(crate) fn listens(&self, fleet: &Name, link: LinkState) {
         self.parts().links.insert(fleet.clone(), link);
     }
 
-    /// A fleet is not supervised here any more: what is wrong with it is another's concern.
+    /// Removes the problems and the link of a fleet that is no longer supervised here.
     pub(crate) fn forget(&self, fleet: &Name) {
         let mut parts = self.parts();
         parts.links.remove(fleet);
         parts.problems.retain(|part, _| !part.starts_with(&prefix(fleet)));
     }
 
-    /// Everything that is wrong, each thing once.
+    /// All problems, without duplicates.
     #[must_use]
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
         parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
     }
 
-    /// How things stand with each fleet.
+    /// This supervisor's role in each fleet.
     #[must_use]
     pub fn fleets(&self) -> BTreeMap<Name, Standing> {
         self.parts().fleets.clone()
@@ -86,7 +86,7 @@ impl Readiness {
     }
 }
 
-/// What the names of a fleet's parts begin with; no fleet's name has a slash.
+/// Prefix of the names of a fleet's parts; a fleet's name has no slash.
 fn prefix(fleet: &Name) -> String {
     format!("fleet/{fleet}/")
 }

@@ -12,9 +12,9 @@ use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
 use vibrissa_protocol::Name;
 
-/// Size limit of the file in bytes: some 100,000 names of full length.
+/// Size limit of the file in bytes: about 100,000 names of full length.
 const BYTES_MAX: u64 = 16 * 1024 * 1024;
-/// How often it is looked whether the file has changed.
+/// Interval between two checks whether the file has changed.
 const LOOK_EVERY: Duration = Duration::from_secs(2);
 
 /// The robots that a file allows, by fleet.
@@ -22,10 +22,10 @@ const LOOK_EVERY: Duration = Duration::from_secs(2);
 pub struct RobotsFile(BTreeMap<Name, Arc<HashSet<Name>>>);
 
 impl RobotsFile {
-    /// Reads a file.
+    /// Reads and parses a file.
     ///
     /// # Errors
-    /// It cannot be read, is too long, or a line is no `FLEET/ROBOT`; the text says which.
+    /// The file cannot be read, is too long, or has a line that is not `FLEET/ROBOT`; the text says which.
     pub fn read(path: &Path) -> Result<Self, String> {
         Self::read_with_stamp(path).map(|(file, _)| file)
     }
@@ -43,10 +43,10 @@ impl RobotsFile {
         Self::parse(&text).map(|file| (file, stamp)).map_err(|problem| format!("the file {shown}, {problem}"))
     }
 
-    /// Reads the text of a file: `FLEET/ROBOT` on each line; `#` begins a comment, and empty lines do not count.
+    /// Parses the text of a file: `FLEET/ROBOT` on each line; `#` begins a comment, and empty lines are skipped.
     ///
     /// # Errors
-    /// The first line that is something else, with its number.
+    /// The first line of another form, with its number.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut fleets: BTreeMap<Name, HashSet<Name>> = BTreeMap::new();
         for (line, number) in text.lines().zip(1..) {
@@ -65,7 +65,7 @@ impl RobotsFile {
         Ok(Self(fleets.into_iter().map(|(fleet, robots)| (fleet, Arc::new(robots))).collect()))
     }
 
-    /// The robots of a fleet; nobody of a fleet that the file does not name.
+    /// The robots of a fleet; empty for a fleet that the file does not name.
     #[must_use]
     pub fn of_fleet(&self, fleet: &Name) -> Arc<HashSet<Name>> {
         self.0.get(fleet).cloned().unwrap_or_default()
@@ -92,10 +92,11 @@ impl Stamp {
     }
 }
 
-/// Reads the file, and again each time that it changes, until `stop`. A file that is wrong or gone changes nothing.
+/// Reads the file, and again after each change, until `stop`. If it becomes invalid or disappears, the last valid list
+/// stays in force.
 ///
 /// # Errors
-/// It is wrong at the start.
+/// The file is invalid at the start.
 pub(crate) fn follow(
     path: PathBuf,
     mut stop: watch::Receiver<bool>,
@@ -109,7 +110,7 @@ pub(crate) fn follow(
                 Ok(metadata) => Stamp::of(&metadata),
                 Err(problem) => {
                     if !std::mem::replace(&mut is_missing, true) {
-                        warn!(path = %path.display(), %problem, "limits.robots_file: the robots of before stay allowed");
+                        warn!(path = %path.display(), %problem, "limits.robots_file missing, keeping the last list");
                     }
                     continue;
                 }
@@ -121,10 +122,10 @@ pub(crate) fn follow(
             match RobotsFile::read_with_stamp(&path) {
                 Ok((file, read)) => {
                     last = read;
-                    info!(path = %path.display(), fleets = file.0.len(), "limits.robots_file was read again");
+                    info!(path = %path.display(), fleets = file.0.len(), "limits.robots_file reloaded");
                     sender.send_replace(Arc::new(file));
                 }
-                Err(problem) => warn!(problem, "limits.robots_file: the robots of before stay allowed"),
+                Err(problem) => warn!(problem, "limits.robots_file invalid, keeping the last list"),
             }
         }
     });

@@ -1,4 +1,4 @@
-//! The service put together: broker, database, the keeper of the leases, HTTP.
+//! Assembles the service: broker, database, ownership of fleets, HTTP.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -31,18 +31,18 @@ use vibrissa_edge::ids::start_seed;
 use vibrissa_store::retention::Retention;
 use vibrissa_store::{DatabaseAddress, Store, Supervisor};
 
-/// How long everything that is not a fleet may take to end in good order.
+/// Time limit for an orderly end of everything except the fleets.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long a fleet stays a silent supervisor's, unless it is told otherwise.
+/// Default time to live of a fleet's lease: an owner that is silent for longer loses the fleet.
 pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
 
-/// What is kept of what whiskers felt.
+/// Which contacts the database keeps, and for how long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct HistoryOptions {
-    /// Which contacts are kept one by one.
+    /// Which contacts get a row of their own.
     pub keep: Keep,
-    /// For how long they are kept, and what they add up to.
+    /// Retention periods of these rows and of the aggregates.
     pub retention: Retention,
 }
 
@@ -51,36 +51,36 @@ pub struct HistoryOptions {
 pub struct LimitOptions {
     /// Limits on the number of robots.
     pub limits: Limits,
-    /// A file with the robots that are allowed; none allows all, unless people have set a list over HTTP.
+    /// File of the allowed robots; `None` allows all, unless an operator has set a list over HTTP.
     pub robots_file: Option<PathBuf>,
 }
 
-/// What to run.
+/// Options of a supervisor.
 #[derive(Debug, Clone)]
 pub struct ServiceOptions {
-    /// What this supervisor is called, for people: in the database, in errors, in logs.
+    /// Name of this supervisor for people: in the database, in errors, in logs.
     pub name: String,
     /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
     pub fleets: Vec<Name>,
-    /// The database.
+    /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
-    /// How long a fleet stays this supervisor's without a word from it.
+    /// Time to live of a lease: an owner that is silent for longer loses the fleet.
     pub lease_time_to_live: Duration,
-    /// What of contacts is kept, and for how long.
+    /// Which contacts the database keeps, and for how long.
     pub history: HistoryOptions,
     /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
-    /// An external broker; none starts the embedded one.
+    /// External broker; `None` starts the embedded one.
     pub broker: Option<BrokerAddress>,
-    /// The embedded broker's port; 0 takes any free one.
+    /// Port of the embedded broker; 0 takes any free one.
     pub mqtt_port: u16,
-    /// Where HTTP listens, and how many connections it takes; port 0 takes any free one.
+    /// Listening address and connection limits of HTTP; port 0 takes any free one.
     pub http: HttpOptions,
-    /// Who is let in there, besides those whose tokens the database has.
+    /// Accepted credentials of HTTP, besides the tokens in the database.
     pub access: AccessOptions,
-    /// Whether each robot and whisker is shown to Prometheus: four series a whisker.
+    /// Whether Prometheus gets series for each robot and whisker: four per whisker.
     pub metrics_per_whisker: bool,
-    /// Where traces go; nowhere if there is no collector.
+    /// Collector of traces; `None` disables tracing.
     pub traces: Option<TraceOptions>,
     /// The core's parameters.
     pub params: Params,
@@ -88,19 +88,19 @@ pub struct ServiceOptions {
 
 /// A running service.
 pub struct Service {
-    /// Where the broker is.
+    /// Address of the broker.
     pub broker: BrokerAddress,
-    /// Where HTTP listens.
+    /// Address of the HTTP server.
     pub http: SocketAddr,
-    /// Where only `/livez`, `/readyz` and `/metrics` are served, if anywhere.
+    /// Address that serves only `/livez`, `/readyz` and `/metrics`, if one is configured.
     pub monitoring: Option<SocketAddr>,
-    /// The database.
+    /// Access to the database.
     pub store: Store,
-    /// What it counts.
+    /// Metrics of the service.
     pub metrics: Metrics,
-    /// What keeps it from its work.
+    /// Problems that keep the service from its work.
     pub readiness: Readiness,
-    /// What those who ask for actions share with the fleets.
+    /// Connects HTTP requests for actions with the fleets' engines.
     pub mailroom: Mailroom,
     traces: Option<Traces>,
     embedded: Option<Broker>,
@@ -110,20 +110,21 @@ pub struct Service {
 }
 
 impl Service {
-    /// Starts everything. When this returns, HTTP is served, and fleets are taken up in the background:
-    /// [`Readiness`] tells.
+    /// Starts all tasks. On return, HTTP is served. Fleets are acquired in the background; [`Readiness`] shows the
+    /// progress.
     ///
     /// # Errors
-    /// A port is taken, or the database cannot be used. A server that is away is no error: it is waited for.
+    /// A port is taken, or the database cannot be used. An unreachable PostgreSQL server or broker is no error: the
+    /// service waits for it.
     pub async fn start(options: ServiceOptions) -> anyhow::Result<Self> {
         if options.database.is_exposed() {
-            warn!(database = %options.database, "not verified to be that server: add ?sslmode=verify-full to its URL");
+            warn!(database = %options.database, "database server is not verified: add ?sslmode=verify-full to its URL");
         }
         let store = Store::open(&options.database, &options.name).await?;
         let is_prepared = match store.prepare().await {
             Ok(()) => true,
             Err(problem) if problem.is_passing() && store.is_shared() => {
-                warn!(%problem, "waiting for the database");
+                warn!(%problem, "database unreachable, waiting for it");
                 false
             }
             Err(problem) => return Err(problem.into()),
@@ -172,7 +173,7 @@ impl Service {
         let access = Access::new(&options.access, options.http.listen.ip());
         if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
             anyhow::bail!(
-                "HTTP would listen on {}, beyond this machine, and nobody could be let in: make a token first with \
+                "HTTP would listen on {}, beyond this machine, but no credentials exist: make a token first with \
                  `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
                 options.http.listen
             );
@@ -209,13 +210,13 @@ impl Service {
         })
     }
 
-    /// Stops in order: fleets are finished and given back, then everything else ends.
+    /// Stops in order: the fleets finish and release their leases, then everything else ends.
     pub async fn stop(self) {
         let _ = self.stop.send(true);
         if let Err(problem) = self.ownership.await {
-            error!(%problem, "the leases were not given back");
+            error!(%problem, "ownership task failed, leases were not released");
         }
-        // Queries of requests that are still open may hold it up.
+        // Open requests may hold it up with their queries.
         let mut http_task = self.http_task;
         if timeout(STOP_PATIENCE, &mut http_task).await.is_err() {
             http_task.abort();
@@ -230,7 +231,7 @@ impl Service {
     }
 }
 
-/// The metrics, with those of every fleet of the configuration, whoever has it.
+/// Declares the metrics, including those of each configured fleet, whoever owns it.
 fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
     let metrics = Metrics::new(options.metrics_per_whisker).context("declaring the metrics")?;
     let database = match options.database {
@@ -244,17 +245,17 @@ fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
     Ok(metrics)
 }
 
-/// How long what live pages follow is kept.
+/// Retention period of the change log that live pages follow.
 const CHANGES_KEPT: Duration = Duration::from_secs(86_400);
-/// How often the rest is removed.
+/// Interval between two removals of older changes.
 const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
 
-/// Removes changes that nobody can have waited for, until the service stops.
+/// Removes changes older than [`CHANGES_KEPT`], until the service stops.
 async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
     while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
         let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
         if let Err(problem) = store.forget_changes(before_us).await {
-            warn!(%problem, "old changes stay for now");
+            warn!(%problem, "cannot remove old changes, retrying later");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Which supervisor should have which fleet: a pure function of the roll, so that all who see the same roll come
-//! to the same answer.
+//! Which supervisor should own which fleet: a pure function of the roll, so that all supervisors that read the same
+//! roll agree.
 
 use std::collections::BTreeMap;
 
@@ -7,8 +7,9 @@ use vibrissa_protocol::Name;
 
 use vibrissa_store::{Present, Roll};
 
-/// The best owner of each fleet. A present owner keeps its fleets, except to even out the numbers, and except a fleet that it does
-/// not hear and another supervisor has proved to hear. Fleets without an owner go to the supervisor with the fewest.
+/// The best owner of each fleet. A present owner keeps its fleets, with two exceptions: to even out the numbers, and a
+/// fleet that it does not hear and another supervisor has proved to hear. Fleets without an owner go to the supervisor
+/// with the fewest fleets.
 #[must_use]
 pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
     let mut present: Vec<&Present> = roll.present.iter().collect();
@@ -18,7 +19,8 @@ pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
         present.iter().find(|one| lease.owner.as_deref() == Some(&*one.supervisor) && one.fleets.contains(fleet))
     };
     let is_deaf = |one: &Present, fleet: &Name| one.hearing.deaf.contains(fleet);
-    // No supervisor takes a fleet that it does not hear. From an owner that does not hear it, it must have proved to hear it.
+    // No supervisor acquires a fleet that it does not hear. It takes over from an owner that does not hear the fleet
+    // only with proof that it hears it.
     let may = |one: &Present, fleet: &Name| {
         let must_prove = owner(fleet).is_some_and(|owner| is_deaf(owner, fleet));
         one.fleets.contains(fleet) && !is_deaf(one, fleet) && (!must_prove || one.hearing.heard.contains(fleet))
@@ -50,14 +52,14 @@ fn held(shares: &BTreeMap<Name, String>, supervisor: &str) -> usize {
     shares.values().filter(|owner| *owner == supervisor).count()
 }
 
-/// A fleet of somebody who has at least two more than another who may have it. Each step lowers the sum of
-/// squares of the numbers, so that they come to an end.
+/// A move of one fleet to a supervisor that may own it and has at least two fleets fewer than the owner. Each move
+/// lowers the sum of squares of the numbers of fleets, so the moves come to an end.
 fn step_towards_even(
     shares: &BTreeMap<Name, String>,
     present: &[&Present],
     may: &impl Fn(&Present, &Name) -> bool,
 ) -> Option<(Name, String)> {
-    // From behind: the fleets that come first stay where they are.
+    // In reverse order, so that the first fleets stay where they are.
     shares.iter().rev().find_map(|(fleet, owner)| {
         let to = present
             .iter()
@@ -78,7 +80,7 @@ mod tests {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()
     }
 
-    /// Supervisors that are there, and each fleet's owner.
+    /// A roll with the given supervisors present, and each fleet's owner.
     fn roll(present: &[&str], owners: &[Option<&str>]) -> Roll {
         let fleets = fleets(owners.len());
         let leases = fleets.iter().zip(owners).map(|(fleet, owner)| FleetLease {
@@ -134,7 +136,8 @@ mod tests {
         assert_eq!(shares[&fleets(1)[0]], "b");
     }
 
-    /// One fleet of `a`, and what each says of how it hears it: D deaf, H proved to hear it, anything else nothing.
+    /// Best owner of one fleet. Each character of `said` is a supervisor's hearing report: D deaf, H proved to hear it,
+    /// anything else none.
     fn owner_of_one(owner: Option<&str>, said: &str) -> Option<String> {
         let names = ["a", "b", "c"];
         let mut roll = roll(&names[..said.len()], &[owner]);
@@ -156,7 +159,7 @@ mod tests {
             (Some("a"), "DD", Some("a")),
             (Some("a"), "D-H", Some("c")),
             (Some("a"), "-H", Some("a")),
-            // It has given way: it takes nothing before it hears, whoever else goes.
+            // It has given the fleet up: it acquires nothing before it hears again, even if all others are gone.
             (None, "D-", Some("b")),
             (None, "D", None),
             (Some("b"), "D-", Some("b")),
@@ -172,7 +175,7 @@ mod tests {
         let mut roll = roll(&["a", "b"], &[Some("a"); 4]);
         roll.present[1].hearing.deaf = fleets(4);
         assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
-        // Nor away from an owner that does not hear, without a proof.
+        // Without a proof they are not evened out away from an owner that does not hear either.
         roll.present[1].hearing.deaf.clear();
         roll.present[0].hearing.deaf = fleets(4);
         assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
@@ -181,7 +184,8 @@ mod tests {
         assert_eq!(counts(&shares(&roll), &["a", "b"]), [3, 1]);
     }
 
-    /// Every roll of up to 4 supervisors and 6 fleets: all owned, even, and at rest once it was followed.
+    /// Every roll of up to 4 supervisors and 6 fleets: all fleets have an owner, the numbers are even, and the result
+    /// is stable.
     #[test]
     fn brute_force_every_share_is_even_and_final() {
         let all = ["a", "b", "c", "d"];

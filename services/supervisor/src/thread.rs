@@ -1,7 +1,7 @@
-//! Threads of their own for what is woken by each message.
+//! Dedicated threads for work that each message wakes.
 //!
-//! Threads of a shared runtime wake each other to look for work, and each wake-up finds everything cold: in a fleet that does
-//! little, that is most of what a message costs.
+//! Threads of a shared runtime wake each other to look for work, and each wake-up finds cold caches: in a fleet with
+//! little traffic, that is most of a message's cost.
 
 use std::future::Future;
 
@@ -12,7 +12,8 @@ use tracing::error;
 
 use crate::mqtt::stopped;
 
-/// Does `work` in a thread of its own until it ends or is to `stop`; none if it was stopped, or if there is no thread for it.
+/// Runs `work` in a dedicated thread until it ends or `stop` is set. `None` if it was stopped, or if the thread could
+/// not be started.
 pub(crate) fn spawn<T: Send + 'static>(
     name: &'static str,
     work: impl Future<Output = T> + Send + 'static,
@@ -20,14 +21,14 @@ pub(crate) fn spawn<T: Send + 'static>(
 ) -> JoinHandle<Option<T>> {
     spawn_blocking(move || {
         let runtime = Builder::new_current_thread().enable_all().build();
-        let runtime = runtime.inspect_err(|problem| error!(%problem, thread = name, "cannot be started")).ok()?;
+        let runtime = runtime.inspect_err(|problem| error!(%problem, thread = name, "cannot start the thread")).ok()?;
         let ended = runtime.block_on(async {
             tokio::select! {
                 ended = work => Some(ended),
                 () = stopped(&mut stop) => None,
             }
         });
-        // Whoever looks a host's address up is not waited for.
+        // Does not wait for blocking tasks such as a DNS lookup.
         runtime.shutdown_background();
         ended
     })

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use crate::config::{Config, Key};
 use vibrissa_store::DatabaseAddress;
 
-/// Where containers find their secrets. The mode of such a file is set where it comes from.
+/// Directory of container secrets. The mode of such a file is set outside the container.
 const MOUNTED: &str = "/run/secrets";
 
-/// Everything that others can read or do; empty if nothing is open. Whether the connections to the broker and the
-/// database are encrypted is checked where they are prepared.
+/// Warnings about everything that others can read or do; empty if nothing is exposed. Encryption of the connections to
+/// the broker and the database is checked where these are prepared.
 #[must_use]
 pub fn exposures(config: &Config) -> Vec<String> {
     let mut found: Vec<String> = http(config).into_iter().collect();
@@ -31,21 +31,21 @@ fn http(config: &Config) -> Option<String> {
     let address = config.http.listen;
     if !address.ip().is_loopback() {
         return Some(format!(
-            "http.listen: HTTP on {address} is plain text, so that everyone on the way can read data and take tokens: listen on \
-             127.0.0.1, and let a proxy with TLS listen for others"
+            "http.listen: HTTP on {address} is plain text, so others on the network can read data and tokens: listen \
+             on 127.0.0.1, and put a proxy with TLS in front"
         ));
     }
     let is_open = config.access.token.is_none() && config.access.oidc.is_none();
     is_open.then(|| {
         format!(
-            "HTTP on {address} needs no token, so that everyone on this machine has the role ADMIN: set http.token_file or \
-             http.oidc_issuer to ask for one"
+            "HTTP on {address} needs no token, so everyone on this machine has the role ADMIN: set http.token_file or \
+             http.oidc_issuer to require one"
         )
     })
 }
 
-/// A warning if others can read or change a file with secrets. Files owned by root may be group-readable:
-/// so they are passed to a service under another user (PostgreSQL has the same rule for its keys).
+/// A warning if others can read or change a file with secrets. Files owned by root may be group-readable, because that
+/// is how they are passed to a service under another user (PostgreSQL has the same rule for its keys).
 fn open_file(key: Key, path: &Path) -> Option<String> {
     let file = std::fs::metadata(path).ok()?;
     let group = if file.uid() == 0 { 0o020 } else { 0o060 };
@@ -117,7 +117,7 @@ mod tests {
     fn a_file_that_others_can_read_is_told_with_what_to_do() {
         let token = file("token", &"t".repeat(32));
         let toml = format!("http.token_file = {:?}", token.display().to_string());
-        // Root may hand a file to a group.
+        // Files owned by root may be readable by their group.
         let is_root = std::fs::metadata(&token).unwrap().uid() == 0;
         for (mode, who) in [
             (0o600, None),

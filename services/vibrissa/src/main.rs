@@ -10,7 +10,7 @@ use vibrissa::cli::{self, Cli};
 fn main() -> ExitCode {
     match cli::run(Cli::parse()) {
         Ok(code) => code,
-        // Whoever reads has seen enough, as in `vibrissa paper | head`.
+        // The reader of the output has closed the pipe, as in `vibrissa paper | head`.
         Err(problem) if is_broken_pipe(&problem) => ExitCode::SUCCESS,
         Err(problem) if problem.is::<Stopped>() => {
             eprintln!("vibrissa: {problem}");
@@ -27,7 +27,7 @@ fn is_broken_pipe(problem: &anyhow::Error) -> bool {
     problem.downcast_ref::<std::io::Error>().is_some_and(|problem| problem.kind() == ErrorKind::BrokenPipe)
 }
 
-/// The problem and its causes; a cause that was told with what it led to is not told again.
+/// The problem and its causes; a cause that a previous text already includes is omitted.
 fn told_once(problem: &anyhow::Error) -> String {
     let mut story = String::new();
     for cause in problem.chain().map(ToString::to_string) {

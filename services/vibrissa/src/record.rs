@@ -1,4 +1,4 @@
-//! What is said in fleets, written into a file as it comes, for [`crate::replay`].
+//! Records the MQTT messages of fleets into a file as they arrive, for [`crate::replay`].
 
 use std::io::{self, Write};
 use std::pin::pin;
@@ -18,28 +18,28 @@ use vibrissa_edge::ids::start_seed;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
 
-/// Messages that wait to be written.
+/// Capacity of the queue of messages to write.
 const WAITING: usize = 10_000;
-/// Bytes that are written at once ...
+/// The buffer is written when it has this many bytes,
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
-/// ... or what there is after this.
+/// or after this interval.
 const WRITTEN_EVERY: Duration = Duration::from_millis(200);
 
-/// What came of a recording.
+/// Result of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Report {
-    /// Messages that were written.
+    /// Number of recorded messages.
     pub messages: u64,
-    /// Messages that came and could not be written.
+    /// Number of received messages that could not be written.
     pub lost: u64,
-    /// Connections that broke: what was said until the next one stood is not in the recording.
+    /// Number of broken connections: messages sent before the reconnection are missing in the recording.
     pub breaks: u64,
 }
 
-/// Records those fleets until `stop`.
+/// Records the given fleets until `stop`.
 ///
 /// # Errors
-/// A file of the broker's settings cannot be used, or the reader at the other end of a pipe has gone.
+/// A file of the broker's settings cannot be used, or the reader at the other end of the pipe has gone.
 pub async fn record(
     broker: &BrokerAddress,
     fleets: &[Name],
@@ -48,7 +48,7 @@ pub async fn record(
 ) -> anyhow::Result<Report> {
     let prepared = mqtt::prepare(broker)?;
     let mark = format!("r{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
-    let boot_id = BootId::new(&mark).context("a name for the connection")?;
+    let boot_id = BootId::new(&mark).context("making a boot id for the connection")?;
     let (sender, mut heard) = mpsc::channel(WAITING);
     let breaks = Arc::new(AtomicU64::new(0));
     let taps: Vec<_> = fleets
@@ -72,7 +72,7 @@ pub async fn record(
         tap.abort();
     }
     written?;
-    // What had come by then.
+    // Messages that arrived before the stop.
     heard.close();
     while let Some(incoming) = heard.recv().await {
         journal.add(&incoming)?;
@@ -101,12 +101,12 @@ async fn write_until(
     }
 }
 
-/// Writes lines, and counts those that cannot be written.
+/// Writes messages as lines, and counts those that cannot be written.
 struct Journal<'a> {
     out: &'a mut dyn Write,
     waiting: Vec<u8>,
     lines: u64,
-    /// A line was cut off by an error: the next one must not continue it.
+    /// An error has cut a line off: the next line must not continue it.
     torn: bool,
     report: Report,
 }
@@ -119,7 +119,7 @@ impl<'a> Journal<'a> {
     fn add(&mut self, incoming: &Incoming) -> io::Result<()> {
         let Ok(topic) = std::str::from_utf8(&incoming.topic) else {
             self.report.lost += 1;
-            warn!("a message on a topic that is not UTF-8 is not recorded");
+            warn!("topic is not UTF-8, message not recorded");
             return Ok(());
         };
         let (topic, payload) = (topic.to_owned(), incoming.payload.to_vec());
@@ -128,7 +128,7 @@ impl<'a> Journal<'a> {
         if self.waiting.len() >= WRITTEN_AT_ONCE { self.flush() } else { Ok(()) }
     }
 
-    /// A disk that is full may have room again later; a reader that is gone does not come back.
+    /// Writes the buffer. A full disk may have space again later, so only a broken pipe is an error.
     fn flush(&mut self) -> io::Result<()> {
         if self.lines == 0 {
             return Ok(());
@@ -150,7 +150,7 @@ impl<'a> Journal<'a> {
             Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => Err(problem),
             Err(problem) => {
                 if self.report.lost == 0 {
-                    warn!(%problem, "the recording cannot be written; what comes meanwhile is lost, and counted");
+                    warn!(%problem, "cannot write the recording, losing messages (counted)");
                 }
                 self.torn = true;
                 self.report.lost += lines;
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::replay::Lines;
 
-    /// A disk that is full in the middle of the second line, and then has room again.
+    /// A disk that becomes full in the middle of the second line, and then has space again.
     #[derive(Default)]
     struct Disk {
         held: Vec<u8>,

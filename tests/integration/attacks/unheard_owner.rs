@@ -86,7 +86,7 @@ async fn regress_an_owner_with_a_wrong_password_gives_way_and_takes_the_fleet_ag
     assert_eq!(stage.epochs().await, 1, "without another supervisor it must keep the fleet");
     let mut b = stage.supervisor("b", &file_b);
     b.says(true, &words(["OWNED"])).await;
-    a.says(false, &words(["\"holder\":\"b\"", "given up, because its robots were not heard", "mqtt.password_file"]))
+    a.says(false, &words(["\"holder\":\"b\"", "released, because its robots were not heard", "mqtt.password_file"]))
         .await;
     let mut robot = HandRobot::born(stage.broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
     robot.touch(0, 5).await;
@@ -132,8 +132,8 @@ async fn a_fleet_that_nobody_hears_stays_where_it_is() {
     b.says(true, &words(["STANDBY"])).await;
     stage.broker.kill();
     until_true("the owner says that it is deaf", async || stage.deaf().await == 1).await;
-    // The other supervisor tries, without success.
-    until_true("a trial", async || b.logged("trying whether the fleet would be heard") >= 1).await;
+    // The other one tries, in vain.
+    until_true("a trial", async || b.logged("testing whether the fleet can be heard") >= 1).await;
     assert_eq!(stage.epochs().await, 1);
     stage.broker.restart();
     a.says(true, &[]).await;
@@ -174,8 +174,8 @@ async fn regress_a_new_password_of_the_database_is_read_without_a_restart() {
         .await;
     write(folder.path(), "password", "second");
     supervisor.says(true, &words(["OWNED"])).await;
-    assert_eq!(supervisor.logged("cannot keep the leases"), 1);
-    assert_eq!(supervisor.logged("the leases can be kept again"), 1);
-    assert!(!supervisor.log().contains('\x1b'), "a log file must not contain colours");
+    assert_eq!(supervisor.logged("cannot renew the leases"), 1);
+    assert_eq!(supervisor.logged("leases renewed again"), 1);
+    assert!(!supervisor.log().contains('\x1b'), "colours in a file");
     supervisor.terminate().await;
 }

@@ -38,7 +38,7 @@ fn a_bad_file_of_authorities_is_named() {
     assert!(matches!(missing, PrepareError::Unreadable { .. }));
     for (name, text, words) in [
         ("empty.crt", "", ["is not PEM", "it is empty"]),
-        ("noise.crt", "hello\n", ["is not PEM", "nothing begins in it"]),
+        ("noise.crt", "hello\n", ["is not PEM", "it has no BEGIN line"]),
         ("cut.crt", "-----BEGIN CERTIFICATE-----\nMIIB\n", ["is not PEM", "cut.crt"]),
         ("key.crt", own.key.as_str(), ["there is no certificate in", "key.crt"]),
         (

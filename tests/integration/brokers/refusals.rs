@@ -138,7 +138,7 @@ async fn a_wrong_password_and_none() {
     let broker = Mosquitto::builder().user("vibrissa", "another password").start();
     let user = with_password(plain(broker.port()), "vibrissa");
     said(user, &["does not accept user \"vibrissa\"", "mqtt.password_file"]).await;
-    said(plain(broker.port()), &["wants a user and a password", "mqtt.username"]).await;
+    said(plain(broker.port()), &["requires a user and a password", "mqtt.username"]).await;
 }
 
 #[tokio::test]
@@ -161,7 +161,7 @@ async fn a_broker_that_takes_nothing_of_what_is_published() {
     let broker = Mosquitto::builder().acl(&format!("topic read #\n{probes}")).start();
     let link = Link::start(plain(broker.port()));
     let found = vibrissa_tests::wait::until("a problem", async || {
-        link.problem().filter(|problem| problem.contains("does not take what"))
+        link.problem().filter(|problem| problem.contains("rejects publications of"))
     });
     assert!(found.await.contains("supervisor/state"));
     link.stop().await;
@@ -178,7 +178,7 @@ async fn a_refused_subscription_does_not_count_as_connected() {
         }
     });
     let link = Link::start(with_password(plain(port), "somebody"));
-    let words = ["does not let user \"somebody\" read whisker/v1/f/+/contacts (NotAuthorized)", "access list"];
+    let words = ["does not let user \"somebody\" subscribe to whisker/v1/f/+/contacts (NotAuthorized)", "access list"];
     link.problem_with(&words).await;
     link.stop().await;
     server.abort();

@@ -1,4 +1,4 @@
-//! What operators ask: read, carried out in order, and answered in the transaction that has the effects.
+//! Operators' actions: read, executed in order, and answered in the transaction that contains their effects.
 
 use std::sync::Arc;
 
@@ -23,16 +23,16 @@ use vibrissa_store::actions::Action;
 use vibrissa_store::batch::{PolicyRow, Record};
 use vibrissa_store::calibrations::ActivationRow;
 
-/// Actions that are read at a time.
+/// Limit of the actions read at a time.
 const ACTIONS_MAX: i64 = 100;
 
 /// Why an action is refused: a word for programs, a colon, and a text for people.
 type Problem = String;
 
 impl Engine {
-    /// Carries out what waits. A database that is away is not waited for here: what is asked stays asked.
+    /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
     ///
-    /// What was answered last is committed first, or it would be read again.
+    /// The answers so far are committed first, because actions without a committed answer would be read again.
     pub(super) async fn open_mail(&mut self, now: Micros) -> Result<(), LeaseLost> {
         self.settle().await?;
         let Some(committer) = self.committer.as_mut().filter(|_| self.answered.is_empty()) else { return Ok(()) };
@@ -40,7 +40,7 @@ impl Engine {
             Ok(pending) => pending,
             Err(problem) => {
                 self.program.database_failed();
-                warn!(%problem, fleet = %self.fleet, "cannot see what operators ask; looking again");
+                warn!(%problem, fleet = %self.fleet, "cannot read operator actions, retrying");
                 return Ok(());
             }
         };
@@ -51,7 +51,8 @@ impl Engine {
             let is_expired = wall_clock().0 as i64 >= action.expires_us;
             let robot = self.robot_of(&action).ok();
             if !is_expired && robot.as_ref().is_some_and(|name| self.suspects.contains_key(name)) {
-                // Its effects might be refused: it waits until the robot is an ordinary one again, or until it expires.
+                // The database might reject its effects: the action waits until the robot is no longer a suspect, or
+                // until it expires.
                 continue;
             }
             let robot_id = robot.and_then(|name| self.known(&name)).map_or(0, |known| known.robot_id);
@@ -68,7 +69,10 @@ impl Engine {
                 None => "UNKNOWN",
             };
             self.metrics.actions.count([kind, state]);
-            info!(fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor, "asked");
+            info!(
+                fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor,
+                "operator action handled"
+            );
             let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
             self.record(Record::Answer { action_id, robot_id, state, problem, done_us });
             self.answered.push(action_id);
@@ -78,14 +82,14 @@ impl Engine {
         Ok(())
     }
 
-    /// What is carried out, for the traces of what comes of it.
+    /// Sets the action in execution, which the traces of its effects name.
     fn asked(&mut self, action: Option<&Action>) {
         for lives in self.shards.iter_mut().filter_map(|shard| shard.gathering.lives.as_mut()) {
             lives.asked(action.map(Asked::of));
         }
     }
 
-    /// A row of no robot in particular: after what all shards have so far.
+    /// Adds a row that belongs to no robot, after the rows of all shards so far.
     pub(super) fn record(&mut self, record: Record) {
         if let Some(last) = self.shards.last_mut() {
             last.gathering.batch.records.push(record);
@@ -102,7 +106,7 @@ impl Engine {
         self.shards[shard_of(name, self.shards.len())].robots.get(name)
     }
 
-    /// Other parameters for all robots.
+    /// Sets the parameters for all robots.
     fn set_params(&mut self, params: Arc<Params>) {
         for shard in &mut self.shards {
             shard.gathering.params = params.clone();
@@ -135,7 +139,7 @@ impl Engine {
             .ok_or_else(|| "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned())
     }
 
-    /// A compensation's number on its robot; in the database the robot's is in front.
+    /// Number of a compensation on its robot. The id in the database combines it with the robot's id.
     fn number_of(&self, action: &Action, compensation_id: i64) -> Result<u32, Problem> {
         let name = self.robot_of(action)?;
         let robot_id = self.known(&name).map_or(0, |known| known.robot_id);
@@ -153,8 +157,8 @@ impl Engine {
         }
     }
 
-    /// Another calibration of a model, in force from this transaction on; its whiskers are learned anew, at the lengths
-    /// that are estimated now.
+    /// Puts another calibration of a model in force from this transaction on. The baselines of its whiskers are learned
+    /// again, at the current estimates of length.
     fn change_calibration(&mut self, action: &Action, now: Micros) -> Result<(), Problem> {
         let malformed = |problem: String| format!("MALFORMED: {problem}");
         let told: Activation =
@@ -186,7 +190,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Another policy for the whole fleet, in force from this transaction on.
+    /// Puts another policy of the whole fleet in force from this transaction on.
     fn change_policy(&mut self, action: &Action, change: &PolicyChange, now: Micros) -> Result<(), Problem> {
         let in_force = self.policy_version;
         if change.expected_version != in_force {
@@ -221,7 +225,7 @@ impl Engine {
     }
 }
 
-/// Which calibration shall be in force.
+/// Parameters of an action that activates a calibration.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Activation {

@@ -1,4 +1,4 @@
-//! The allow list of a fleet's robots, and the robots that it turned away.
+//! Allow list of a fleet's robots, and the robots that it refused.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -14,15 +14,16 @@ use crate::robots_file::RobotsFile;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 
-/// Robots of a shard that were turned away and are remembered; beyond that the one is forgotten that tried longest ago.
+/// Limit of the refused robots remembered per shard; beyond it, the one whose last attempt is oldest is forgotten.
 const TURNED_AWAY_MAX: usize = 64;
 
-/// A fleet's allow list: every robot is allowed if neither list exists, otherwise each robot in at least one of them.
+/// A fleet's allow list: every robot is allowed if neither list exists, otherwise each robot that is in at least one of
+/// them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Allowed {
-    /// From the file of `limits.robots_file`.
+    /// Robots in the file of `limits.robots_file`.
     file: Option<Arc<HashSet<Name>>>,
-    /// Set over HTTP.
+    /// Robots in the list that was set over HTTP.
     set: Option<Arc<HashSet<Name>>>,
 }
 
@@ -33,7 +34,7 @@ impl Allowed {
     }
 }
 
-/// Robots that were turned away because they are in no list.
+/// Robots that were refused because they are in no list.
 #[derive(Debug, Default)]
 pub(super) struct TurnedAway {
     robots: BTreeMap<Name, TurnedAwayReading>,
@@ -53,25 +54,25 @@ impl TurnedAway {
             let oldest = self.robots.iter().min_by_key(|(_, known)| known.last_us).map(|(name, _)| name.clone());
             oldest.and_then(|name| self.robots.remove(&name));
         }
-        warn!(%robot, "turned away: it is not among the fleet's allowed robots");
+        warn!(%robot, "robot refused, not on the fleet's allow list");
         let first = TurnedAwayReading { robot: robot.to_string(), tries: 1, first_us: now_us, last_us: now_us };
         self.robots.insert(robot.clone(), first);
     }
 }
 
-/// Where the engine has its lists from.
+/// Sources of the engine's allow list.
 #[derive(Debug, Default)]
 pub(super) struct AllowedSource {
     file: Option<watch::Receiver<Arc<RobotsFile>>>,
-    /// Of the list that was set over HTTP; 0 before the first.
+    /// Version of the list that was set over HTTP; 0 before the first.
     version: i64,
     allowed: Allowed,
-    /// Set when the lists have changed, so that refused robots may be allowed now.
+    /// The lists have changed, so that refused robots may be allowed now.
     pub(super) has_changed: bool,
 }
 
 impl Engine {
-    /// The same with a file of allowed robots, which may change.
+    /// Adds a file of allowed robots, which may change later.
     #[must_use]
     pub(crate) fn allowing(mut self, file: Option<watch::Receiver<Arc<RobotsFile>>>) -> Self {
         self.allowed.file = file;
@@ -88,10 +89,10 @@ impl Engine {
     fn apply_allowed(&mut self) {
         let count = |list: &Option<Arc<HashSet<Name>>>| list.as_ref().map(|list| list.len());
         let Allowed { file, set } = &self.allowed.allowed;
-        info!(fleet = %self.fleet, in_file = ?count(file), set = ?count(set), "allowed robots");
+        info!(fleet = %self.fleet, in_file = ?count(file), set = ?count(set), "allow list loaded");
         for shard in &mut self.shards {
             shard.gathering.allowed = self.allowed.allowed.clone();
-            // Whoever is allowed now is not to be shown any more.
+            // Robots that are allowed now are no longer listed as refused.
             let TurnedAway { robots, has_changed } = &mut shard.gathering.turned_away;
             let before = robots.len();
             robots.retain(|name, _| !self.allowed.allowed.permits(name));
@@ -99,14 +100,15 @@ impl Engine {
         }
     }
 
-    /// A list that was set over HTTP.
+    /// Applies a list that was set over HTTP.
     pub(super) fn set_allowed(&mut self, reading: &AllowedReading) {
         self.allowed.version = reading.version;
         self.allowed.allowed.set = reading.robots.as_deref().map(|names| Arc::new(names_of(names).collect()));
         self.apply_allowed();
     }
 
-    /// Looks whether the lists have changed, and writes who was turned away. A database that is away is not waited for.
+    /// Reads the lists if they have changed, and writes the refused robots. If the database is unreachable, this does
+    /// not wait.
     pub(super) async fn look_at_allowed(&mut self) -> Result<(), LeaseLost> {
         if self.allowed.file.as_ref().is_some_and(|file| file.has_changed().unwrap_or_default()) {
             self.read_allowed_file();
@@ -122,7 +124,7 @@ impl Engine {
             }
             Err(problem) => {
                 self.program.database_failed();
-                warn!(%problem, fleet = %self.fleet, "cannot see which robots are allowed; looking again");
+                warn!(%problem, fleet = %self.fleet, "cannot read the allow list, retrying");
                 return Ok(());
             }
         }
@@ -144,7 +146,7 @@ impl Engine {
                 }
             }
             Err(problem) => {
-                warn!(%problem, fleet = %self.fleet, at = wall_clock().0, "cannot write who was turned away")
+                warn!(%problem, fleet = %self.fleet, at = wall_clock().0, "cannot write the refused robots")
             }
         }
     }

@@ -1,7 +1,7 @@
-//! Robots that have announced themselves but not sent a factsheet yet.
+//! Robots that have announced themselves, but have not sent a factsheet yet.
 //!
-//! They are not in the database, because anybody who may publish can invent names. The supervisor requests the factsheet,
-//! and the robot becomes known with it.
+//! They are not in the database, because every client that may publish can invent names. The supervisor requests the
+//! factsheet, which makes the robot known.
 
 use std::time::{Duration, Instant};
 
@@ -15,9 +15,9 @@ use vibrissa_protocol::{Name, RequestKind};
 use super::commit::batch::Gathering;
 use super::publication::Seqs;
 
-/// Of one fleet at a time; beyond that the one is forgotten that was announced first.
+/// Limit of announced robots per fleet; beyond it, the one announced first is forgotten.
 const ANNOUNCED_MAX: usize = 1024;
-/// How long a factsheet is waited for after the last birth.
+/// How long after its last birth a robot is remembered without a factsheet.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A robot whose factsheet is missing.
@@ -36,12 +36,12 @@ pub(super) struct Announced {
 }
 
 impl Announced {
-    /// Of one shard of so many.
+    /// The announced robots of one of `shards` shards.
     pub(super) fn of_shards(shards: usize) -> Self {
         Self { robots: IndexMap::new(), most: (ANNOUNCED_MAX / shards.max(1)).max(1) }
     }
 
-    /// A birth or a farewell.
+    /// Handles a birth or a farewell.
     pub(super) fn connection(
         &mut self,
         gathering: &mut Gathering,
@@ -66,19 +66,19 @@ impl Announced {
         self.robots.insert(name.clone(), announcement);
     }
 
-    /// Whether a robot was announced.
+    /// Whether a robot has announced itself.
     pub(super) fn has(&self, name: &Name) -> bool {
         self.robots.contains_key(name)
     }
 
-    /// Something that only a factsheet makes useful.
+    /// Handles a message that is useless without a factsheet.
     pub(super) fn early(&mut self, gathering: &mut Gathering, name: &Name, now: Micros, event: &Event<'_>) {
         if let Some(announcement) = self.robots.get_mut(name) {
             announcement.step(gathering, name, now, event);
         }
     }
 
-    /// Handles a tick: requests missing factsheets again, and forgets robots whose factsheet has not come in time.
+    /// Handles a tick: requests missing factsheets again, and forgets robots whose factsheet has not arrived in time.
     pub(super) fn tick(&mut self, gathering: &mut Gathering, now: Micros) {
         self.robots.retain(|_, announcement| announcement.since.elapsed() < PATIENCE);
         for (name, announcement) in &mut self.robots {
@@ -86,7 +86,7 @@ impl Announced {
         }
     }
 
-    /// Whether that boot of a robot was announced.
+    /// Whether this boot of a robot was announced.
     pub(super) fn has_boot(&self, name: &Name, boot_id: &str) -> bool {
         self.robots.get(name).is_some_and(|announcement| announcement.robot.connection_state().0 == Some(boot_id))
     }
@@ -99,7 +99,7 @@ impl Announced {
         announcement.step(gathering, name, now, &Event::Connection { boot_id: &boot_id, link });
     }
 
-    /// Takes a robot out, because it becomes known.
+    /// Removes a robot because it becomes known.
     pub(super) fn take(&mut self, name: &Name) -> Option<Announcement> {
         self.robots.shift_remove(name)
     }

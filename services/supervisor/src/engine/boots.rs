@@ -1,10 +1,10 @@
-//! The numbers of a robot's boots in the database.
+//! Numbers of a robot's boots in the database.
 
 use std::collections::BTreeMap;
 
 use vibrissa_core::text::ShortText;
 
-/// Numbers of a robot's boots. That of the newest lies in place: nearly every message is of that one.
+/// Numbers of a robot's boots. The newest is stored inline, because nearly every message belongs to it.
 #[derive(Debug, Default)]
 pub(super) struct Boots {
     newest: Option<(ShortText, i64)>,
@@ -12,7 +12,7 @@ pub(super) struct Boots {
 }
 
 impl Boots {
-    /// The number of a boot, if it has one.
+    /// Number of a boot, if it has one.
     pub(super) fn get(&self, boot_id: &str) -> Option<i64> {
         match &self.newest {
             Some((newest, boot)) if *newest == *boot_id => Some(*boot),
@@ -20,31 +20,31 @@ impl Boots {
         }
     }
 
-    /// The highest number.
+    /// Number of the newest boot.
     pub(super) fn newest(&self) -> Option<i64> {
         self.newest.as_ref().map(|(_, boot)| *boot)
     }
 
-    /// Whether a boot has a number, and another one has a higher one: it does not come back.
+    /// Whether a boot has a number and another boot has a higher one. Such a boot does not come back.
     pub(super) fn is_old(&self, boot_id: &str) -> bool {
         self.older.contains_key(boot_id)
     }
 
-    /// Adds a boot, which is the newest from now on.
+    /// Adds a boot, which becomes the newest.
     pub(super) fn insert(&mut self, boot_id: &str, boot: i64) {
         if let Some((before, boot)) = self.newest.replace((boot_id.into(), boot)) {
             self.older.insert(before.as_str().to_owned(), boot);
         }
     }
 
-    /// All of them, by their numbers.
+    /// All boots by number.
     pub(super) fn by_number(&self) -> BTreeMap<i64, String> {
         let newest = self.newest.iter().map(|(boot_id, boot)| (*boot, boot_id.as_str().to_owned()));
         newest.chain(self.older.iter().map(|(boot_id, &boot)| (boot, boot_id.clone()))).collect()
     }
 }
 
-/// Numbers rise: the highest is the newest's.
+/// Numbers increase, so the newest boot has the highest one.
 impl From<BTreeMap<String, i64>> for Boots {
     fn from(numbers: BTreeMap<String, i64>) -> Self {
         let mut ascending: Vec<(String, i64)> = numbers.into_iter().collect();

@@ -1,6 +1,6 @@
-//! The setpoints that went out to one robot: until when each may go out again, and what the robot has said of it.
+//! Setpoints sent to one robot: their deadlines for sending, and the robot's answers.
 //!
-//! All of it is lost with the process. The age of a setpoint that an earlier supervisor sent counts from when it was issued.
+//! None of this is stored. The age of a setpoint of an earlier supervisor counts from its time of issue.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -10,19 +10,20 @@ use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{SetpointOutcome, SetpointState};
 
-/// Setpoints that are remembered beside those under way: robots may answer late, and twice.
+/// Number of setpoints remembered besides those under way, because robots may answer late or twice.
 const REMEMBERED: usize = 32;
 
-/// How long after a take-up setpoints that are over may be answered: longer than any lives.
+/// How long after a takeover a robot may answer finished setpoints of the earlier supervisor: longer than any setpoint
+/// is valid.
 const OTHERS_FOR: Duration = Duration::from_secs(60);
 
 /// The newest setpoints of one robot, in the order in which they were issued.
 #[derive(Debug, Default)]
 pub(super) struct Commands {
     newest: VecDeque<Remembered>,
-    /// The number of the last `setpoint_state`, by the number of its boot.
+    /// `seq` of the last `setpoint_state`, with the number of its boot.
     answered: Option<(i64, u64)>,
-    /// Until then what an earlier supervisor sent may still be answered.
+    /// Until then the robot may answer setpoints of an earlier supervisor.
     others_until: Option<Instant>,
 }
 
@@ -35,25 +36,25 @@ struct Remembered {
     said: Option<SetpointOutcome>,
 }
 
-/// Whether a `setpoint_state` fits the setpoints sent and the answers received before.
+/// Whether a `setpoint_state` is consistent with the setpoints sent and the answers received before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Plausibility {
-    /// It can be so.
+    /// The state is consistent.
     Fits,
-    /// No setpoint of that name went out to this robot.
+    /// No setpoint with this id was sent to the robot.
     UnknownCommand,
-    /// A later state of the setpoint was said before.
+    /// The robot reported a later state of the setpoint before.
     Backward,
 }
 
 impl Commands {
-    /// Of a robot that another supervisor may have had before.
+    /// For a robot that another supervisor may have commanded before.
     pub(super) fn taken_up() -> Self {
         Self { others_until: Some(Instant::now() + OTHERS_FOR), ..Self::default() }
     }
 
-    /// Until when a setpoint may go out, by the monotonic clock; `valid_for` counts from when it was issued, `now` is the wall
-    /// clock. It is found out once: clocks that are set do not make a setpoint live longer.
+    /// Deadline for sending a setpoint, by the monotonic clock. `valid_for` counts from the time of issue, `now` is the
+    /// wall clock. The deadline is computed once, so a clock that is set back does not extend it.
     pub(super) fn until(
         &mut self,
         command: &Command,
@@ -74,7 +75,7 @@ impl Commands {
         until
     }
 
-    /// Judges a state, and remembers it. A message that MQTT delivers twice has the same number again.
+    /// Judges a state, and remembers it. A message that MQTT delivers twice has the same `seq` again.
     pub(super) fn judge(&mut self, told: &SetpointState, boot: i64, is_under_way: bool) -> Plausibility {
         let is_new = self.answered.is_none_or(|(before, seq)| before != boot || told.seq > seq);
         if is_new {
@@ -101,7 +102,7 @@ impl Commands {
     }
 }
 
-/// How far a setpoint has come.
+/// Progress of a setpoint.
 fn stage(state: SetpointOutcome) -> u8 {
     match state {
         SetpointOutcome::Received => 0,
@@ -179,7 +180,7 @@ mod tests {
         for (outcome, is_redelivered) in fits {
             assert_eq!(judge(id, outcome, is_redelivered), Plausibility::Fits, "{outcome}");
         }
-        assert_eq!(judge(id, Applied, false), Plausibility::Fits, "what became of it is said again");
+        assert_eq!(judge(id, Applied, false), Plausibility::Fits, "the final state may be repeated");
         for outcome in [Received, Applying, Failed] {
             assert_eq!(judge(id, outcome, false), Plausibility::Backward, "{outcome}");
         }
@@ -188,7 +189,7 @@ mod tests {
         assert_eq!(
             Commands::taken_up().judge(&others, 3, false),
             Plausibility::Fits,
-            "of an earlier supervisor, perhaps"
+            "it may answer an earlier supervisor"
         );
     }
 

@@ -1,5 +1,5 @@
-//! Messages on their way to the shards: what needs numbers from the database first is handled by itself, in its turn;
-//! everything else by all shards at the same time.
+//! Distribution of messages to the shards. A message that needs row ids from the database first is handled alone, in
+//! its turn; all others are handled by the shards in parallel.
 
 use std::time::Instant;
 
@@ -13,14 +13,14 @@ use super::quarantine::suspects;
 use super::shard::{Shard, shard_of};
 use crate::inbox::Incoming;
 
-/// Parcels of one round that are worth several tasks.
+/// Number of messages from which on the shards work in tasks of their own.
 const WORTH_TASKS: usize = 128;
-/// Bytes that are worth a task of their own, about a millisecond's work: meanwhile this thread receives, so that nobody's messages
-/// wait in the broker behind those of a robot that sends much.
+/// Payload bytes from which on the shards work in tasks, about a millisecond's work. Meanwhile this thread receives, so
+/// that no robot's messages wait in the broker behind those of a robot that sends much.
 const WORTH_A_TASK_BYTES: usize = 128 * 1024;
 
 impl Engine {
-    /// Steps messages, in the order of each robot's.
+    /// Steps messages through the core, those of each robot in order.
     pub(super) async fn take_in(&mut self, messages: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
         let count = messages.len();
         let mut parcels: Vec<Vec<Parcel>> = self.shards.iter().map(|_| Vec::new()).collect();
@@ -39,7 +39,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Which shard a message is for; none if it is none of a robot of the fleet.
+    /// The shard of a message; `None` if the message is not from a robot of the fleet.
     fn address(&self, incoming: Incoming) -> Option<(usize, Parcel)> {
         let Ok(text) = std::str::from_utf8(&incoming.topic) else {
             self.metrics.refuse("unknown_topic", "a topic that is not UTF-8", "");
@@ -62,7 +62,7 @@ impl Engine {
         Some((shard_of(&robot, self.shards.len()), Parcel { topic, robot, kind, payload, received }))
     }
 
-    /// Gives each shard its parcels; each shard is one task's as long as it works.
+    /// Handles the parcels in their shards; each shard is owned by one task until it is done.
     async fn handle_parcels(&mut self, parcels: &mut [Vec<Parcel>]) {
         let busy = parcels.iter().filter(|parcels| !parcels.is_empty()).count();
         let is_few = busy <= 1 || parcels.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
@@ -82,15 +82,15 @@ impl Engine {
             }));
         }
         for task in tasks {
-            // It is never aborted: without a result it has panicked.
+            // The task is never aborted, so an error means that it has panicked.
             let shard: Shard = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
             self.shards.push(shard);
         }
     }
 
-    /// Handles a factsheet, by which new robots, boots or whiskers have numbers from the database; one that is away is waited
-    /// for. Nothing is stepped before its numbers are there. A factsheet whose numbers the database refuses for good is put into
-    /// quarantine.
+    /// Handles a factsheet that needs row ids for a robot, boot or whiskers, and waits while the database is
+    /// unreachable. The factsheet is stepped after it has its ids. If the database rejects it permanently, it is put
+    /// into quarantine.
     pub(super) async fn take_factsheet(&mut self, shard: usize, parcel: Parcel) -> Result<(), LeaseLost> {
         let Some(told) = self.shards[shard].factsheet(&parcel) else { return Ok(()) };
         if !self.shards[shard].robots.contains_key(&parcel.robot)
@@ -115,15 +115,15 @@ impl Engine {
                 return Ok(());
             };
             if let Some(rejection) = problem.rejection() {
-                error!(%problem, fleet = %self.fleet, robot = %parcel.robot, "the database refuses this message for good");
+                error!(%problem, fleet = %self.fleet, robot = %parcel.robot, "database rejects this message for good");
                 self.quarantine(suspects::quarantined(&parcel, &rejection));
                 return Ok(());
             }
-            committer.wait_out(&mut outage, problem, "new things cannot be numbered").await?;
+            committer.wait_out(&mut outage, problem, "cannot assign row ids").await?;
         }
     }
 
-    /// Why no new robot is taken now, if so.
+    /// Reason why no new robot is accepted now, if there is one.
     fn has_no_room_for_another(&mut self) -> Option<&'static str> {
         let robots: usize = self.shards.iter().map(|shard| shard.robots.len()).sum();
         if robots >= self.limits.robots_per_fleet as usize {

@@ -1,29 +1,30 @@
-//! Short hashes of one robot's newest `contacts` messages. They show whether a repeated message number has the same content.
+//! Short hashes of one robot's newest `contacts` messages. They show whether a repeated `seq` has the same content.
 
 use std::hash::{BuildHasher, Hasher};
 
 use vibrissa_protocol::Contacts;
 
-/// Messages that are remembered: those that a robot may send again within some seconds of a burst.
+/// Number of messages remembered: those that a robot may send again within some seconds of a burst.
 const REMEMBERED: usize = 256;
-/// Stands for the content of a message that was refused and is only accounted for.
+/// Fingerprint of a message that was refused and only receipted.
 pub(super) const REFUSED: u32 = 1;
-/// Spreads the numbers of boots over 32 bits (Knuth).
+/// Multiplier that spreads boot numbers over 32 bits (Knuth).
 const SPREAD: u32 = 0x9e37_79b1;
 
-/// The newest messages of one robot, each at the place that its number has; with room once there is one.
+/// Fingerprints of one robot's newest messages, at the index `seq` mod 256. Allocated with the first message.
 #[derive(Debug, Default)]
 pub(super) struct Fingerprints(Option<Box<[Fingerprint; REMEMBERED]>>);
 
-/// One message. The content of a place that was never used is 0, which stands for none.
+/// Fingerprint of one message. Content 0 marks an unused entry.
 #[derive(Debug, Clone, Copy, Default)]
 struct Fingerprint {
-    /// Boot and the rest of the number.
+    /// Combines the boot number and the high part of `seq`.
     name: u32,
     content: u32,
 }
 
-/// A fingerprint of a message's content, above [`REFUSED`]. `hashers` has secret keys, so that nobody can make two contents alike.
+/// Fingerprint of a message's content, above [`REFUSED`]. `hashers` has secret keys, so that nobody can construct two
+/// contents with the same fingerprint.
 pub(super) fn of_content(hashers: &impl BuildHasher, told: &Contacts) -> u32 {
     let mut hasher = hashers.build_hasher();
     for contact in &told.contacts {
@@ -40,13 +41,13 @@ pub(super) fn of_content(hashers: &impl BuildHasher, told: &Contacts) -> u32 {
 }
 
 impl Fingerprints {
-    /// A message was taken.
+    /// Remembers the fingerprint of an accepted message.
     pub(super) fn remember(&mut self, boot: i64, seq: u64, content: u32) {
         let places = self.0.get_or_insert_with(|| Box::new([Fingerprint::default(); REMEMBERED]));
         places[place(seq)] = Fingerprint { name: name(boot, seq), content };
     }
 
-    /// Whether the message of that number said something else; not if it is not remembered.
+    /// Whether a remembered message of this `seq` had other content. False if the message is not remembered.
     pub(super) fn contradict(&self, boot: i64, seq: u64, content: u32) -> bool {
         self.0.as_ref().is_some_and(|places| {
             let known = places[place(seq)];
@@ -91,12 +92,12 @@ mod tests {
         let [one, same, other] = [0.01, 0.01, 0.010_000_1].map(|strain| of_content(&hashers, &message(strain)));
         assert_eq!(one, same);
         let mut known = Fingerprints::default();
-        assert!(!known.contradict(1, 7, other), "never seen");
+        assert!(!known.contradict(1, 7, other), "an unknown message contradicts nothing");
         known.remember(1, 7, one);
         assert_eq!([known.contradict(1, 7, same), known.contradict(1, 7, other)], [false, true]);
-        // Another boot, and another number at the same place.
+        // Another boot, and another `seq` with the same index.
         assert_eq!([known.contradict(2, 7, other), known.contradict(1, 7 + 256, other)], [false, false]);
         known.remember(1, 7 + 256, other);
-        assert!(!known.contradict(1, 7, other), "forgotten");
+        assert!(!known.contradict(1, 7, other), "the entry was overwritten");
     }
 }

@@ -1,6 +1,6 @@
-//! Metrics of the fleet as a whole: counts of robots, whiskers and alarms, and latencies. No decision rests on them.
+//! Metrics of the fleet as a whole: counts of robots, whiskers and alarms, and latencies. No decision depends on them.
 //!
-//! It also closes minutes and hours of whiskers that no contact closes.
+//! Also closes minutes and hours of whiskers without contacts.
 
 use std::collections::BTreeMap;
 
@@ -20,24 +20,24 @@ use vibrissa_edge::clock::wall_clock;
 const PASCALS_PER_MEGAPASCAL: f64 = 1e6;
 const METERS_PER_MILLIMETRE: f64 = 1e-3;
 
-/// Whiskers whose minutes are closed in one commit at the most, and whose states are written with them: a robot's state is
-/// written with those of all its whiskers that have changed.
+/// Limit of the whiskers whose minutes are closed in one commit. Their checkpoints are written with them, and a robot's
+/// checkpoint includes all its changed whiskers.
 const CLOSED_AT_ONCE: usize = 5000;
 
-/// Times of a contacts message.
+/// Times of a `contacts` message.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Taken {
-    /// Its newest contact, by the robot's clock; none if it has none.
+    /// Time of the newest contact by the robot's clock; `None` if the message has no contacts.
     pub(super) felt: Option<Micros>,
-    /// Its receipt.
+    /// Time of receipt.
     pub(super) received: Micros,
 }
 
-/// A setpoint that an answer is to.
+/// The setpoint to which a message is an answer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answering {
     pub(super) command: CommandKey,
-    /// When what led to it was received.
+    /// Receipt time of the message that led to the setpoint.
     since: Micros,
     reason: Reason,
 }
@@ -48,12 +48,12 @@ impl Answering {
     }
 }
 
-/// The compensation errors that were measured last, with and without the published gain, by compensation.
+/// Last measured compensation errors with and without the published gain, by number of the compensation.
 #[derive(Debug, Default)]
 pub(super) struct Stated(BTreeMap<u32, (f64, Option<f64>)>);
 
 impl Stated {
-    /// As they are known of a robot that is taken up.
+    /// Restores the errors from the state of a loaded robot.
     pub(super) fn of(robot: &Robot, params: &Params) -> Self {
         let mut stated = Self::default();
         for error in robot.compensations().iter().filter_map(|one| robot.error(params, one)) {
@@ -68,18 +68,18 @@ impl Stated {
 }
 
 impl Known {
-    /// The whisker that a compensation is for, while it is in force or proposed.
+    /// Target of a compensation that is in force or proposed.
     pub(super) fn target_of(&self, compensation: u32) -> Option<usize> {
         self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.target())
     }
 
-    /// The case of a compensation that is in force or proposed.
+    /// Case of a compensation that is in force or proposed.
     pub(super) fn case_of(&self, compensation: u32) -> Option<Case> {
         self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.case())
     }
 }
 
-/// What is known of the compensations of one case.
+/// Summary of the compensations of one case.
 #[derive(Debug, Default)]
 struct CaseSurvey {
     in_force: i64,
@@ -106,7 +106,7 @@ impl Mean {
     }
 }
 
-/// What there is in a fleet.
+/// Counts of a fleet.
 #[derive(Debug, Default)]
 struct Survey {
     robots: BTreeMap<Label, i64>,
@@ -133,7 +133,7 @@ impl Survey {
             let case = self.cases.entry(one.case().word()).or_default();
             case.in_force += 1;
             let Some(&(error, with_gain)) = known.stated.0.get(&one.id()) else { continue };
-            // Of the same compensations, so that the two means can be held against each other.
+            // Means over the same compensations, so that they are comparable.
             case.predicted.add(one.predicted_error());
             case.measured.add(error);
             case.worst = Some(case.worst.map_or(error, |worst| worst.max(error)));
@@ -148,7 +148,7 @@ fn views(robot: &Robot) -> impl Iterator<Item = WhiskerView<'_>> {
     (0..robot.whisker_count()).filter_map(|index| robot.whisker(index))
 }
 
-/// Fault, or else condition.
+/// The fault, if there is one, else the condition.
 fn health(view: &WhiskerView<'_>) -> Label {
     view.fault.map_or(view.condition.word(), Word::word)
 }
@@ -178,7 +178,8 @@ impl Engine {
         }
     }
 
-    /// Closes minutes and hours that are over, those of silent whiskers too; of a large fleet some at a time.
+    /// Closes finished minutes and hours, including those of silent whiskers; in a large fleet a limited number at a
+    /// time.
     pub(super) fn close_history(&mut self, now: Micros) {
         let mut left = CLOSED_AT_ONCE;
         for Shard { robots, gathering, .. } in &mut self.shards {
@@ -192,7 +193,7 @@ impl Engine {
         self.gathered(0);
     }
 
-    /// How full the queues are.
+    /// Updates the gauges of the queues.
     pub(super) fn survey_queues(&self, inbox: &Inbox) {
         let Some(outbox) = &self.outbox else { return };
         let (filling, capacity) = (inbox.filling(), inbox.capacity());
@@ -210,7 +211,7 @@ impl Engine {
         self.metrics.inbox_capacity_bytes.set(capacity.bytes as i64);
     }
 
-    /// Which parameters are in force.
+    /// Updates the gauges of the parameters in force.
     pub(super) fn show_params(&self) {
         let policy = &self.params.policy;
         self.metrics.policy_mode.set_all(|mode| i64::from(mode == policy.mode.word()));
@@ -219,7 +220,7 @@ impl Engine {
         self.metrics.detector_arl_contacts.set(self.params.detection.contacts_between_false_alarms);
     }
 
-    /// Writes down how long the contacts messages took that are committed now.
+    /// Observes the latencies of the `contacts` messages that are committed now.
     pub(super) fn time_taken(&self, taken: &[Taken]) {
         let now = wall_clock();
         for taken in taken {
@@ -233,7 +234,7 @@ impl Engine {
 }
 
 impl Gathering {
-    /// Writes down how long it took until a setpoint was applied.
+    /// Observes the time until a setpoint was applied.
     pub(super) fn time_applied(&self, command: CommandKey) {
         if let Some(answering) = self.answering.filter(|answering| answering.command == command) {
             let seconds = wall_clock().since(answering.since).as_s();

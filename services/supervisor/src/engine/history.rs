@@ -1,4 +1,4 @@
-//! What the whiskers of one robot felt, on its way into the tables: contacts one by one as the policy says, and minutes and
+//! History of one robot's whiskers on its way to the tables: contacts as the retention policy says, and minutes and
 //! hours always.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,22 +12,22 @@ use super::rollup::{GRACE, Open, Rollup, Sample, Use};
 use vibrissa_store::NumberedWhisker;
 use vibrissa_store::batch::{Batch, ContactRow, RollupRow};
 
-/// The history of a robot's whiskers, by their index.
+/// History of a robot's whiskers, by whisker index.
 #[derive(Debug)]
 pub(super) struct History {
     keeper: Keeper,
     open: Vec<Open>,
-    /// Those whose stored form must be written with the rows that were closed.
+    /// Whiskers whose stored form must be written together with their closed rows.
     changed: BTreeSet<usize>,
-    /// Of whiskers that have left the robot, by their numbers: they may come back before the next commit.
+    /// Open spans of whiskers that have left the robot, by row id: these whiskers may return before the next commit.
     gone: BTreeMap<i64, Open>,
-    /// Before then nothing is over.
+    /// No span ends before this time.
     due: Micros,
     closed: Vec<Rollup>,
 }
 
 impl History {
-    /// Of a robot that nothing is known of.
+    /// History of a new robot.
     pub(super) fn new(keep: Keep) -> Self {
         Self {
             keeper: Keeper::new(keep),
@@ -39,18 +39,18 @@ impl History {
         }
     }
 
-    /// Goes on with what was stored.
+    /// Continues from the stored forms.
     pub(super) fn taken_up(keep: Keep, stored: &[Option<Vec<u8>>], now: Micros) -> Self {
         let open = stored.iter().map(|bytes| Open::from_bytes(bytes.as_deref(), now)).collect();
         Self { open, ..Self::new(keep) }
     }
 
-    /// From now on contacts are kept so.
+    /// Sets the retention policy of contacts.
     pub(super) fn keep(&mut self, keep: Keep) {
         self.keeper = Keeper::new(keep);
     }
 
-    /// A contact was recorded by the core.
+    /// Adds a contact that the core has recorded.
     pub(super) fn felt(&mut self, whisker: usize, used: ContactUse, row: ContactRow, batch: &mut Batch) {
         let (received, whisker_id) = (Micros(row.received_us as u64), row.whisker_id);
         let sample = sample_of(used, &row);
@@ -58,20 +58,20 @@ impl History {
         self.keeper.felt(whisker, row, &mut batch.contacts);
     }
 
-    /// The contact that was recorded last is one of a whisker that serves.
+    /// Marks the last recorded contact as one of a compensator.
     pub(super) fn serves(&mut self, batch: &mut Batch) {
         self.keeper.serves(&mut batch.contacts);
     }
 
-    /// Something was found or decided about a whisker.
+    /// Keeps the last contacts of a whisker, because a finding or decision was made about it.
     pub(super) fn decided(&mut self, whisker: usize, batch: &mut Batch) {
         self.keeper.decided(whisker, &mut batch.contacts);
     }
 
-    /// The error of a compensation for a whisker was stated, as a ratio.
+    /// Adds a measured compensation error, a ratio, of the target whisker.
     pub(super) fn stated(&mut self, (target, whisker_id): (usize, i64), at: Micros, error: f64, batch: &mut Batch) {
         self.update(target, whisker_id, batch, |open, closed| open.state(at, error, closed));
-        // No contact of its own need be near.
+        // The target itself may have no contact at that time.
         self.changed.insert(target);
     }
 
@@ -94,7 +94,7 @@ impl History {
         }
     }
 
-    /// Closes minutes and hours that are over, of `left` whiskers at the most. True if there were any: then their stored
+    /// Closes finished minutes and hours of at most `left` whiskers. Returns true if there were any: then their stored
     /// forms must be written in the same transaction.
     pub(super) fn close(&mut self, now: Micros, whisker_ids: &[i64], left: &mut usize, batch: &mut Batch) -> bool {
         if now.0 < self.due.0.saturating_add(GRACE.0) {
@@ -115,8 +115,8 @@ impl History {
         any
     }
 
-    /// Other whiskers are on the robot now, each with its stored form if there is one. Those that leave are closed, and
-    /// their stored forms are to be written.
+    /// Applies a new layout: `whiskers` with their stored forms, if there are any. Closes the spans of whiskers that
+    /// leave, and returns their stored forms, which must be written.
     pub(super) fn laid_out(
         &mut self,
         before: &[i64],
@@ -150,13 +150,13 @@ impl History {
         gone
     }
 
-    /// Adds the whiskers whose stored form must be written to those whose state must be, none twice.
+    /// Adds the whiskers whose stored form must be written to the list of changed whiskers, without duplicates.
     pub(super) fn take_changed(&mut self, changed: &mut Vec<usize>) {
         changed.retain(|index| !self.changed.contains(index));
         changed.extend(std::mem::take(&mut self.changed));
     }
 
-    /// The stored form of a whisker's minute and hour.
+    /// Stored form of a whisker's open minute and hour.
     pub(super) fn stored(&self, whisker: usize, now: Micros) -> Vec<u8> {
         self.open.get(whisker).map_or_else(|| stored_form(&Open::default(), now), |open| stored_form(open, now))
     }
@@ -164,7 +164,7 @@ impl History {
 
 fn stored_form(open: &Open, now: Micros) -> Vec<u8> {
     open.to_bytes().unwrap_or_else(|| {
-        error!("a whisker's minute has a number that is none, and is left out");
+        error!("dropping a whisker's open minute and hour that contain NaN");
         Open::after(now).to_bytes().unwrap_or_default()
     })
 }
@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// Contacts of the rows of a whisker, and whether none has the time of another.
+    /// Number of contacts in a whisker's minutes, and whether no two rows have the same time.
     fn counted(batch: &Batch, whisker_id: i64) -> (i32, bool) {
         let rows: Vec<_> = batch.rollups.iter().filter(|row| row.whisker_id == whisker_id).collect();
         let names: BTreeSet<_> = rows.iter().map(|row| (row.resolution, row.start_us)).collect();
@@ -261,7 +261,7 @@ mod tests {
         }
         let mut changed = Vec::new();
         history.take_changed(&mut changed);
-        assert!(changed.is_empty(), "the core has told of them");
+        assert!(changed.is_empty(), "the core reports these whiskers as changed itself");
         let later = Micros(START + 62_000_000);
         assert!(!history.close(Micros(START + 61_000_000), &ids, &mut 100, &mut batch));
         for closed in [4, 8, 10] {
@@ -289,7 +289,7 @@ mod tests {
             let whiskers: Vec<NumberedWhisker> = next.iter().map(|id| (*id, stored.get(id).cloned())).collect();
             stored.extend(history.laid_out(&ids, &whiskers, now, &mut batch));
             ids = next;
-            // As after a restart, sometimes.
+            // From time to time, restart from the stored forms.
             if turn % 5 == 0 {
                 let all: Vec<_> = (0..ids.len()).map(|whisker| Some(history.stored(whisker, now))).collect();
                 history = History::taken_up(Keep::None, &all, now);

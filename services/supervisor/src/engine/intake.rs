@@ -1,4 +1,4 @@
-//! Messages in: decoded, held against what is known, and given to the core as events.
+//! Handling of messages in a shard: decoded, checked against the robot's state, and passed to the core as events.
 
 use std::time::Instant;
 
@@ -21,8 +21,8 @@ use vibrissa_edge::ids::command_id;
 use vibrissa_store::StoreError;
 use vibrissa_store::batch::LayoutRow;
 
-const OLD_BIRTH: &str = "a birth of a boot that another one has followed";
-const OLD_FACTSHEET: &str = "a factsheet of a boot that another one has followed";
+const OLD_BIRTH: &str = "a birth of a boot that a newer one has replaced";
+const OLD_FACTSHEET: &str = "a factsheet of a boot that a newer one has replaced";
 
 /// A message of a robot of the fleet.
 #[derive(Debug, Clone)]
@@ -35,15 +35,15 @@ pub(super) struct Parcel {
 }
 
 impl FleetMetrics {
-    /// Counts what is not taken, and says why.
+    /// Counts a refused message, and logs the reason at level debug.
     pub(super) fn refuse(&self, reason: &'static str, problem: impl std::fmt::Display, topic: &str) {
         self.messages_refused.count([reason]);
-        debug!(reason, %problem, topic, "refused");
+        debug!(reason, %problem, topic, "message refused");
     }
 }
 
 impl Shard {
-    /// A message for which nothing needs a number.
+    /// Handles a message that needs no row ids from the database.
     pub(super) fn handle(&mut self, parcel: &Parcel) {
         if !self.permits(parcel) {
             return;
@@ -62,14 +62,14 @@ impl Shard {
             Message::Contacts(_) => {}
             Message::Status(told) => gathering.take_status(known, told, now),
             Message::SetpointState(told) => gathering.take_setpoint_state(known, told, now),
-            // Handled before, and with its numbers.
+            // Handled by [`Self::take_connection`] and [`Self::handle_factsheet`].
             Message::Connection(_) | Message::Factsheet(_) => {}
-            // Not from robots: other supervisors' messages, which the subscriptions leave out.
+            // Not published by robots: the subscriptions exclude them.
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
         }
     }
 
-    /// The many: their list of contacts is used again and again.
+    /// Handles a `contacts` message. These are frequent, so the list of contacts is reused.
     fn handle_contacts(&mut self, parcel: &Parcel) {
         let list = std::mem::take(&mut self.gathering.list);
         match protocol::decode_contacts(&parcel.payload, list) {
@@ -87,19 +87,19 @@ impl Shard {
         }
     }
 
-    /// Whether the robot may be in the fleet; counted if not.
+    /// Whether the fleet's allow list permits the robot; a refusal is counted.
     fn permits(&mut self, parcel: &Parcel) -> bool {
         let is_allowed = self.gathering.allowed.permits(&parcel.robot);
         if !is_allowed {
-            let problem = "the robot is not among those that are allowed";
+            let problem = "the robot is not on the allow list";
             self.gathering.metrics.refuse("not_allowed", problem, parcel.robot.as_str());
             self.gathering.turned_away.count(&parcel.robot, parcel.received);
         }
         is_allowed
     }
 
-    /// A message of a robot that is not known. Contacts are refused, and make it asked for its factsheet if it was announced;
-    /// whatever else it says then comes again after its factsheet.
+    /// Handles a message of an unknown robot. Contacts are refused, and lead to a request for the factsheet if the
+    /// robot was announced; the robot sends its other messages again after the factsheet.
     fn unknown(&mut self, parcel: &Parcel, contacts: Option<(&str, u64)>) {
         let (gathering, name) = (&mut self.gathering, &parcel.robot);
         let (reason, problem) = match (self.announced.has(name), contacts) {
@@ -107,14 +107,14 @@ impl Shard {
             (true, Some((boot_id, seq))) => {
                 let event = Event::Contacts { boot_id, seq, contacts: &[] };
                 self.announced.early(gathering, name, parcel.received, &event);
-                ("unknown_boot", "no factsheet was received of this robot")
+                ("unknown_boot", "no factsheet was received from this robot")
             }
-            (false, _) => ("unknown_robot", "neither birth nor factsheet was received of this robot"),
+            (false, _) => ("unknown_robot", "neither birth nor factsheet was received from this robot"),
         };
         gathering.metrics.refuse(reason, problem, name.as_str());
     }
 
-    /// A birth or a farewell. Of a robot that is not known it is only remembered: it becomes known with its factsheet.
+    /// Handles a birth or a farewell. An unknown robot is only remembered: its factsheet makes it known.
     fn take_connection(&mut self, parcel: &Parcel, told: &protocol::Connection) {
         let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
         let is_birth = told.state == protocol::ConnectionState::Online;
@@ -128,7 +128,7 @@ impl Shard {
         }
         let is_new = is_birth && known.robot.connection_state().0 != Some(told.boot_id.as_str());
         if is_new && !known.new_boots.take(Instant::now()) {
-            let problem = "too many new boots: the last good one stays in force until there is room for another";
+            let problem = "too many new boots: the last accepted boot stays in force until the limit allows another";
             self.gathering.metrics.refuse("too_many_boots", problem, parcel.robot.as_str());
             known.refused_boot = Some(told.boot_id.clone());
             return;
@@ -144,7 +144,8 @@ impl Shard {
         }
     }
 
-    /// A factsheet that needs numbers; none if it is refused, which is counted, or if everything in it has numbers: then it is taken.
+    /// Decodes a factsheet that needs row ids. `None` if it is refused, which is counted, or if all its whiskers have
+    /// ids: then it is handled here.
     pub(super) fn factsheet(&mut self, parcel: &Parcel) -> Option<protocol::Factsheet> {
         if !self.permits(parcel) {
             return None;
@@ -164,23 +165,23 @@ impl Shard {
             return None;
         }
         if !self.robots.contains_key(&parcel.robot) && !self.announced.has_boot(&parcel.robot, boot_id) {
-            let problem = "no birth of that boot was received of this robot";
+            let problem = "no birth of this boot was received from this robot";
             self.gathering.metrics.refuse("unknown_robot", problem, parcel.robot.as_str());
             return None;
         }
         Some(told)
     }
 
-    /// The factsheet of a robot for which there is no room now.
+    /// Refuses the factsheet of a new robot, because a limit is reached.
     pub(super) fn refuse_new(&mut self, parcel: &Parcel, reason: &'static str) {
         let problem =
-            "the fleet takes no more new robots now: see limits.robots_per_fleet and limits.new_robots_per_minute";
+            "no more new robots are accepted now: see limits.robots_per_fleet and limits.new_robots_per_minute";
         self.gathering.metrics.refuse(reason, problem, parcel.robot.as_str());
         self.announced.ask_later(&mut self.gathering, &parcel.robot, parcel.received);
     }
 
-    /// Handles a factsheet, which makes a robot known. Earlier contacts are not accepted, and the robot resends them. The
-    /// broker retains the factsheet. `is_again` is true if the database was unavailable the first time.
+    /// Handles a factsheet, which makes a robot known. Earlier contacts are not accepted, and the robot sends them
+    /// again. The broker retains the factsheet. `is_again` is true if the database was unreachable the first time.
     pub(super) async fn handle_factsheet(
         &mut self,
         parcel: &Parcel,
@@ -194,7 +195,7 @@ impl Shard {
         self.gathering.take_factsheet(known, (told, is_again), parcel.received, committer).await
     }
 
-    /// The message; none if it is refused, which is counted.
+    /// Decodes a message; `None` if it is refused, which is counted.
     fn decode(&mut self, parcel: &Parcel) -> Option<Message> {
         match protocol::decode(&parcel.topic, &parcel.payload) {
             Ok(message) => Some(message),
@@ -205,14 +206,14 @@ impl Shard {
         }
     }
 
-    /// A refused `contacts` message whose number can be read is receipted: sent again it would be refused
-    /// again, for ever, before everything that comes after it.
+    /// Counts a refused message. A `contacts` message whose `seq` is readable is receipted, because the robot would
+    /// send it again and again, before all later ones.
     fn refused(&mut self, parcel: &Parcel, refusal: &Refusal) {
         self.gathering.metrics.refuse(refusal.label(), refusal, &parcel.topic.to_string());
         self.receipt_alone(parcel);
     }
 
-    /// Takes the number of a `contacts` message, and nothing else of it.
+    /// Admits the `seq` of a `contacts` message, without its contacts.
     pub(super) fn receipt_alone(&mut self, parcel: &Parcel) {
         if parcel.kind != RobotTopic::Contacts {
             return;
@@ -238,7 +239,7 @@ impl Shard {
 }
 
 impl Gathering {
-    /// Takes the boot that was refused last, once there is room for it.
+    /// Accepts the last refused boot, once the limit allows it.
     pub(super) fn take_refused_boot(&mut self, known: &mut Known, now: Micros) {
         let Some(boot_id) = known.refused_boot.clone() else { return };
         if known.new_boots.take(Instant::now()) {
@@ -273,14 +274,14 @@ impl Gathering {
             self.suspect("old_boot", OLD_FACTSHEET, &known.name);
             return Ok(());
         }
-        // Of an older boot, which was retained, or of one that was not announced or not taken: nothing is numbered for it, because a
-        // boot that has a number is older than the next that gets one.
+        // A retained factsheet of an older boot, or one of a boot that was not announced or not accepted. It gets no
+        // row ids, because numbers must increase with newer boots.
         if known.robot.connection_state().0 != Some(boot_id) {
             return Ok(());
         }
         let is_numbered = known.is_laid_out(&factsheet);
         if !is_numbered && !is_again && !known.new_layouts.take(Instant::now()) {
-            let problem = "too many new layouts: the last one stays in force until there is room for another";
+            let problem = "too many new layouts: the last one stays in force until the limit allows another";
             self.metrics.refuse("too_many_layouts", problem, known.name.as_str());
             return Ok(());
         }
@@ -294,7 +295,7 @@ impl Gathering {
             known.boots.insert(boot_id, boot);
         }
         if !is_numbered {
-            // The layout is numbered from a copy first, so that a database that is away changes nothing.
+            // Row ids are assigned using a copy, so that an unreachable database changes nothing.
             let mut laid_out = known.robot.clone();
             laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
             let whiskers = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
@@ -317,18 +318,14 @@ impl Gathering {
                 let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
                 let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
                 if self.step(known, now, &event, None) == Outcome::BadTime {
-                    self.suspect(
-                        "bad_time",
-                        "a status with a time that cannot be right by the robot's clock",
-                        &known.name,
-                    );
+                    self.suspect("bad_time", "a status with an implausible time", &known.name);
                 }
             }
             Err(problem) => self.metrics.refuse(problem.label(), problem, "status"),
         }
     }
 
-    /// `content` is its fingerprint; none of a message that was refused and is only accounted for.
+    /// Handles contacts. `content` is their fingerprint; `None` for a refused message that is only receipted.
     fn take_contacts(&mut self, known: &mut Known, told: &protocol::Contacts, content: Option<u32>, now: Micros) {
         let mut contacts: Vec<Contact<'_>> = Vec::with_capacity(told.contacts.len());
         for contact in &told.contacts {
@@ -347,18 +344,18 @@ impl Gathering {
                     Admission::TooManyGaps => "too_many_gaps",
                     Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
                 };
-                self.metrics.refuse(reason, "contacts that cannot be taken yet", known.name.as_str());
+                self.metrics.refuse(reason, "contacts that cannot be accepted yet", known.name.as_str());
                 return;
             }
             Outcome::OldBoot => {
-                self.suspect("old_boot", "contacts of a boot that others have followed", &known.name);
+                self.suspect("old_boot", "contacts of a boot that newer ones have replaced", &known.name);
                 return;
             }
             Outcome::Duplicate => {
                 self.metrics.messages_duplicate.inc();
                 let boot = known.boot(boot_id);
                 if content.is_some_and(|content| known.fingerprints.contradict(boot, told.seq, content)) {
-                    let problem = "a contacts message with the number of another one and other content";
+                    let problem = "a contacts message with the seq of another one and different content";
                     self.suspect("conflicting_duplicate", problem, &known.name);
                 }
             }
@@ -374,7 +371,7 @@ impl Gathering {
         }
         let given_up = counted(known, boot_id).0 - given_up_before;
         if given_up > 0 {
-            warn!(robot = %known.name, messages = given_up, "lost: the robot has not sent them again");
+            warn!(robot = %known.name, messages = given_up, "contacts lost, the robot has not sent them again");
             self.metrics.messages_given_up.inc_by(given_up);
         }
         self.receipt(known, boot_id);
@@ -384,7 +381,7 @@ impl Gathering {
         let boot_id = told.boot_id.as_str();
         if known.robot.connection_state().0 != Some(boot_id) {
             let reason = if known.boots.get(boot_id).is_some() { "old_boot" } else { "unknown_boot" };
-            return self.suspect(reason, "a state of a setpoint from a boot that is not the newest", &known.name);
+            return self.suspect(reason, "a setpoint state from a boot that is not the newest", &known.name);
         }
         let found = known
             .robot
@@ -394,17 +391,17 @@ impl Gathering {
         match known.commands.judge(told, known.boot(boot_id), found.is_some()) {
             Plausibility::Fits => {}
             Plausibility::UnknownCommand => {
-                let problem = "a state of a setpoint that this robot was not sent";
+                let problem = "a state of a setpoint that was not sent to this robot";
                 return self.suspect("unknown_command", problem, &known.name);
             }
             Plausibility::Backward => {
-                let problem = "a state of a setpoint after a later one of the same";
+                let problem = "a setpoint state that precedes one reported before";
                 return self.suspect("state_backward", problem, &known.name);
             }
         }
         let Some((answering, pressure)) = found else {
             let command_id = &told.command_id;
-            debug!(robot = %known.name, command_id, "a state of a setpoint that is not under way any more");
+            debug!(robot = %known.name, command_id, "state of a finished setpoint");
             return;
         };
         match edge::setpoint_report(told, pressure) {
@@ -421,7 +418,7 @@ impl Gathering {
     }
 }
 
-/// Contacts messages of a boot that are not waited for any more, and the first number beyond all that were received.
+/// Number of a boot's `contacts` messages that are given up, and the first `seq` beyond all received ones.
 fn counted(known: &Known, boot_id: &str) -> (u64, u64) {
     known.robot.sequence(boot_id).map_or((0, 0), |sequence: &Sequence| (sequence.given_up(), sequence.end()))
 }

@@ -1,18 +1,18 @@
-//! How often what: the bounds that keep one robot, or somebody who makes names up, from filling the database.
+//! Rate limits that keep a robot, or a client that invents names, from filling the database.
 
 use std::time::{Duration, Instant};
 
-/// New boots, and new layouts, of a robot at once.
+/// Number of new boots, and of new layouts, that a robot may have at once.
 pub(super) const BOOTS_AT_ONCE: u32 = 10;
-/// New boots, and new layouts, of a robot in a minute, once it has had these.
+/// Rate of new boots, and of new layouts, of a robot after that, per minute.
 pub(super) const BOOTS_PER_MINUTE: u32 = 1;
 
 /// Limits on the number of robots that the supervisor stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Robots of a fleet.
+    /// Largest number of robots in a fleet.
     pub robots_per_fleet: u32,
-    /// New robots of a fleet in a minute; as many at once if there were none for a minute.
+    /// Largest number of new robots of a fleet per minute; also the number accepted at once after a minute without any.
     pub new_robots_per_minute: u32,
 }
 
@@ -22,7 +22,7 @@ impl Default for Limits {
     }
 }
 
-/// A token bucket: so many at once, and then so many a minute.
+/// A token bucket: a number of tokens at once, then a rate per minute.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bucket {
     at_once: u32,
@@ -36,7 +36,7 @@ impl Bucket {
         Self { at_once, per_minute, left: None }
     }
 
-    /// One more; false if that is too often.
+    /// Takes a token; false if there is none.
     pub(super) fn take(&mut self, now: Instant) -> bool {
         let each = Duration::from_secs(60) / self.per_minute.max(1);
         let full = each * self.at_once;
@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(taken(&mut bucket, 59 * S), 0);
         assert_eq!(taken(&mut bucket, 60 * S), 1);
         assert_eq!(taken(&mut bucket, 240 * S), 3);
-        assert_eq!(taken(&mut bucket, 86_400 * S), 10, "no more than at once");
+        assert_eq!(taken(&mut bucket, 86_400 * S), 10, "a full bucket holds no more");
     }
 
     #[test]

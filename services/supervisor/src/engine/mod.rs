@@ -1,8 +1,8 @@
-//! One message's way: received, decoded, stepped through the core, committed, and only then answered.
+//! Processing of messages: received, decoded, stepped through the core, committed, and only then answered.
 //!
-//! Each robot's state has one owner, a [`shard`]. What comes of some milliseconds of messages is gathered there, and
-//! becomes one transaction ([`commit`]), while the next messages are stepped already; then setpoints and receipts
-//! are published. What is published is therefore always committed; what is not committed is sent again by the robots.
+//! Each robot's state has one owner, a [`shard`]. The effects of some milliseconds of messages are collected there and
+//! become one transaction ([`commit`]), while the next messages are stepped; then setpoints and receipts are published.
+//! Thus everything published is committed, and robots send again whatever is not committed.
 
 pub mod actions;
 mod allowed;
@@ -61,81 +61,84 @@ use limits::Bucket;
 use quarantine::suspects::Suspect;
 use shard::{Shard, shard_of};
 
-/// Messages that are taken in at a time.
+/// Largest number of messages taken from the inbox at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
-/// Contacts of one commit at the most: then no more messages are taken in before it is done.
+/// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
 const CONTACTS_MAX: usize = 32_768;
-/// Bytes of its journal row at the most, likewise.
+/// Limit of journal bytes per transaction, likewise.
 const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
-/// Messages behind one commit at most, likewise. They stay in memory until it succeeds, in case the database refuses it.
+/// Limit of messages per transaction, likewise. They stay in memory until the commit succeeds, in case the database
+/// rejects it.
 const MESSAGES_MAX: usize = 65_536;
-/// Whiskers whose states it writes because something was decided, likewise: some tenths of a second with their alarms.
+/// Limit of whiskers whose checkpoints a transaction must write because of decisions, likewise. Their rows and alarms
+/// take some tenths of a second.
 const DECIDED_MAX: usize = 2500;
-/// Ticks until it is looked again which robots are allowed.
+/// Ticks between two checks of the allow list (4 s).
 const TICKS_A_LIST: u32 = 16;
-/// Ticks until what was asked of the fleet at other supervisors is looked at again, and all robots are counted for the metrics ...
+/// Ticks between two reads of the actions sent to other supervisors, and between two surveys of all robots for the
+/// metrics (1 s).
 const TICKS_A_LOOK: u32 = 4;
-/// ... or less often, where it would take more than this part of the time.
+/// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
-/// Shards of one fleet at the most.
+/// Largest number of shards per fleet.
 const SHARDS_MAX: usize = 16;
 
-/// A fleet's supervision: shards that own its robots, and one transaction after the other.
+/// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
 pub struct Engine {
     fleet: Name,
     lease: Lease,
     params: Arc<Params>,
     shards: Vec<Shard>,
-    /// Here while nothing is being written.
+    /// `None` while a transaction is being written.
     committer: Option<Committer>,
     committing: Option<JoinHandle<Done>>,
-    /// Transactions that are kept, and whose rows are to be written, in order.
+    /// Transactions whose intents are committed, and whose rows must be written, in order.
     kept: VecDeque<Sealed>,
     outbox: Option<mpsc::Sender<Publication>>,
-    /// Where work is done that would hold up the engine's own thread.
+    /// Runtime for work that would block the engine's own thread.
     workers: Handle,
-    /// What all fleets count together.
+    /// Metrics shared by all fleets.
     program: Metrics,
     metrics: FleetMetrics,
-    /// When what is gathered is committed.
+    /// Schedule of the commits.
     rounds: Rounds,
-    /// Robots are not counted before then.
+    /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
-    /// No more messages come: all receipts are sent at once.
+    /// No more messages arrive: all receipts are sent at once.
     is_ending: bool,
-    /// The number of the transaction that is gathered for.
+    /// Number of the last sealed transaction.
     number: i64,
-    /// Transactions whose entries are still in the journal, with their contacts.
+    /// Transactions whose entries are still in the journal, with the number of their contacts.
     journal: VecDeque<(i64, usize)>,
-    /// Contacts in the journal.
+    /// Number of contacts in the journal.
     journal_contacts: usize,
     pace: Pace,
     mailroom: Mailroom,
-    /// Rings when something was asked of the fleet at this supervisor.
+    /// Notified when an action for the fleet is sent to this supervisor.
     bell: Arc<Notify>,
-    /// Actions whose answers are in the batch.
+    /// Actions whose answers are in the open batch.
     answered: Vec<i64>,
-    /// The version of the policy in force; 0 while it is the configuration's.
+    /// Version of the policy in force; 0 while it is the configuration's.
     policy_version: i64,
-    /// Robots whose rows the database has refused.
+    /// Robots whose rows the database has rejected.
     suspects: BTreeMap<Name, Suspect>,
     readiness: Readiness,
     limits: Limits,
-    /// How many more new robots are taken.
+    /// Limits the rate of new robots.
     new_robots: Bucket,
     allowed: AllowedSource,
 }
 
-/// One shard for each core.
+/// One shard per core.
 fn shard_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
 }
 
 impl Engine {
-    /// Takes up every robot of a fleet where the last commit left it.
+    /// Loads every robot of a fleet as of the last commit.
     ///
     /// # Errors
-    /// The database cannot be used.
+    /// The database cannot be used, or the lease is lost.
     pub async fn start(
         lease: Lease,
         boot_id: BootId,
@@ -161,8 +164,8 @@ impl Engine {
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = commit::recovery::take_up(&mut writer, &lease, &mut shards).await?;
         let robots: usize = shards.iter().map(|shard| shard.robots.len()).sum();
-        info!(%fleet, epoch, robots, "supervising");
-        // As if heard: a fleet that stays silent is silent from here on.
+        info!(%fleet, epoch, robots, "fleet loaded, supervision starts");
+        // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
         let committer = Committer {
             fleet: fleet.clone(),
@@ -194,7 +197,7 @@ impl Engine {
             survey_from: Instant::now(),
             is_ending: false,
             number: last,
-            // What is there was gone through: it is forgotten with the states that are written first.
+            // The journal so far was replayed; it is deleted once the first checkpoints are written.
             journal: (last > 0).then_some((last, 0)).into_iter().collect(),
             journal_contacts: 0,
             pace: Pace::new(wall_clock()),
@@ -212,7 +215,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// The same with traces, if there is a collector: those of setpoints that were sent before go on.
+    /// Adds traces, if there is a collector; those of setpoints under way are continued.
     #[must_use]
     pub(crate) fn traced(mut self, traces: Option<&Traces>) -> Self {
         for shard in &mut self.shards {
@@ -227,7 +230,7 @@ impl Engine {
         self
     }
 
-    /// The same with another policy of which contacts are kept one by one.
+    /// Sets which contacts get a row of their own.
     #[must_use]
     pub(crate) fn keeping(mut self, keep: Keep) -> Self {
         for shard in &mut self.shards {
@@ -239,7 +242,7 @@ impl Engine {
         self
     }
 
-    /// The same engine with other limits on the number of robots.
+    /// Sets the limits on the number of robots.
     #[must_use]
     pub(crate) fn limited(mut self, limits: Limits) -> Self {
         self.limits = limits;
@@ -247,8 +250,8 @@ impl Engine {
         self
     }
 
-    /// Runs until no more messages can come, and what was taken in is committed; or until the fleet is somebody
-    /// else's, who has the robots send again what was not committed.
+    /// Runs until no more messages can arrive and all are committed, or until the lease is lost. In the latter case
+    /// robots send their uncommitted messages again to the new owner.
     pub async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
         self.outbox = Some(outbox);
         let ending = match self.work(inbox).await {
@@ -287,7 +290,7 @@ impl Engine {
                         self.rounds.are_waited_for();
                     }
                     if self.committing.is_some() {
-                        // It may be in this thread, too.
+                        // The commit may run in this thread.
                         yield_now().await;
                     }
                 }
@@ -317,8 +320,8 @@ impl Engine {
         self.finish().await
     }
 
-    /// What is done at each tick, beside telling the core what time it is. All of it together: each wake-up costs far more than a
-    /// message, because it finds everything cold.
+    /// Periodic work besides the core's ticks. It is done together, because each wake-up finds cold caches and costs
+    /// far more than a message.
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.listen_anew_if_deaf(inbox);
@@ -330,7 +333,7 @@ impl Engine {
             self.look_at_allowed().await?;
         }
         if number.is_multiple_of(TICKS_A_LOOK) {
-            // Asked at another supervisor, perhaps.
+            // Actions may have been sent to another supervisor.
             self.open_mail(self.now(inbox)).await?;
             self.survey_queues(inbox);
             if self.survey_from <= Instant::now() {
@@ -343,8 +346,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Commits what is left, and receipts it. States are written, too, so that whoever takes the fleet up has nothing to go
-    /// through; of very many only some, for there is little time.
+    /// Commits and receipts everything. Checkpoints are written, too, so that the next owner need not replay the
+    /// journal; in a very large fleet only some of them, because time is limited.
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.rounds.receipts_are_due(Instant::now());
@@ -357,7 +360,7 @@ impl Engine {
         self.settle().await
     }
 
-    /// Whether more may be gathered for the next commit.
+    /// Whether the open batches may take more.
     fn has_room(&self) -> bool {
         let gatherings = || self.shards.iter().map(|shard| &shard.gathering);
         gatherings().map(|one| one.batch.contacts.len()).sum::<usize>() < CONTACTS_MAX
@@ -366,7 +369,7 @@ impl Engine {
             && gatherings().map(|one| one.waiting.next_whiskers()).sum::<usize>() < DECIDED_MAX
     }
 
-    /// So many messages were handled, or something else was done: what has come of it is committed soon.
+    /// Schedules a commit after `messages` messages, or other work with effects.
     fn gathered(&mut self, messages: usize) {
         self.rounds.heard(messages);
         let now = Instant::now();
@@ -383,7 +386,7 @@ impl Engine {
             && (self.rounds.due().is_some_and(is_now) || !self.has_room() || !self.kept.is_empty())
     }
 
-    /// Receipts are sent with the next transaction, or alone if there is none; states that have waited are written.
+    /// Schedules a commit if receipts are due, or if checkpoints have waited long enough.
     fn look_at_receipts(&mut self) {
         let now = wall_clock();
         let is_state_due = self.shards.iter_mut().any(|shard| shard.is_state_due(now));
@@ -396,19 +399,20 @@ impl Engine {
         }
     }
 
-    /// The time for the core: not later than what it has yet to hear.
+    /// Time for the core: not later than the receipt of the oldest message that waits.
     fn now(&self, inbox: &Inbox) -> Micros {
         let now = wall_clock();
         inbox.oldest().map_or(now, |oldest| oldest.min(now))
     }
 
-    /// Tells the core what time it is; false if there was not room enough for what comes of it, and it goes on later.
+    /// Steps the tick through all robots. Returns false if it stopped because the batches are full; then it must
+    /// continue later.
     fn tick(&mut self, now: Micros) -> bool {
         let whiskers_max = DECIDED_MAX / self.shards.len();
         let is_under_way = self.shards.iter().any(|shard| shard.told_until.is_some());
         let mut is_done = true;
         for shard in &mut self.shards {
-            // A shard that is through waits for the others.
+            // A shard that is done waits for the others.
             if !is_under_way || shard.told_until.is_some() {
                 is_done &= shard.tick(now, whiskers_max);
             }
@@ -417,7 +421,8 @@ impl Engine {
         is_done
     }
 
-    /// No robot was silent while the broker was away, or while its messages were left out.
+    /// Restarts silence timers after the broker was unreachable or messages were shed, because the robots may have
+    /// sent.
     fn listen_anew_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
         if self.metrics.broker_connected.get() == 0 || others > 0 {
@@ -431,7 +436,7 @@ impl Engine {
         }
     }
 
-    /// No robot was silent while we were deaf.
+    /// Restarts the silence timers of all robots, because this supervisor was deaf.
     fn listen_anew(&mut self) {
         let now = wall_clock();
         for shard in &mut self.shards {
@@ -440,7 +445,7 @@ impl Engine {
     }
 }
 
-/// A pressure as a bare number, if there is one.
+/// A pressure in MPa, if there is one.
 fn mpa(pressure: Option<Megapascal>) -> Option<f64> {
     pressure.map(Megapascal::mpa)
 }

@@ -1,4 +1,4 @@
-//! What goes out: setpoints, receipts, requests.
+//! Publications: setpoints, receipts, requests.
 
 use std::time::Instant;
 
@@ -14,17 +14,17 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::ids::command_uuid;
 use vibrissa_edge::words::{Word, setpoint_reason};
 
-/// `held` ranges that a receipt carries at most; the core keeps no more.
+/// Limit of `held` ranges in a receipt; the core keeps no more.
 const HELD_MAX: usize = 64;
 
-/// Whether a setpoint was sent before.
+/// Whether a setpoint is sent for the first time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sent {
     First,
     Again,
 }
 
-/// The next `seq` of each topic to one robot, in this boot of the supervisor.
+/// Next `seq` of each topic to one robot, in this boot of the supervisor.
 #[derive(Debug, Default)]
 pub(super) struct Seqs {
     receipt: u64,
@@ -54,7 +54,7 @@ impl Gathering {
         let id = command_uuid(&self.fleet, &known.name, command.key);
         let until = known.commands.until(command, id, (wall_clock(), valid_for), under_way);
         if until <= Instant::now() {
-            // The core's clock may be behind, and the robot's may be wrong: ours that is never set has the last word.
+            // The core's clock may be behind, and the robot's may be wrong: the monotonic clock decides.
             self.metrics.setpoints_expired_unsent.inc();
             return;
         }
@@ -92,8 +92,8 @@ impl Gathering {
         }
     }
 
-    /// Sends the setpoints under way again to a robot that was born or heard of anew: it may have said what
-    /// became of them while nobody listened, and to the same name it says it again.
+    /// Sends the setpoints under way again after a birth or a restored connection: the robot may have reported their
+    /// results while no supervisor listened, and repeats its report for the same `command_id`.
     pub(super) fn ask_after_setpoints(&mut self, known: &mut Known) {
         let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
         for command in &under_way {
@@ -116,7 +116,7 @@ impl Gathering {
         }
     }
 
-    /// The contacts of a boot are to be receipted.
+    /// Marks the contacts of a boot as due for a receipt.
     pub(super) fn receipt(&mut self, known: &mut Known, boot_id: &str) {
         if known.receipts_due.is_empty() {
             self.receipts_due.push(known.name.clone());
@@ -143,9 +143,9 @@ impl Gathering {
 }
 
 impl Shard {
-    /// Says how far the contacts of each boot are committed, with the transaction that is gathered now; it goes out after
-    /// the commit. Of many robots it is said to `most`, or to a quarter: each receipt is a message that the broker passes on, too,
-    /// and the more contacts it covers, the better.
+    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
+    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
+    /// forwards each receipt as a message, and a later receipt covers more contacts.
     pub(super) fn receipts(&mut self, most: usize) {
         let due = &mut self.gathering.receipts_due;
         let most = most.max(due.len() / 4).min(due.len());
@@ -160,7 +160,7 @@ impl Shard {
 }
 
 impl Engine {
-    /// A fault that a test plants: what is not committed is receipted.
+    /// A fault planted by a test: receipts are published before the commit.
     pub(super) fn receipt_at_once(&mut self) {
         let mut publications = Vec::new();
         for shard in &mut self.shards {

@@ -1,4 +1,4 @@
-//! Effects become rows and publications.
+//! Conversion of the core's effects into rows and publications.
 
 use tracing::{info, warn};
 use vibrissa_core::robot::effect::{Command, CommandState, CompensationError, Decision, Effect, ErrorBin, Refinement};
@@ -18,7 +18,7 @@ use vibrissa_store::batch::{
 };
 
 impl Gathering {
-    /// Puts one effect into the batch or among the publications.
+    /// Adds one effect to the batch or to the publications.
     pub(super) fn record(&mut self, known: &mut Known, now: Micros, effect: Effect, source: Option<Source<'_>>) {
         let robot_id = known.robot_id;
         let recorded_us = now.0 as i64;
@@ -54,12 +54,12 @@ impl Gathering {
             Effect::UnknownWhisker { position } => {
                 self.metrics.refuse(
                     "unknown_whisker",
-                    format!("contact {position} names a whisker that is not on the factsheet"),
+                    format!("contact {position} names a whisker that is not in the factsheet"),
                     name.as_str(),
                 );
             }
             Effect::BadTime { position } => {
-                let problem = format!("contact {position} says a time that cannot be right by the robot's clock");
+                let problem = format!("contact {position} has an implausible time");
                 self.suspect("bad_time", &problem, &name);
             }
             Effect::Condition { whisker, from, to } => {
@@ -85,7 +85,7 @@ impl Gathering {
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
                 self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
-                info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trimmed");
+                info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trim found");
                 self.batch.records.push(Record::Trim(TrimRow {
                     trim_id: wide_id(robot_id, trim.id),
                     robot_id,
@@ -172,12 +172,12 @@ impl Gathering {
             Effect::Refined(look) => {
                 let row = refinement_row(robot_id, recorded_us, &look);
                 self.metrics.refinements.count([row.outcome]);
-                info!(robot = %name, outcome = row.outcome, error = look.error, "a setpoint was looked at");
+                info!(robot = %name, outcome = row.outcome, error = look.error, "setpoint reviewed");
                 self.batch.records.push(Record::Refinement(Box::new(row)));
             }
             Effect::Alarm { whisker, kind } => {
                 self.metrics.alarms_raised.count([kind.word()]);
-                warn!(robot = %name, whisker, alarm = kind.word(), "alarm");
+                warn!(robot = %name, whisker, alarm = kind.word(), "alarm raised");
                 self.batch.records.push(Record::Alarm(AlarmRow {
                     whisker_id: whisker_id(whisker),
                     raised_us: recorded_us,

@@ -1,46 +1,47 @@
-//! Which contacts are kept one by one, and which only in the minutes and hours that they are added up in.
+//! Retention of contacts: which get a row of their own, and which only count in the aggregates of minutes and hours.
 //!
-//! What is received once and for all is told by the robot's state, not by the table of contacts: receipts are the same
-//! under every policy.
+//! Deduplication does not depend on the table of contacts but on the robot's state: receipts are the same under every
+//! policy.
 
 use std::collections::VecDeque;
 
 use vibrissa_store::batch::ContactRow;
 
-/// Which contacts are kept one by one.
+/// Which contacts get a row of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Keep {
-    /// All.
+    /// All contacts.
     #[default]
     All,
-    /// Those before something was found or decided, and those of whiskers that serve.
+    /// The last contacts before a finding or decision, and those of compensators.
     Decisions,
-    /// None.
+    /// No contacts.
     None,
 }
 
-/// Contacts of a whisker that are remembered for the case that something is decided: a suspicion is called after some five
-/// contacts, and confirmed or dismissed within some ten more.
+/// Number of contacts remembered per whisker until a decision: a suspicion is raised after about five contacts, and
+/// confirmed or dismissed within about ten more.
 pub const REMEMBERED: usize = 32;
 
-/// Decides for the whiskers of one robot. What is remembered is not stored: after a restart it begins anew.
+/// Applies the policy to the whiskers of one robot. The remembered contacts are not stored: after a restart there are
+/// none.
 #[derive(Debug)]
 pub struct Keeper {
     keep: Keep,
-    /// By index of the whisker, the newest last; nothing is in here that was handed out. Empty unless it is needed.
+    /// Contacts by whisker index, the newest last, without those already given out. Empty unless the policy needs them.
     rings: Vec<VecDeque<ContactRow>>,
-    /// Whose contact was taken in last.
+    /// Whisker of the last contact.
     last: Option<usize>,
 }
 
 impl Keeper {
-    /// For a robot whose contacts are kept so.
+    /// Applies `keep` to a new robot.
     #[must_use]
     pub fn new(keep: Keep) -> Self {
         Self { keep, rings: Vec::new(), last: None }
     }
 
-    /// Takes a contact in; what is kept goes to `rows`.
+    /// Adds a contact; contacts to keep are appended to `rows`.
     pub fn felt(&mut self, whisker: usize, row: ContactRow, rows: &mut Vec<ContactRow>) {
         match self.keep {
             Keep::All => rows.push(row),
@@ -59,20 +60,20 @@ impl Keeper {
         }
     }
 
-    /// The contact that was taken in last is one of a whisker that serves.
+    /// Keeps the last contact, which is one of a compensator.
     pub fn serves(&mut self, rows: &mut Vec<ContactRow>) {
         let ring = self.last.take().and_then(|whisker| self.rings.get_mut(whisker));
         rows.extend(ring.and_then(VecDeque::pop_back));
     }
 
-    /// Something was found or decided about a whisker: what it felt last is kept.
+    /// Keeps the last contacts of a whisker, because a finding or decision was made about it.
     pub fn decided(&mut self, whisker: usize, rows: &mut Vec<ContactRow>) {
         if let Some(ring) = self.rings.get_mut(whisker) {
             rows.extend(ring.drain(..));
         }
     }
 
-    /// Other whiskers are on the robot now: `from` has the former index of each, if it was there before.
+    /// Applies a new layout: `from` has the former index of each whisker that was there before.
     pub fn laid_out(&mut self, from: &[Option<usize>]) {
         let mut before = std::mem::take(&mut self.rings);
         if !before.is_empty() {
@@ -121,7 +122,7 @@ mod tests {
             }
             keeper.decided(0, &mut rows);
             assert_eq!(seqs(&rows), kept);
-            assert!(keeper.rings.is_empty(), "nothing is remembered");
+            assert!(keeper.rings.is_empty(), "no contacts are remembered");
         }
     }
 
@@ -138,7 +139,7 @@ mod tests {
         rows.clear();
         keeper.decided(1, &mut rows);
         keeper.decided(9, &mut rows);
-        assert!(rows.is_empty(), "none twice, and none of who felt nothing");
+        assert!(rows.is_empty(), "none twice, and none of a whisker without contacts");
     }
 
     #[test]
@@ -156,7 +157,7 @@ mod tests {
         assert_eq!(seqs(&rows), [1]);
         keeper.decided(0, &mut rows);
         assert_eq!(seqs(&rows), [1, 0]);
-        // What a decision has taken is not taken again as the last one.
+        // A contact kept by a decision is not kept again as the last one.
         keeper.felt(0, row(0, 2), &mut rows);
         keeper.decided(0, &mut rows);
         keeper.serves(&mut rows);

@@ -1,71 +1,72 @@
-//! What a whisker felt in each minute and each hour, added up while it lasts and written once when it is over.
+//! Aggregates of each whisker's minutes and hours: accumulated while a span lasts, and written once after its end.
 //!
-//! An [`Open`] has the minute and the hour that are under way. It is stored with the whisker's state, in the same
-//! transaction, so that a crash loses nothing of them and adds nothing twice. Nothing here asks for the time.
+//! An [`Open`] holds the open minute and the open hour. It is stored with the whisker's checkpoint in the same
+//! transaction, so that a crash loses no contact and counts none twice. Nothing here reads the clock.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::units::Micros;
 
 use vibrissa_store::Resolution;
 
-/// How long a span stays open beyond its end when nothing comes: what was received in it may still wait.
+/// How long a span stays open after its end without a later contact: messages received in it may still wait in the
+/// inbox.
 pub const GRACE: Micros = Micros(2_000_000);
 
-/// Version of the stored bytes.
+/// Version of the stored form.
 const VERSION: u8 = 1;
 
-/// What a contact adds.
+/// A contact's contribution to the aggregates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// What it was used for.
+    /// How the core used the contact.
     pub used: Use,
-    /// ln(measured / predicted sensitivity), if it was used or learned from.
+    /// ln(measured / predicted sensitivity), if the contact was used or learned from.
     pub residual: Option<f64>,
-    /// Place of the contact along the whisker, 0 at the base, 1 at the tip.
+    /// Contact ratio: position along the whisker, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection there, above 0 where there is a residual.
+    /// Deflection at the contact, above 0 if there is a residual.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Measured strain, m/m.
     pub strain: f64,
-    /// Pressure.
+    /// Pressure in the chamber.
     pub pressure_mpa: f64,
-    /// Temperature.
+    /// Temperature at the whisker.
     pub temperature_c: f64,
-    /// Estimated length after it.
+    /// Estimated length after the contact.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimated length.
     pub length_sd_mm: f64,
 }
 
-/// What contacts are counted by.
+/// Classes by which contacts are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Use {
-    /// Estimation and detection.
+    /// Used for estimation and detection.
     Used,
-    /// Estimation in the cold start.
+    /// Used for estimation in the cold start.
     Learning,
-    /// Nothing.
+    /// Not used.
     Unused,
 }
 
-/// A span of time that is over: what its row says, means over its contacts unless it is said otherwise.
+/// The finished aggregate of a span: one row. Values are means over its contacts unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rollup {
-    /// Which table it belongs to.
+    /// Length of the span: minute or hour, each with its own table.
     pub resolution: Resolution,
-    /// Its begin, by the supervisor's clock.
+    /// Start of the span by the supervisor's clock.
     pub start: Micros,
-    /// Contacts that were used.
+    /// Number of contacts used for estimation and detection.
     pub used: u32,
-    /// Contacts of the cold start.
+    /// Number of contacts used in the cold start.
     pub learning: u32,
-    /// Contacts that were not used.
+    /// Number of contacts not used.
     pub unused: u32,
-    /// Of those that were used or learned from; none without any.
+    /// Means over the contacts that were used or learned from; `None` if there are none.
     pub response: Option<ResponseMeans>,
-    /// Of all contacts; none without any.
+    /// Means over all contacts; `None` if there are none.
     pub contact: Option<ContactMeans>,
-    /// The compensation error (Eq. 35, a ratio) that was stated last of a compensation for this whisker.
+    /// Last measured compensation error (Eq. 35, a ratio) of a compensation for this whisker.
     pub error: Option<f64>,
 }
 
@@ -74,13 +75,13 @@ pub struct Rollup {
 pub struct ResponseMeans {
     /// Mean of ln(measured / predicted sensitivity).
     pub residual_mean: f64,
-    /// Its standard deviation over the contacts (n - 1); none of a single one.
+    /// Standard deviation of the residual over the contacts (n - 1); `None` for a single one.
     pub residual_sd: Option<f64>,
-    /// The least.
+    /// Smallest residual of a contact.
     pub residual_min: f64,
-    /// The greatest.
+    /// Largest residual of a contact.
     pub residual_max: f64,
-    /// Mean of strain by deflection. It depends on where the contacts were: see `ratio`.
+    /// Mean of strain divided by deflection. It depends on the positions of the contacts: see `ratio`.
     pub sensitivity_per_mm: f64,
     /// Mean contact ratio.
     pub ratio: f64,
@@ -89,34 +90,35 @@ pub struct ResponseMeans {
 /// Means over all contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactMeans {
-    /// Estimated length after the last one.
+    /// Estimated length after the last contact.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of that length.
     pub length_sd_mm: f64,
     /// Mean of the estimated lengths.
     pub length_mean_mm: f64,
-    /// Mean pressure.
+    /// Mean chamber pressure.
     pub pressure_mpa: f64,
-    /// Mean temperature.
+    /// Mean measured temperature.
     pub temperature_c: f64,
 }
 
-/// The minute and the hour under way of one whisker.
+/// The open minute and the open hour of one whisker.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Open {
     minute: Span,
     hour: Span,
 }
 
-/// One of them.
+/// An open minute or hour.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Span {
-    /// The span that is open, or else the first one that may be opened: none is ever opened twice, whatever clocks do.
+    /// Number of the open span, or the first one that may be opened. No span is ever opened twice, even if the clock is
+    /// set back.
     at: u32,
     sums: Option<Sums>,
 }
 
-/// What is added up. Numbers are kept so that the same contacts give the same rows to the last bit after a restart.
+/// Sums of a span. The precision is chosen so that a restart does not change a bit of the rows.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Sums {
     used: u32,
@@ -138,28 +140,28 @@ struct Sums {
 }
 
 impl Open {
-    /// Of a whisker whose open spans are lost: nothing that may have been written already is opened again.
+    /// For a whisker whose open spans are lost: spans that may have been written already are not opened again.
     #[must_use]
     pub fn after(now: Micros) -> Self {
         let span = |resolution: Resolution| Span { at: resolution.span_of(now).saturating_add(1), sums: None };
         Self { minute: span(Resolution::Minute), hour: span(Resolution::Hour) }
     }
 
-    /// Adds a contact that was received then; what is over by then is closed first.
+    /// Adds a contact received at `received`, and closes the spans that ended before.
     pub fn add(&mut self, received: Micros, sample: &Sample, closed: &mut Vec<Rollup>) {
         for resolution in Resolution::ALL {
             self.span(resolution).open(resolution, received, closed).add(sample);
         }
     }
 
-    /// Takes note of a compensation error that was stated then; what is over by then is closed first.
+    /// Adds a compensation error measured at `at`, and closes the spans that ended before.
     pub fn state(&mut self, at: Micros, error: f64, closed: &mut Vec<Rollup>) {
         for resolution in Resolution::ALL {
             self.span(resolution).open(resolution, at, closed).error = Some(error as f32);
         }
     }
 
-    /// Closes what has been over for [`GRACE`]. False if there is nothing.
+    /// Closes the spans that ended at least [`GRACE`] ago. Returns false if there are none.
     pub fn close(&mut self, now: Micros, closed: &mut Vec<Rollup>) -> bool {
         let (before, until) = (closed.len(), Micros(now.0.saturating_sub(GRACE.0)));
         for resolution in Resolution::ALL {
@@ -168,14 +170,14 @@ impl Open {
         closed.len() > before
     }
 
-    /// Closes both, because the whisker leaves its robot.
+    /// Closes both spans, because the whisker leaves its robot.
     pub fn end(&mut self, closed: &mut Vec<Rollup>) {
         for resolution in Resolution::ALL {
             self.span(resolution).close_before(resolution, u32::MAX, closed);
         }
     }
 
-    /// When the first of them is over; none if none is open.
+    /// End of the span that ends first; `None` if none is open.
     #[must_use]
     pub fn due(&self) -> Option<Micros> {
         let end = |span: &Span, resolution: Resolution| {
@@ -184,14 +186,14 @@ impl Open {
         end(&self.minute, Resolution::Minute).into_iter().chain(end(&self.hour, Resolution::Hour)).min()
     }
 
-    /// Its stored form, at most 200 bytes; none if a number is not one.
+    /// Stored form, at most 200 bytes; `None` if a number is NaN.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         borsh::to_vec(&(VERSION, self)).ok()
     }
 
-    /// From its stored form; none of a whisker that never felt anything. Bytes of another version of the program
-    /// cannot be used: then what was open is lost.
+    /// Reads the stored form; `None` is that of a whisker without contacts so far. Bytes of another version of the
+    /// program cannot be read: then the open spans are lost.
     #[must_use]
     pub fn from_bytes(bytes: Option<&[u8]>, now: Micros) -> Self {
         match bytes {
@@ -212,7 +214,7 @@ impl Open {
 }
 
 impl Span {
-    /// The sums of the span at that time, which is opened if need be; of a later one if that time's was closed.
+    /// The sums of the span at time `at`, which is opened if necessary; those of a later span if that one was closed.
     fn open(&mut self, resolution: Resolution, at: Micros, closed: &mut Vec<Rollup>) -> &mut Sums {
         let at = resolution.span_of(at);
         self.close_before(resolution, at, closed);
@@ -258,7 +260,7 @@ impl Sums {
         self.length_sd_last_mm = sample.length_sd_mm as f32;
     }
 
-    /// Contacts that have a residual.
+    /// Number of contacts with a residual.
     fn responses(&self) -> u32 {
         self.used + self.learning
     }

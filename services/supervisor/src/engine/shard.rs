@@ -1,5 +1,4 @@
-//! A part of a fleet's robots: each has one owner, which moves it on. Shards share nothing, so that they work at the same
-//! time on as many cores as there are.
+//! A part of a fleet's robots. Each robot has one owner, its shard. Shards share nothing, so they work in parallel.
 
 use std::time::{Duration, Instant};
 
@@ -26,57 +25,58 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Record;
 
-/// How often a robot is excused whose messages are left out: a third of the time after which it counts as silent.
+/// Shortest interval between two restarts of a robot's silence timer after its messages were shed: a third of the time
+/// after which the robot counts as silent.
 const LISTEN_EVERY: Duration = Duration::from_secs(5);
 
-/// A robot with its numbers in the database.
+/// A robot with its row ids in the database.
 pub(super) struct Known {
     pub(super) name: Name,
     pub(super) robot_id: i64,
     pub(super) robot: Robot,
     pub(super) whisker_ids: Vec<i64>,
     pub(super) boots: Boots,
-    /// How many more new boots are taken.
+    /// Limits the rate of new boots.
     pub(super) new_boots: Bucket,
-    /// How many more layouts are taken.
+    /// Limits the rate of new layouts.
     pub(super) new_layouts: Bucket,
-    /// Last time that its silence was excused because its messages were shed.
+    /// Last time that its silence timer was restarted because its messages were shed.
     pub(super) listened_anew: Option<Instant>,
-    /// The last boot that was refused because there were too many: it is taken once there is room for it.
+    /// The last boot refused by the rate limit; it is accepted once the limit allows it.
     pub(super) refused_boot: Option<BootId>,
     /// Next `seq` of each topic to this robot.
     pub(super) seqs: publication::Seqs,
-    /// What was measured last of each compensation.
+    /// Last measured error of each compensation.
     pub(super) stated: fleet_metrics::Stated,
-    /// What its whiskers felt, for the tables.
+    /// History of its contacts on the way to the tables.
     pub(super) history: History,
-    /// What of it is stored.
+    /// Where its state is stored.
     pub(super) stored: Stored,
-    /// Setpoints that went out to it.
+    /// Setpoints sent to it.
     pub(super) commands: Commands,
-    /// Hashes of its newest contacts messages.
+    /// Hashes of its newest `contacts` messages.
     pub(super) fingerprints: Fingerprints,
-    /// Boots whose contacts are to be receipted.
+    /// Boots whose contacts are due for a receipt.
     pub(super) receipts_due: SmallVec<[ShortText; 1]>,
-    /// The database has refused its rows again and again: nothing happens to it for a while.
+    /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(super) rests: bool,
 }
 
-/// What of a robot is stored, or will be by the transaction that is gathered for.
+/// Where a robot's durable state is, once the open batch is committed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stored {
-    /// All of it, as its state.
+    /// In its checkpoint.
     State,
-    /// Its state as it was, and in the journal, from the entry of this number on, what happened since.
+    /// In its checkpoint, and in the journal's entries from this number on.
     Journal(i64),
-    /// Its state will be written by the next transaction.
+    /// In a checkpoint that the open batch must write.
     Next,
-    /// Its state as it was before it was taken up here: nothing is added to that.
+    /// In a checkpoint older than its takeover here, to which no journal entry may be added.
     Before,
 }
 
 impl Known {
-    /// A robot that was never heard of.
+    /// A new robot.
     pub(super) fn new(name: Name, robot_id: i64, robot: Robot, keep: Keep) -> Self {
         Self {
             name,
@@ -99,8 +99,8 @@ impl Known {
         }
     }
 
-    /// A robot exactly as it was stored, not taken up yet. Bytes of another version of the program cannot be used: then it starts anew, without the
-    /// alarms that stood, and all of it is held if anything of it was.
+    /// A robot as it was stored, before it is taken over. Bytes of another version of the program cannot be read: then
+    /// the robot starts without learned state and without alarms, and is held as a whole if any part of it was.
     pub(super) fn as_stored(
         name: Name,
         stored: StoredRobot,
@@ -115,7 +115,7 @@ impl Known {
                 (robot, stored.whisker_ids)
             }
             Some(Err(problem)) => {
-                error!(robot = stored.robot, %problem, "starting anew: what was learned of its whiskers is lost");
+                error!(robot = stored.robot, %problem, "cannot read the checkpoint, its learned state is lost");
                 let now = wall_clock();
                 let record = Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 };
                 gathering.batch.records.push(record);
@@ -134,7 +134,7 @@ impl Known {
         Self { whisker_ids, boots: stored.boots.into(), history, ..Self::new(name, stored.robot_id, robot, keep) }
     }
 
-    /// From here on it is supervised under a new epoch.
+    /// Starts supervision under a new epoch.
     pub(super) fn begin(&mut self, epoch: u64, params: &Params) {
         self.robot.take_up(epoch, wall_clock());
         self.stated = fleet_metrics::Stated::of(&self.robot, params);
@@ -142,12 +142,12 @@ impl Known {
         self.commands = Commands::taken_up();
     }
 
-    /// The number of a boot, 0 if it has none.
+    /// Number of a boot, 0 if it has none.
     pub(super) fn boot(&self, boot_id: &str) -> i64 {
         self.boots.get(boot_id).unwrap_or_default()
     }
 
-    /// Whether a factsheet says nothing new, and all of its whiskers have numbers.
+    /// Whether a factsheet contains nothing new, and all its whiskers have row ids.
     pub(super) fn is_laid_out(&self, factsheet: &Factsheet) -> bool {
         self.robot.is_as_known(factsheet) && self.whisker_ids.len() == self.robot.whisker_count()
     }
@@ -157,23 +157,23 @@ impl Known {
     }
 }
 
-/// A part of a fleet's robots, and what came of them since the last transaction was closed.
+/// A part of a fleet's robots, and their open batch.
 pub(super) struct Shard {
-    /// In the order in which they became known: never removed, so that their places stay.
+    /// In the order in which they became known. Robots are never removed, so indices stay valid.
     pub(super) robots: IndexMap<Name, Known>,
-    /// Those whose factsheets are missing.
+    /// Robots whose factsheets are missing.
     pub(super) announced: Announced,
     pub(super) gathering: Gathering,
     /// The epoch of the fleet's lease.
     pub(super) epoch: u64,
-    /// How many have heard what time it is, as long as others are still to hear it.
+    /// Number of robots that have got the current tick, if it was interrupted.
     pub(super) told_until: Option<usize>,
 }
 
 impl Shard {
-    /// Tells the core what time it is, from the robot on that is the next to hear it, until the states of so many whiskers are
-    /// to be written for it: what befalls a whole fleet at once is not to hold up everything else in one long transaction.
-    /// False if others are still to hear it.
+    /// Steps a tick through the robots, beginning with the first that has not got it yet, until so many whiskers need a
+    /// checkpoint. The limit keeps an event that affects a whole fleet from blocking everything else with one long
+    /// transaction. Returns false if the tick is interrupted.
     pub(super) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
         let told = self.told_until.take().unwrap_or_default();
         if told == 0 {
@@ -193,18 +193,19 @@ impl Shard {
         true
     }
 
-    /// No robot was silent while we were deaf.
+    /// Restarts the silence timers of all robots, because this supervisor was deaf.
     pub(super) fn listen_from(&mut self, now: Micros) {
         for known in self.robots.values_mut() {
             known.robot.listen_from(now);
-            // What is read back and goes on from the journal must have heard of it, too.
+            // A journal entry may be replayed only after a checkpoint that contains this change.
             self.gathering.store_next(known);
         }
     }
 }
 
 impl Shard {
-    /// Restarts the robot's silence timer after its messages were shed. Each restart writes its state, so they are limited.
+    /// Restarts the robot's silence timer after its messages were shed. Each restart needs a checkpoint, so they are
+    /// limited.
     pub(super) fn listen_to_one_from(&mut self, name: &Name, now: Micros) {
         let Some(known) = self.robots.get_mut(name) else { return };
         if known.listened_anew.is_none_or(|last| last.elapsed() >= LISTEN_EVERY) {
@@ -215,14 +216,14 @@ impl Shard {
     }
 }
 
-/// Which of so many shards a robot belongs to: always the same one.
+/// The shard of a robot. Depends only on its name and the number of shards.
 pub(super) fn shard_of(name: &Name, shards: usize) -> usize {
-    // FNV-1a, so that the answer is the same in each build.
+    // FNV-1a, so that the result is the same in every build.
     let hash = name
         .as_str()
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    // Its low bits follow the last letter, its high ones hardly do.
+    // The low bits depend on the last letter, the high ones hardly do.
     let mixed = (hash ^ (hash >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 33;
     (mixed % shards.max(1) as u64) as usize
 }

@@ -1,4 +1,4 @@
-//! The states and the journal together are the robots as they were at the last commit, wherever a crash comes.
+//! Tests that checkpoints and journal together restore the robots as of the last commit, after a crash at any point.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ const WHISKERS: u16 = 6;
 const PRESSURE_MPA: f64 = 0.1;
 const WHOLE_MM: f64 = 70.0;
 
-/// Numbers without a pattern, the same each time.
+/// Pseudorandom numbers with a fixed seed.
 struct Random(u64);
 
 impl Random {
@@ -41,18 +41,18 @@ impl Random {
         (self.unit() * end as f64) as usize
     }
 
-    /// Nearly normal.
+    /// A nearly normal distribution, mean 0, standard deviation 1.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
     }
 }
 
-/// What the tables have.
+/// Contents of the database's tables.
 #[derive(Default)]
 struct Tables {
     robots: BTreeMap<i64, (i64, Vec<u8>)>,
     whiskers: BTreeMap<i64, Vec<u8>>,
-    /// Minutes and hours that are not over, and those that are.
+    /// Open minutes and hours, and closed ones.
     rollups: BTreeMap<i64, Vec<u8>>,
     closed: BTreeSet<(i64, Resolution, i64)>,
     journal: BTreeMap<i64, Vec<u8>>,
@@ -68,7 +68,7 @@ impl Tables {
             self.rollups.insert(whisker.whisker_id, whisker.rollup);
         }
         for row in sealed.batch.rollups {
-            assert!(self.closed.insert((row.whisker_id, row.resolution, row.start_us)), "a minute is over once");
+            assert!(self.closed.insert((row.whisker_id, row.resolution, row.start_us)), "a span is closed only once");
         }
         self.journal.extend(sealed.batch.journal.map(|row| (row.number, row.entries)));
         if let Some(done) = sealed.batch.journal_done {
@@ -135,7 +135,7 @@ fn shard(robots: i64) -> Shard {
     shard
 }
 
-/// Robots that feel, tell and are told the time, some of whose whiskers get cut.
+/// Robots with contacts, status messages and ticks, some of whose whiskers are cut.
 struct World {
     random: Random,
     model: Model,
@@ -149,7 +149,7 @@ impl World {
         self.now = Micros(self.now.0 + 20_000);
         let robot_id = 1 + self.random.below(shard.robots.len()) as i64;
         match self.random.below(40) {
-            // Whiskers of one robot at a time: where much comes of it, it goes on with the next tick.
+            // At least one whisker per tick: a tick with many effects is continued with the next one.
             0 => drop(shard.tick(self.now, 1)),
             1..=3 => self.status(shard, robot_id),
             4 if self.now.0 > 40_000_000 => {
@@ -168,7 +168,7 @@ impl World {
         let contacts: Vec<Contact<'_>> =
             (0..1 + self.random.below(3)).map(|_| self.contact(robot_id, pressure)).collect();
         let seq = self.seqs.entry(robot_id).or_default();
-        // Some are lost and come later, or twice.
+        // Some messages are lost and come later, or come twice.
         let told = match self.random.below(30) {
             0 => *seq + 1,
             1 => seq.saturating_sub(1),
@@ -216,7 +216,7 @@ impl World {
     }
 }
 
-/// A contact as its robot tells it.
+/// A contact as its robot sends it.
 fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
     protocol::Contact {
         array: Name::new(contact.array).unwrap(),
@@ -230,7 +230,7 @@ fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
     }
 }
 
-/// Closes what was gathered as the engine does.
+/// Seals the open batch as the engine does.
 fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
     let number = shard.gathering.number;
     pace.go_on(now, 0);
@@ -245,7 +245,7 @@ fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
     sealed
 }
 
-/// All that is stored of a robot: its head, its whiskers, and their minutes and hours.
+/// All stored bytes of a robot: its state, its whiskers, and their open minutes and hours.
 fn bytes(known: &Known) -> Vec<Vec<u8>> {
     let whisker = |index| [known.robot.whisker_to_bytes(index).unwrap(), known.history.stored(index, Micros(1))];
     let whiskers = (0..known.robot.whisker_count()).flat_map(whisker);
@@ -292,9 +292,9 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
                 gone_through += crash(&tables, &shard);
             }
         }
-        assert!(gone_through > 300, "the journal was used: {gone_through}");
-        assert!(decided > 10, "and things were decided: {decided}");
-        assert!(tables.closed.len() >= 15, "and minutes were over");
+        assert!(gone_through > 300, "the journal must have been replayed: {gone_through}");
+        assert!(decided > 10, "decisions must have been made: {decided}");
+        assert!(tables.closed.len() >= 15, "spans must have been closed");
     }
 }
 
@@ -310,13 +310,13 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
         let is_done = shard.tick(now, usize::from(WHISKERS) + 1);
         let sealed = seal(&mut shard, now, &mut pace);
         assert!(sealed.batch.robots.len() <= 2, "two robots are enough for a transaction");
-        assert_eq!(sealed.batch.records.is_empty(), sealed.batch.robots.is_empty(), "a silent whisker is a fault");
+        assert_eq!(sealed.batch.records.is_empty(), sealed.batch.robots.is_empty(), "silence must lead to a fault");
         written.extend(sealed.batch.robots.iter().map(|row| row.robot_id));
         if is_done {
             break;
         }
     }
-    assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in their order");
+    assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in order");
 }
 
 #[test]
@@ -330,11 +330,7 @@ fn receipts_of_many_robots_go_out_in_turn() {
         shard.gathering.publications.drain(..).map(|one| one.topic).collect::<Vec<_>>()
     };
     let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
-    assert_eq!(
-        [first.len(), second.len(), rest.len()],
-        [3, 4, 5],
-        "at least a quarter, as many as there is room for, all"
-    );
+    assert_eq!([first.len(), second.len(), rest.len()], [3, 4, 5], "at least a quarter, at most the limit, all");
     let all: std::collections::BTreeSet<_> = [first, second, rest].concat().into_iter().collect();
     assert_eq!(all.len(), 12, "each robot once");
     assert!(sent(usize::MAX).is_empty());
@@ -359,7 +355,7 @@ fn a_robot_that_was_only_announced_is_not_taken_up() {
         journey.place(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
     }
     let names: Vec<&str> = shards[0].robots.keys().map(Name::as_str).collect();
-    assert_eq!(names, ["r2"], "what an operator holds is not forgotten");
+    assert_eq!(names, ["r2"], "a held robot must be kept");
 }
 
 fn parcel(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> Parcel {
@@ -389,8 +385,8 @@ fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() 
     assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
     assert_eq!(shard.gathering.metrics.messages_refused.of(["too_many_boots"]).get(), 2);
     shard.tick(Micros(2), 1000);
-    assert_eq!(shard.robots["r1"].robot.connection_state().0, Some("new-10"), "not yet");
-    // As after a minute.
+    assert_eq!(shard.robots["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
+    // A full bucket, as after a minute.
     shard.robots["r1"].new_boots = Bucket::new(1, 1);
     shard.tick(Micros(3), 1000);
     let known = &shard.robots["r1"];
@@ -411,14 +407,14 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
         };
         parcel(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };
-    assert!(shard.factsheet(&factsheet("r1")).is_none(), "no birth");
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "refused without a birth");
     for number in 1..=5000 {
         shard.handle(&birth(&format!("r{number}"), "b"));
     }
     assert!(shard.robots.is_empty() && shard.gathering.is_empty(), "nothing is written for a birth");
     assert!(shard.factsheet(&factsheet("r5000")).is_some());
-    assert!(shard.factsheet(&factsheet("r1")).is_none(), "it was announced too long ago");
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
     shard.tick(Micros(5_000_000), 1000);
     let asked = shard.gathering.publications.len();
-    assert!((1000..=1024).contains(&asked), "their factsheets are asked for: {asked}");
+    assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }

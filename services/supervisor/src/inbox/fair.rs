@@ -1,10 +1,10 @@
-//! Messages of many robots that wait for the engine: each robot has a queue, and the queues take turns.
+//! Fair queue of received messages: each robot has a queue, and the queues take turns.
 //!
-//! Two rules keep robots apart. Room: a robot may hold at most as much as is still free, so that there is always room for the
-//! others (dynamic thresholds, Choudhury and Hahne 1998). Turns: each queue may give the same number of bytes in its turn
-//! (deficit round robin, Shreedhar and Varghese 1995), and only [`ROUND_BYTES`] for one transaction. So a message of a robot
-//! that sends little waits for one turn of each other robot at most, whatever they send. Each robot's messages keep their
-//! order.
+//! Two rules keep robots apart. Space: a robot's messages may take at most as much space as is still free, so that
+//! there is always space for the others (dynamic thresholds, Choudhury and Hahne 1998). Turns: each queue may give the
+//! same number of bytes per turn (deficit round robin, Shreedhar and Varghese 1995), and only [`ROUND_BYTES`] per
+//! transaction. So a message of a robot with little traffic waits for at most one turn of each other robot, whatever
+//! they send. Each robot's messages keep their order.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -13,23 +13,23 @@ use vibrissa_core::units::Micros;
 
 use super::Incoming;
 
-/// Memory of a message beside its topic and payload, bytes, rounded up.
+/// Memory of a message besides its topic and payload, bytes, rounded up.
 pub(super) const MESSAGE_BYTES: usize = 256;
-/// Bytes that a queue may give in its turn: two messages of 20 contacts, or some ten of one contact.
+/// Bytes that a queue may give per turn: two messages of 20 contacts, or about ten of one contact.
 const TURN_BYTES: usize = 8 * 1024;
-/// Bytes that the engine takes at a time: some 7,000 contacts, which it works on for some milliseconds.
+/// Bytes that the engine takes at a time: about 7,000 contacts, which take it some milliseconds.
 const TAKE_BYTES: usize = 1024 * 1024;
-/// Bytes of one robot for one transaction: some 1,700 contacts, which are committed in some 20 ms.
+/// Bytes of one robot per transaction: about 1,700 contacts, whose commit takes about 20 ms.
 const ROUND_BYTES: usize = 256 * 1024;
-/// A factsheet counts as so many bytes: the engine waits for the database before it takes anything else.
+/// Weight of a factsheet in bytes: the engine waits for the database before it takes the next message.
 const FACTSHEET_BYTES: usize = 64 * 1024;
-/// With more bytes a queue is long: its last message waits for several turns.
+/// A queue with more bytes is long: its last message waits for several turns.
 const LONG_BYTES: usize = 4 * TURN_BYTES;
-/// Robots that are named between two looks because messages of theirs were left out.
+/// Limit of the robots that are named as shed between two calls of [`Fair::take_shed`].
 const SHED_ROBOTS_MAX: usize = 256;
-/// Places that an empty queue keeps.
+/// Capacity in messages that an empty queue keeps.
 const KEPT_PLACES: usize = 16;
-/// Idle queues that keep their robot until the round ends, to remember the bytes that it has given in the round.
+/// Limit of idle queues that keep their robot until the round ends, to remember the bytes given in the round.
 const IDLE_MAX: usize = 4096;
 /// Queues that stay allocated while all are empty.
 const KEPT_QUEUES: usize = 16_384;
@@ -55,7 +55,7 @@ impl Filling {
     }
 }
 
-/// How much may wait. Contacts leave the reserves to everything else.
+/// Limits of the waiting messages. The reserves are not available to contacts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     pub(super) messages: usize,
@@ -64,21 +64,21 @@ pub(super) struct Bounds {
     pub(super) bytes_reserved: usize,
 }
 
-/// Why a message is left out.
+/// Why a message is shed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LeftOut {
-    /// There is no room for anybody.
+    /// No space is left.
     Full,
-    /// Its robot holds as much as is free for all others.
+    /// Its robot's messages take as much space as is free for all others.
     OverShare,
 }
 
-/// A robot of which messages were left out because it sent more than its share.
+/// A robot whose messages were shed because it sent more than its share.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shed {
-    /// Its level of the topic, as it came.
+    /// The robot's level of the topic, as received.
     pub robot: Vec<u8>,
-    /// Messages since the last look.
+    /// Number of messages shed since the last call of [`Inbox::take_shed`](super::Inbox::take_shed).
     pub messages: u64,
 }
 
@@ -88,20 +88,21 @@ struct Queue {
     /// Hash of the robot's name.
     robot: u64,
     messages: VecDeque<Incoming>,
-    /// Reserved room: waiting messages, and received ones that are not handed over yet; contacts, and all else.
+    /// Space taken by waiting messages, and by received ones that are not handed over yet. The second item is that of
+    /// contacts, the first that of all other messages.
     held: [Filling; 2],
-    /// Bytes that it may still give.
+    /// Bytes that it may still give in its turn.
     deficit: usize,
-    /// It is its turn, and its bytes are in the deficit.
+    /// It is this queue's turn, and the bytes of the turn are in the deficit.
     is_its_turn: bool,
     /// Bytes that it has given in this round.
     given: usize,
     round: u64,
-    /// It had to wait for another round since it was empty.
+    /// Since it was last empty, it has had to wait for another round.
     is_throttled: bool,
-    /// It was empty in this round.
+    /// It became empty in this round.
     is_idle: bool,
-    /// The last look in which it was shed, and its place in that look's list.
+    /// Number of the last shedding report that names this robot, and its index in that report.
     shed: Option<(u64, usize)>,
 }
 
@@ -115,27 +116,27 @@ impl Queue {
 #[derive(Debug, Default)]
 pub(super) struct Fair {
     queues: Vec<Queue>,
-    /// Places of queues that no robot has.
+    /// Indices of queues without a robot.
     unused: Vec<usize>,
-    /// Places of queues that were empty in this round.
+    /// Indices of queues that became empty in this round.
     idle: Vec<usize>,
     by_robot: HashMap<u64, usize>,
     /// Queues with messages, in the order of their turns.
     turns: VecDeque<usize>,
-    /// Of all queues.
+    /// Space taken in all queues.
     held: Filling,
     waiting: usize,
-    /// Queues that have had their bytes of the round, and have more.
+    /// Number of queues that have given their bytes of the round, and have more.
     throttled: usize,
     round: u64,
     look: u64,
     shed: Vec<Shed>,
     shed_others: u64,
-    /// Keyed at random: nobody can choose names that share a queue.
+    /// With random keys, so that nobody can choose names that share a queue.
     names: RandomState,
 }
 
-/// Room that a message takes, bytes.
+/// Space that a message takes, bytes.
 pub(super) fn weight(topic: &[u8], payload: &[u8]) -> usize {
     topic.len() + payload.len() + MESSAGE_BYTES
 }
@@ -144,24 +145,24 @@ fn is_contacts(topic: &[u8]) -> bool {
     topic.ends_with(b"/contacts")
 }
 
-/// The bytes that a message takes from its robot's turn.
+/// Bytes that a message takes from its robot's turn.
 fn cost(message: &Incoming) -> usize {
     let own = weight(&message.topic, &message.payload);
     if message.topic.ends_with(b"/factsheet") { own.max(FACTSHEET_BYTES) } else { own }
 }
 
-/// The level of a topic that names the robot; all of a topic without one.
+/// The robot's level of a topic; the whole topic if there is none.
 fn robot_of(topic: &[u8]) -> &[u8] {
     topic.split(|&byte| byte == b'/').nth(3).unwrap_or(topic)
 }
 
 impl Fair {
-    /// Room that is taken.
+    /// Space taken by waiting messages and by received ones that are not handed over yet.
     pub(super) fn held(&self) -> Filling {
         self.held
     }
 
-    /// Whether nothing waits.
+    /// Whether no messages wait.
     pub(super) fn is_empty(&self) -> bool {
         self.waiting == 0
     }
@@ -171,7 +172,7 @@ impl Fair {
         self.throttled > 0
     }
 
-    /// Reserves room for a message in its robot's queue. Returns the queue's place, for [`Self::push`].
+    /// Reserves space for a message in its robot's queue. Returns the queue's index, for [`Self::push`].
     pub(super) fn reserve(&mut self, topic: &[u8], payload: &[u8], bounds: &Bounds) -> Result<usize, LeftOut> {
         let (weight, is_contacts) = (weight(topic, payload), is_contacts(topic));
         let reserve = if is_contacts { (bounds.messages_reserved, bounds.bytes_reserved) } else { (0, 0) };
@@ -217,23 +218,23 @@ impl Fair {
         }
     }
 
-    /// A message that did not fit anywhere.
+    /// Counts a message that was shed because no space was left.
     pub(super) fn note_full(&mut self) {
         self.shed_others += 1;
     }
 
-    /// The robots shed since the last look, and the number of messages left out of other robots.
+    /// Starts a new shedding report. Returns the robots of the old one, and the number of messages shed of others.
     pub(super) fn take_shed(&mut self) -> (Vec<Shed>, u64) {
         self.look += 1;
         (std::mem::take(&mut self.shed), std::mem::take(&mut self.shed_others))
     }
 
-    /// True if a message added to that queue now waits behind others of its robot.
+    /// Whether a message added to this queue now waits for several turns.
     pub(super) fn is_long(&self, at: usize) -> bool {
         self.queues[at].held.iter().map(|held| held.bytes).sum::<usize>() > LONG_BYTES
     }
 
-    /// Puts a message into the queue that has room for it.
+    /// Appends a message to the queue in which its space is reserved.
     pub(super) fn push(&mut self, at: usize, message: Incoming) {
         let queue = &mut self.queues[at];
         if queue.messages.is_empty() {
@@ -243,7 +244,7 @@ impl Fair {
         self.waiting += 1;
     }
 
-    /// Frees the room of a message that was given.
+    /// Frees the space of a message.
     fn let_go(&mut self, at: usize, weight: usize, is_contacts: bool) {
         self.held.remove(weight);
         let queue = &mut self.queues[at];
@@ -256,7 +257,7 @@ impl Fair {
         }
     }
 
-    /// Takes the queues that are still empty from their robots.
+    /// Detaches queues that are still empty from their robots.
     fn release_idle(&mut self) {
         for at in self.idle.drain(..) {
             let queue = &mut self.queues[at];
@@ -274,7 +275,7 @@ impl Fair {
         }
     }
 
-    /// Another round begins: each robot has [`ROUND_BYTES`] again.
+    /// Begins another round: each robot may give [`ROUND_BYTES`] again.
     pub(super) fn begin_round(&mut self, round: u64) {
         if round != self.round {
             self.round = round;
@@ -282,7 +283,8 @@ impl Fair {
         }
     }
 
-    /// Gives up to `most` messages in turns; says how many. None if nothing waits, or if all that waits is for another round.
+    /// Gives up to `most` messages in turns, and returns their number: 0 if none wait, or if all of them wait for
+    /// another round.
     pub(super) fn give(&mut self, most: usize, to: &mut impl FnMut(Incoming)) -> usize {
         let (mut count, mut bytes, mut passed_over) = (0, 0, 0);
         while count < most && bytes < TAKE_BYTES && passed_over < self.turns.len() {
@@ -323,14 +325,14 @@ impl Fair {
         count
     }
 
-    /// When the oldest message was received that does not wait because its own robot sends too much.
+    /// Receipt time of the oldest message, without those that wait because their own robot sends too much.
     pub(super) fn oldest(&self) -> Option<Micros> {
         let queues = self.turns.iter().map(|&at| &self.queues[at]);
         let own_pace = queues.filter(|queue| !queue.is_throttled);
         own_pace.filter_map(|queue| queue.messages.front()).map(|message| message.received).min()
     }
 
-    /// Nobody takes anything any more.
+    /// Drops all messages, because the receiver has gone.
     pub(super) fn clear(&mut self) {
         *self = Self { look: self.look, round: self.round, ..Self::default() };
     }

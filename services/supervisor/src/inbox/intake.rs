@@ -1,4 +1,4 @@
-//! The end of the inbox that is filled, and messages for which there is no room.
+//! The receiving end of the inbox, and shedding of messages.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,36 +13,36 @@ use super::{BOUNDS, Inbox, Incoming, Shared};
 use crate::metrics::FleetMetrics;
 use vibrissa_edge::clock::wall_clock;
 
-/// The label under which messages other than contacts are counted as refused when there is no room for them.
+/// Reason under which messages other than contacts are counted as refused when the inbox is full.
 const INBOX_FULL: &str = "inbox_full";
-/// The same if the robot holds more than its share.
+/// Reason under which they are counted as refused when their robot has more than its share.
 const OVER_SHARE: &str = "over_share";
-/// Messages that came together share an allocation of this many bytes, unless one alone is larger: no message keeps
-/// more than this of others alive.
+/// Messages received together share an allocation of at most this many bytes, unless one alone is larger. So a message
+/// keeps at most this much of other messages alive.
 const SHARED_BYTES: usize = 64 * 1024;
-/// How often the log says that messages are left out.
+/// Shortest interval between two warnings about shed messages.
 const TELL_EVERY: Duration = Duration::from_secs(10);
 
-/// The end that fills an inbox.
+/// The receiving end of an inbox.
 #[derive(Debug)]
 pub(crate) struct Intake {
     shared: Arc<Shared>,
     bounds: Bounds,
     metrics: FleetMetrics,
-    /// Taken in since the last hand-over, as they were received, with the places of their queues.
+    /// Messages received since the last hand-over, with the indices of their queues.
     together: Vec<(Bytes, Bytes, usize)>,
-    /// When the first of them came; each message of a look counts as received a microsecond after the one before, so that their times
-    /// tell their order.
+    /// Receipt time of the first of them. The times of messages read together differ by one microsecond each, so that
+    /// they give their order.
     received: Micros,
-    /// Something has been left out since there was room last.
+    /// A message has been shed since the inbox last had space.
     shedding: bool,
-    /// When the log said so last.
+    /// Time of the last warning.
     told: Option<Instant>,
-    /// Something was left out that the broker retains.
+    /// A retained message was shed.
     missed: bool,
 }
 
-/// An inbox and the end that fills it.
+/// Both ends of a new inbox.
 pub(crate) fn inbox(metrics: FleetMetrics) -> (Intake, Inbox) {
     bounded(BOUNDS, metrics)
 }
@@ -63,9 +63,9 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
 }
 
 impl Intake {
-    /// Takes a message in, or counts it as left out. Robots send contacts again; setpoints are sent again
-    /// until they are answered; what is retained is asked for again, see [`Self::take_missed`].
-    /// It is in the inbox with the next [`Self::hand_over`], which must follow before anything is waited for.
+    /// Receives a message, or sheds and counts it. Shed messages come again: robots send contacts again, setpoints are
+    /// sent again until they are answered, and retained messages are requested again, see [`Self::take_missed`]. The
+    /// message is in the inbox after the next [`Self::hand_over`], which must follow before the task waits.
     pub(crate) fn take(&mut self, topic: Bytes, payload: Bytes) {
         if self.together.is_empty() {
             self.received = after(self.received, wall_clock());
@@ -77,7 +77,7 @@ impl Intake {
         }
     }
 
-    /// Puts what was taken in into the inbox: so many messages.
+    /// Puts the received messages into the inbox, and returns their number.
     pub(crate) fn hand_over(&mut self) -> usize {
         if self.together.is_empty() {
             return 0;
@@ -88,7 +88,8 @@ impl Intake {
         if is_abandoned {
             waiting.messages.clear();
         } else {
-            // What will wait for long shares no allocation with what will not: it would keep all of it alive.
+            // A message that waits long must not share an allocation with one that does not: it would keep all of it
+            // alive.
             if together.iter().any(|(_, _, at)| waiting.messages.is_long(*at)) {
                 together.sort_by_key(|(_, _, at)| waiting.messages.is_long(*at));
             }
@@ -111,7 +112,7 @@ impl Intake {
             together.iter().for_each(|(topic, _, _)| self.leave_out(topic, LeftOut::Full));
         }
         let count = together.len();
-        // Its places are used again.
+        // Keep the allocation.
         self.together = together;
         self.together.clear();
         count
@@ -141,17 +142,17 @@ impl Intake {
             let topic = String::from_utf8_lossy(topic);
             match why {
                 LeftOut::Full => {
-                    warn!(%topic, "more messages come in than are handled: some are left out, and counted")
+                    warn!(%topic, "inbox full, shedding messages (counted)")
                 }
                 LeftOut::OverShare => {
-                    warn!(%topic, "a robot sends more than its share: some of its messages are left out, and counted");
+                    warn!(%topic, "robot sends more than its share, shedding its messages (counted)");
                 }
             }
         }
     }
 
-    /// True once if the retained messages must be requested again: on demand, or when there is room again after one was
-    /// left out.
+    /// True once if the retained messages must be requested again: after [`Inbox::want_retained`], or when the inbox
+    /// has space again after one was shed.
     pub(crate) fn take_missed(&mut self) -> bool {
         if std::mem::take(&mut self.shared.waiting().wants_retained) {
             return true;
@@ -189,13 +190,13 @@ fn sharing(messages: &[(Bytes, Bytes, usize)]) -> (usize, usize) {
     (count, bytes)
 }
 
-/// The time of a look: not before the times that the look before has given, unless the clock was set back.
+/// Receipt time of the next messages: not before the last time given, unless the clock was set back.
 fn after(given: Micros, now: Micros) -> Micros {
     let is_close = given > now && given.0 - now.0 <= BOUNDS.messages as u64;
     if is_close { given } else { now }
 }
 
-/// Copies of messages, `bytes` long together, in one allocation: as received they are pieces of a larger buffer, which
+/// Copies of messages, `bytes` long together, in one allocation. As received they are slices of a larger buffer, which
 /// one small message would keep alive.
 fn copied(messages: &[(Bytes, Bytes, usize)], bytes: usize, received: Micros) -> impl Iterator<Item = Incoming> {
     let mut all = Vec::with_capacity(bytes);

@@ -1,7 +1,7 @@
-//! The queue of received messages: bounded in messages and bytes, whatever robots send, and shared fairly among them
-//! ([`fair`]). The broker's connection fills it through an `Intake`; the engine takes messages out.
+//! The queue of received messages: bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver
+//! fills it through an `Intake`; the engine takes messages out.
 //!
-//! Messages that came together are handed over together: one lock, one wake-up and one allocation for all of them.
+//! Messages received together are handed over together: one lock, one wake-up and one allocation for all of them.
 
 mod fair;
 mod intake;
@@ -17,37 +17,37 @@ pub(crate) use intake::{Intake, inbox};
 
 use fair::{Bounds, Fair};
 
-/// A message as it came from the broker.
+/// A message as received from the broker.
 #[derive(Debug)]
 pub struct Incoming {
     /// The MQTT topic.
     pub topic: Bytes,
-    /// The message itself: JSON if the robot keeps the contract.
+    /// Payload: JSON, if the robot conforms to the contract.
     pub payload: Bytes,
-    /// When, by the supervisor's clock.
+    /// Receipt time by the supervisor's clock, µs since 1970.
     pub received: Micros,
 }
 
-/// A burst of 100,000 messages a second is through a commit of half a second before anything is shed.
+/// Enough for a burst of 100,000 messages per second during a commit of half a second, without shedding.
 const BOUNDS: Bounds =
     Bounds { messages: 100_000, messages_reserved: 10_000, bytes: 64 * 1024 * 1024, bytes_reserved: 8 * 1024 * 1024 };
 
-/// What both ends see.
+/// State shared by both ends.
 #[derive(Debug, Default)]
 struct Shared {
     waiting: Mutex<Waiting>,
-    /// Rings when something came, or when no more can come.
+    /// Notified when messages arrive, or when no more can.
     arrived: Notify,
 }
 
 #[derive(Debug, Default)]
 struct Waiting {
     messages: Fair,
-    /// Request the broker's retained messages once more.
+    /// The broker's retained messages are to be requested again.
     wants_retained: bool,
-    /// No more can come.
+    /// The receiving end has gone: no more messages can arrive.
     ended: bool,
-    /// Nobody takes anything any more.
+    /// The engine's end has gone: nobody takes messages any more.
     abandoned: bool,
 }
 
@@ -62,14 +62,14 @@ impl Shared {
 }
 
 impl Waiting {
-    /// Gives up to `most` messages, and how many; none if nothing can be given now, but later.
+    /// Gives up to `most` messages, and returns their number. `None` if there are none now, but may be later.
     fn give(&mut self, most: usize, to: &mut impl FnMut(Incoming)) -> Option<usize> {
         let count = self.messages.give(most, to);
         (count > 0 || self.ended && self.messages.is_empty()).then_some(count)
     }
 }
 
-/// What was received and is not handled yet, bounded in messages and bytes.
+/// The engine's end of the inbox, bounded in messages and bytes.
 #[derive(Debug)]
 pub struct Inbox {
     shared: Arc<Shared>,
@@ -77,22 +77,22 @@ pub struct Inbox {
 }
 
 impl Inbox {
-    /// The next message; none when no more can come. Nothing is lost if it is not waited for to the end.
+    /// Waits for the next message; `None` when no more can arrive. Cancel safe.
     pub async fn recv(&mut self) -> Option<Incoming> {
         let mut next = None;
         self.take(1, |message| next = Some(message)).await;
         next
     }
 
-    /// Waits for at least one message, and gives up to `most` (at least 1) of those that are there: robots in turns, each one's in
-    /// order. 0 when no more can come. Nothing is lost if it is not waited for to the end.
+    /// Waits for at least one message, and gives up to `most` (at least 1) of those that wait: robots in turns, the
+    /// messages of each in order. Returns 0 when no more can arrive. Cancel safe.
     pub async fn recv_many(&mut self, into: &mut Vec<Incoming>, most: usize) -> usize {
         self.take(most.max(1), |message| into.push(message)).await
     }
 
     async fn take(&mut self, most: usize, mut to: impl FnMut(Incoming)) -> usize {
         loop {
-            // Asked for before the look, so that what comes between the two is not slept through.
+            // Created before the check, so that no notification between the check and the wait is missed.
             let arrived = self.shared.arrived.notified();
             if let Some(count) = self.shared.waiting().give(most, &mut to) {
                 return count;
@@ -101,13 +101,13 @@ impl Inbox {
         }
     }
 
-    /// Whether nothing waits.
+    /// Whether no messages wait.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.shared.waiting().messages.is_empty()
     }
 
-    /// A transaction is gathered for, of this number: each robot has its share of it.
+    /// Begins a round with the number of the transaction: each robot has its share of it again.
     pub fn begin_round(&self, number: u64) {
         self.shared.waiting().messages.begin_round(number);
     }
@@ -118,14 +118,14 @@ impl Inbox {
         self.shared.waiting().messages.is_throttling()
     }
 
-    /// When the oldest message was received that waits; those do not count that wait because their own robot sends too much.
+    /// Receipt time of the oldest waiting message, without those that wait because their own robot sends too much.
     #[must_use]
     pub fn oldest(&self) -> Option<Micros> {
         self.shared.waiting().messages.oldest()
     }
 
-    /// The robots whose messages were left out since the last look because they sent more than their share, and how many
-    /// messages were left out because there was no room for anybody.
+    /// The robots whose messages were shed since the last call because they sent more than their share, and the number
+    /// of messages shed because the inbox was full.
     pub fn take_shed(&self) -> (Vec<Shed>, u64) {
         self.shared.waiting().messages.take_shed()
     }
@@ -135,13 +135,13 @@ impl Inbox {
         self.shared.waiting().wants_retained = true;
     }
 
-    /// How much waits.
+    /// Amount of waiting messages.
     #[must_use]
     pub fn filling(&self) -> Filling {
         self.shared.filling()
     }
 
-    /// How much may wait.
+    /// Largest amount of messages that may wait.
     #[must_use]
     pub fn capacity(&self) -> Filling {
         Filling { messages: self.bounds.messages, bytes: self.bounds.bytes }

@@ -1,4 +1,4 @@
-//! Where a broker is, as whom to connect to it, and how to know it.
+//! Address of the broker, credentials, and TLS settings.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,16 +9,16 @@ use url::{Host, Url};
 
 use vibrissa_store::secret::Secret;
 
-/// Where the broker is.
+/// How to reach and authenticate the broker.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BrokerAddress {
     /// Host name or address; IPv6 without brackets.
     pub host: String,
-    /// Port.
+    /// TCP port of the broker.
     pub port: u16,
-    /// As whom to connect; none for a broker that asks nobody.
+    /// User and password; `None` for a broker that accepts anonymous clients.
     pub credentials: Option<Credentials>,
-    /// How to know the broker, and to be known; none speaks in plain text.
+    /// TLS settings; `None` connects in plain text.
     pub tls: Option<TlsOptions>,
     /// How long an owner may keep a fleet that it does not hear, while another supervisor hears it.
     pub deaf_release_after: Duration,
@@ -27,42 +27,42 @@ pub struct BrokerAddress {
 /// Default of `deaf_release_after`.
 const DEAF_RELEASE_AFTER: Duration = Duration::from_secs(10);
 
-/// A user of the broker.
+/// Credentials of a broker user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Credentials {
-    /// Name.
+    /// Name of the user.
     pub username: String,
-    /// Password.
+    /// Password of the user.
     pub password: Secret,
 }
 
-/// Files in PEM.
+/// Paths of PEM files for TLS.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TlsOptions {
-    /// Certificates of the authorities that the broker's may come from; none takes the system's.
+    /// Certificates of the authorities that may sign the broker's certificate; `None` takes the system's.
     pub ca_file: Option<PathBuf>,
-    /// This supervisor's own certificate, with those between it and its authority, and its private key.
+    /// Client certificate of this supervisor, if the broker requires one.
     pub client: Option<ClientCertificate>,
 }
 
-/// What a supervisor shows of itself.
+/// Client certificate and private key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClientCertificate {
-    /// The certificate, and those between it and its authority.
+    /// The certificate, followed by the intermediate certificates up to its authority.
     pub certificate_file: PathBuf,
-    /// Its private key.
+    /// Private key of the certificate.
     pub key_file: PathBuf,
 }
 
 impl BrokerAddress {
-    /// A broker that is spoken to in plain text and asks for no password.
+    /// A broker in plain text that accepts anonymous clients.
     #[must_use]
     pub fn new(host: impl Into<String>, port: u16) -> Self {
         let host = host.into();
         Self { host, port, credentials: None, tls: None, deaf_release_after: DEAF_RELEASE_AFTER }
     }
 
-    /// Whether nobody else can listen to what is said: the host is this one.
+    /// Whether the host is this one, so that others cannot read the traffic.
     #[must_use]
     pub fn is_loopback(&self) -> bool {
         self.host.eq_ignore_ascii_case("localhost")
@@ -81,16 +81,16 @@ impl fmt::Display for BrokerAddress {
     }
 }
 
-/// The text is no address of a broker. It is not repeated: it may hold a password by mistake.
+/// Why a text is not the URL of a broker. The text is not repeated, because it may hold a password by mistake.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BadBrokerUrl {
-    /// A user or a password in it.
+    /// The URL holds a user or a password.
     #[error(
-        "a broker's URL must not hold a user or password, which others would see: set mqtt.username and \
+        "a broker's URL must not hold a user or password, because others can see it: set mqtt.username and \
          mqtt.password_file instead"
     )]
     Credentials,
-    /// Anything else.
+    /// The URL has another form.
     #[error("not a broker's URL ({0}): it must look like mqtt://host:1883, or mqtts://host:8883 for TLS")]
     Malformed(String),
 }
@@ -116,7 +116,7 @@ impl FromStr for BrokerAddress {
         let host = match url.host() {
             Some(Host::Ipv6(address)) => address.to_string(),
             Some(Host::Ipv4(address)) => address.to_string(),
-            // What needs an escape is no host's name.
+            // A percent sign is an escape, which no host name has.
             Some(Host::Domain(name)) if !name.is_empty() && !name.contains('%') => name.to_owned(),
             Some(Host::Domain(_)) | None => return Err(malformed("no host")),
         };

@@ -1,4 +1,4 @@
-//! The way to the broker below MQTT and TLS.
+//! TCP connection to the broker.
 
 use std::io;
 use std::sync::Arc;
@@ -7,19 +7,19 @@ use std::time::Duration;
 
 use tokio::net::{TcpStream, lookup_host};
 
-/// Until TCP, TLS and MQTT are all agreed on.
+/// Time limit for TCP, TLS and MQTT together.
 pub(super) const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-/// For one of several addresses of a host: one that is dead must leave time for the next.
+/// Time limit for one of several addresses of a host, so that a dead one leaves time for the next.
 const ADDRESS_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The host has no address.
+/// The host name cannot be resolved.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct LookupError(pub(super) String);
 
 /// Connects by TCP to the first address of a host that answers.
 ///
-/// `reached` is set once one has: what fails after that is the other side's doing.
+/// `reached` is set once a TCP connection is up: later failures are not due to the network.
 pub(super) async fn dial(host: String, port: u16, reached: Arc<AtomicBool>) -> io::Result<TcpStream> {
     reached.store(false, Ordering::Relaxed);
     let unknown = |why: String| io::Error::other(LookupError(why));
@@ -28,7 +28,7 @@ pub(super) async fn dial(host: String, port: u16, reached: Arc<AtomicBool>) -> i
     for address in addresses {
         match tokio::time::timeout(ADDRESS_TIMEOUT, TcpStream::connect(address)).await {
             Ok(Ok(stream)) => {
-                // Setpoints and acknowledgements are small, and somebody waits for them.
+                // Setpoints and acknowledgements are small and urgent.
                 stream.set_nodelay(true)?;
                 reached.store(true, Ordering::Relaxed);
                 return Ok(stream);

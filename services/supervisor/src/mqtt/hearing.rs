@@ -1,11 +1,12 @@
-//! Proves that a connection receives what its subscriptions promise.
+//! Proves that a connection receives the messages of its subscriptions.
 //!
-//! A broker can acknowledge a subscription and lose it. So the connection publishes a probe for each of its topic filters every few
-//! seconds, and waits for it to come back. A probe carries 128 random bits, so that nobody else can answer it.
+//! A broker can acknowledge a subscription and lose it. Therefore the connection publishes a probe for each of its
+//! topic filters every few seconds, and waits until the probe comes back. A probe carries 128 random bits, so that
+//! nobody else can forge it.
 //!
-//! In a burst a probe may come late, because it waits in the broker's queue, or not at all, because the queue is full. So a missing
-//! probe means deafness at once only where few messages come. Where many come, it is sent again, and a filter through which nothing
-//! comes for longer than a queue explains is lost.
+//! In a burst a probe may be late, because it waits in the broker's queue, or may be lost, because the queue is full. A
+//! missing probe therefore means deafness at once only at low traffic. At high traffic it is sent again, and a filter
+//! counts as lost if nothing arrives through it for longer than a queue can explain.
 
 use std::time::{Duration, Instant};
 
@@ -13,19 +14,19 @@ use vibrissa_protocol::{Name, RobotTopic};
 
 use super::identity::random_hex;
 
-/// From one round of probes to the next.
+/// Interval between two rounds of probes.
 pub(super) const PERIOD: Duration = Duration::from_secs(3);
-/// How long a probe may take.
+/// Time limit for a probe to come back.
 pub(super) const PATIENCE: Duration = Duration::from_secs(2);
-/// How often an overdue probe is judged again in a burst.
+/// Interval between two judgements of an overdue probe in a burst.
 const LOOK: Duration = Duration::from_millis(500);
-/// For how long a burst explains that nothing comes through a filter.
+/// How long a burst can explain that nothing arrives through a filter.
 const QUEUE_MAX: Duration = Duration::from_secs(15);
-/// It is a burst if messages come at this rate at least, in messages a second.
+/// Rate from which on it is a burst, messages per second.
 const QUEUE_PER_S: f64 = 100.0;
-/// A judgement that is late by more follows a standstill of this process, in which nothing could be read.
+/// A judgement that is late by more follows a standstill of this process, which could not read in the meantime.
 const STANDSTILL: Duration = Duration::from_secs(1);
-/// Before the subscriptions are acknowledged no probe is due.
+/// Delay of the first probe until the subscriptions are acknowledged.
 const NEVER: Duration = Duration::from_secs(365 * 86_400);
 
 const HEAD: &[u8] = b"{\"probe\":\"";
@@ -43,17 +44,17 @@ pub(super) fn is_probe_on(topic: &[u8], payload: &[u8]) -> bool {
     is_probe(payload) && std::str::from_utf8(topic).is_ok_and(|topic| RobotTopic::probed_on(topic).is_some())
 }
 
-/// One filter's probe.
+/// The probe of one topic filter.
 #[derive(Debug)]
 struct Probe {
     kind: RobotTopic,
     topic: String,
     payload: Vec<u8>,
-    /// When the first probe was sent after something came through the filter last.
+    /// Time of the first probe sent after the last message that came through the filter.
     unproven_since: Instant,
-    /// This round's probe came back.
+    /// The probe of this round came back.
     came: bool,
-    /// A robot's message that matches the filter came since this round's probe was sent.
+    /// A robot's message that matches the filter arrived since the probe of this round was sent.
     robot_heard: bool,
 }
 
@@ -63,44 +64,44 @@ impl Probe {
     }
 }
 
-/// The next action.
+/// Next action for the probes.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Tick {
-    /// Nothing until [`Hearing::due`].
+    /// Wait until [`Hearing::due`].
     Wait,
     /// Publish the probes of [`Hearing::probes`].
     Probe,
-    /// Nothing comes through these filters.
+    /// Nothing arrives through these filters.
     Deaf {
-        /// The filters without a probe, at least one.
+        /// Topics of the filters whose probe is missing, at least one.
         topics: Vec<RobotTopic>,
-        /// The broker has said nothing at all since the probes were sent.
+        /// The broker has sent nothing at all since the probes were published.
         is_silent: bool,
     },
 }
 
-/// The probes of one connection.
+/// State of the probes of one connection.
 #[derive(Debug)]
 pub(super) struct Hearing {
-    /// Every probe's topic begins with this.
+    /// Common prefix of the probes' topics.
     prefix: String,
     probes: Vec<Probe>,
     due: Instant,
-    /// When this round was sent; none before the first.
+    /// Time at which this round was sent; `None` before the first.
     sent: Option<Instant>,
-    /// When a probe of this round came last.
+    /// Time at which the last probe of this round came back.
     came: Option<Instant>,
-    /// The broker refused a probe of this round.
+    /// The broker has rejected a probe of this round.
     is_refused: bool,
-    /// Messages since the last judgement, and when that was.
+    /// Number of messages since the last judgement, and the time of that judgement.
     messages: u64,
     judged: Instant,
-    /// The broker has said something since the probes were sent.
+    /// The broker has sent something since the probes were published.
     is_alive: bool,
 }
 
 impl Hearing {
-    /// No probe is due before [`Self::subscribed`].
+    /// Starts without a probe; the first is due at [`Self::subscribed`].
     pub(super) fn new(fleet: &Name, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
         let probe = |kind: RobotTopic| Probe {
             kind,
@@ -132,27 +133,27 @@ impl Hearing {
         }
     }
 
-    /// When [`Self::tick`] has something to say.
+    /// Time at which [`Self::tick`] must be called next.
     pub(super) fn due(&self) -> Instant {
         self.due
     }
 
-    /// Whether something came through each filter in this round.
+    /// Whether a message or probe has come through each filter in this round.
     pub(super) fn is_proven(&self) -> bool {
         self.sent.is_some() && !self.is_refused && !self.probes.iter().any(Probe::is_missing)
     }
 
-    /// From the sending of this round's probes to the last that came back.
+    /// Time from the publication of this round's probes until the last of them came back.
     pub(super) fn round_trip(&self) -> Option<Duration> {
         Some(self.came?.saturating_duration_since(self.sent?))
     }
 
-    /// The probes to publish: topic and payload.
+    /// Topics and payloads of the probes to publish.
     pub(super) fn probes(&self) -> impl Iterator<Item = (&str, &[u8])> {
         self.probes.iter().map(|probe| (probe.topic.as_str(), probe.payload.as_slice()))
     }
 
-    /// The broker refuses a probe. That shows nothing about the topics that it lets us read.
+    /// Records that the broker has rejected a probe. This says nothing about the right to read topics.
     pub(super) fn refused(&mut self) {
         self.is_refused = true;
         if let Some(sent) = self.sent {
@@ -160,12 +161,12 @@ impl Hearing {
         }
     }
 
-    /// The broker has acknowledged a probe: it answers.
+    /// Records that the broker has acknowledged a probe, which shows that it is alive.
     pub(super) fn acknowledged(&mut self) {
         self.is_alive = true;
     }
 
-    /// Notes a message. Probes are taken, ours and other supervisors'; true if it was one.
+    /// Records a message. Returns true for probes of any supervisor, which do not go to the inbox.
     pub(super) fn take(&mut self, topic: &[u8], payload: &[u8]) -> bool {
         self.messages += 1;
         let Some(kind) = topic.strip_prefix(self.prefix.as_bytes()) else {
@@ -186,7 +187,7 @@ impl Hearing {
         true
     }
 
-    /// A robot's message proves its filter as well as a probe. Nothing is looked for once the round is complete.
+    /// A robot's message proves its filter like a probe does. Once the round is complete, messages need no inspection.
     fn note(&mut self, topic: &[u8]) {
         self.is_alive = true;
         if !self.probes.iter().any(Probe::is_missing) {
@@ -199,7 +200,7 @@ impl Hearing {
         }
     }
 
-    /// A complete round needs no judgement: the next one is due.
+    /// Schedules the next round, if this one is complete.
     fn finish(&mut self) {
         if let Some(sent) = self.sent
             && self.is_proven()
@@ -208,7 +209,7 @@ impl Hearing {
         }
     }
 
-    /// Judges the present round, or begins the next.
+    /// Judges the current round, or begins the next.
     pub(super) fn tick(&mut self, now: Instant) -> Tick {
         let Some(late) = now.checked_duration_since(self.due) else { return Tick::Wait };
         let messages = std::mem::take(&mut self.messages);
@@ -227,7 +228,7 @@ impl Hearing {
         let unproven = self.probes.iter().filter(|probe| probe.is_missing()).map(|probe| probe.unproven_since).min();
         let is_explained = unproven.is_some_and(|since| now.saturating_duration_since(since) < QUEUE_MAX);
         if is_burst && is_explained {
-            // Others that were sent with it came through the queue: it was dropped, perhaps.
+            // Other probes of this round came through the queue, so the missing one was probably dropped.
             let is_overtaken = self.came.is_some_and(|came| now.saturating_duration_since(came) >= PATIENCE);
             if is_overtaken {
                 self.begin(now);
@@ -260,18 +261,18 @@ mod tests {
         RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
     }
 
-    /// The state after the first probes were sent, and the time at which that happened.
+    /// A state whose first probes were sent, and the time of that.
     fn probing() -> (Hearing, Instant) {
         let now = Instant::now();
         let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);
-        assert_eq!(hearing.tick(now + PERIOD), Tick::Wait, "not subscribed yet");
+        assert_eq!(hearing.tick(now + PERIOD), Tick::Wait, "no probe before the subscription");
         hearing.subscribed(now);
         assert_eq!(hearing.tick(now), Tick::Probe);
         assert!(!hearing.is_proven());
         (hearing, now)
     }
 
-    /// The broker passes on the probes of these topics.
+    /// Lets the probes of the topics that `which` selects come back.
     fn deliver(hearing: &mut Hearing, which: impl Fn(RobotTopic) -> bool) {
         let probes: Vec<(String, Vec<u8>)> =
             hearing.probes().map(|(topic, payload)| (topic.to_owned(), payload.to_owned())).collect();
@@ -288,7 +289,7 @@ mod tests {
         }
     }
 
-    /// Ticks as they come due until something is to be done; gives that, and when.
+    /// Calls `tick` whenever it is due until there is something to do; returns that and its time.
     fn until_done(hearing: &mut Hearing, mut between: impl FnMut(&mut Hearing)) -> (Tick, Instant) {
         loop {
             between(hearing);
@@ -306,7 +307,7 @@ mod tests {
         deliver(&mut hearing, |_| true);
         assert!(hearing.is_proven() && hearing.round_trip().is_some());
         assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, sent + PERIOD));
-        assert!(!hearing.is_proven(), "anew in each round");
+        assert!(!hearing.is_proven(), "each round needs its own proof");
     }
 
     #[test]
@@ -349,7 +350,7 @@ mod tests {
                 deliver(hearing, |_| true);
             }
         });
-        assert_eq!((done, looks), (Tick::Probe, 10), "the next round, after some seconds");
+        assert_eq!((done, looks), (Tick::Probe, 10), "the next round begins after the probes came");
     }
 
     #[test]
@@ -410,9 +411,9 @@ mod tests {
         let foreign = [HEAD, random_hex().as_bytes(), TAIL].concat();
         for kind in kinds() {
             let topic = kind.probe_topic(&Name::new("f").unwrap());
-            assert!(hearing.take(topic.as_bytes(), &foreign), "another supervisor's");
+            assert!(hearing.take(topic.as_bytes(), &foreign), "a probe of another supervisor");
             for payload in [&b"{}"[..], b"{\"probe\":\"\"}", br#"{"boot_id":"b","seq":0,"contacts":[]}"#] {
-                assert!(!hearing.take(topic.as_bytes(), payload), "it is refused elsewhere, and counted");
+                assert!(!hearing.take(topic.as_bytes(), payload), "a message that goes to the inbox");
             }
         }
         assert!(!hearing.is_proven());

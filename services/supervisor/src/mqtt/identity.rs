@@ -1,14 +1,14 @@
-//! Names that nobody can guess: client ids and probes.
+//! Unguessable identifiers: client ids and probes.
 //!
-//! A broker ends a connection when another client connects with its client id. So an id must be unknown to everybody else: it has
-//! 128 random bits, and only its beginning is ever published or logged.
+//! A broker ends a connection when another client connects with its client id. So nobody else may know an id: it has
+//! 128 random bits, and only its prefix is ever published or logged.
 
 use vibrissa_protocol::Name;
 
 /// 128 random bits in hexadecimal.
 ///
 /// # Panics
-/// The system has no randomness, without which hash tables cannot be made either.
+/// The system has no random numbers; hash tables could not be created either.
 pub(super) fn random_hex() -> String {
     let mut bits = [0; 16];
     if let Err(problem) = getrandom::fill(&mut bits) {
@@ -17,12 +17,12 @@ pub(super) fn random_hex() -> String {
     format!("{:032x}", u128::from_ne_bytes(bits))
 }
 
-/// The prefix of all client ids of a fleet's connections with this role. It is not secret.
+/// Prefix of all client ids of a fleet's connections with this role. It is not secret.
 pub(super) fn id_prefix(fleet: &Name, role: &str) -> String {
     format!("vibrissa-{fleet}-{role}-")
 }
 
-/// A new client id, never to be shown.
+/// A new client id, which must never be logged or published.
 pub(super) fn client_id(fleet: &Name, role: &str) -> String {
     format!("{}{}", id_prefix(fleet, role), random_hex())
 }

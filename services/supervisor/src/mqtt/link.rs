@@ -1,4 +1,4 @@
-//! Whether there is a connection, why not, and when to try again.
+//! State of the two connections to the broker, the reason of an outage, and the pauses between attempts.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,21 +8,21 @@ use tracing::{info, warn};
 
 use super::problem::Problem;
 
-/// One of the two connections.
+/// One of the fleet's two connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
     Receiving,
     Publishing,
 }
 
-/// Whether one connection stands.
+/// State of one connection.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 enum State {
-    /// Not tried to the end yet.
+    /// No attempt has ended yet.
     #[default]
     New,
     Connected,
-    /// For this reason.
+    /// Not connected, for this reason.
     Broken(String),
 }
 
@@ -36,10 +36,10 @@ impl State {
     }
 }
 
-/// Minimum time between two log messages about takeovers, or possible takeovers, of our client ids.
+/// Shortest interval between two log messages about takeovers, or possible takeovers, of this supervisor's client ids.
 const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
 
-/// Why a fleet's robots cannot be heard or answered; shared by the two connections and whoever asks.
+/// State of a fleet's broker connections: why its robots cannot be heard or answered. Shared by both connections.
 #[derive(Debug, Clone, Default)]
 pub struct LinkState(Arc<Mutex<Link>>);
 
@@ -47,16 +47,16 @@ pub struct LinkState(Arc<Mutex<Link>>);
 struct Link {
     receiving: State,
     publishing: State,
-    /// The broker has closed this connection without a reason, and the other one has stood ever since.
+    /// The connection that the broker has closed without a reason while the other one stayed up.
     closed_alone: Option<Side>,
-    /// Since when robots are not known to be heard.
+    /// Since when it is unproven that robots are heard.
     deaf_since: Option<Instant>,
-    /// Takeovers that were not logged yet, and when one was logged last.
+    /// Number of takeovers not logged yet, and the time of the last log message.
     takeovers: u64,
     takeover_logged: Option<Instant>,
-    /// The last break was not logged: nor is its end.
+    /// The last outage was not logged, so its end is not logged either.
     is_quiet: bool,
-    /// The problem with a file of secrets, if there is one.
+    /// Problem with a file of secrets, if there is one.
     secrets: Option<String>,
 }
 
@@ -76,7 +76,7 @@ impl Default for Link {
 }
 
 impl Link {
-    /// The connection's own state, and the other's.
+    /// State of one connection, and of the other.
     fn sides(&mut self, side: Side) -> (&mut State, &State) {
         match side {
             Side::Receiving => (&mut self.receiving, &self.publishing),
@@ -84,7 +84,7 @@ impl Link {
         }
     }
 
-    /// How many takeovers to log now; none if one was logged a moment ago.
+    /// Number of takeovers to log now; `None` if one was logged a short time ago.
     fn takeovers_to_log(&mut self, now: Instant) -> Option<u64> {
         self.takeovers += 1;
         let is_due = self.takeover_logged.is_none_or(|logged| now >= logged + TAKEOVERS_LOGGED_EVERY);
@@ -96,21 +96,21 @@ impl Link {
 }
 
 impl LinkState {
-    /// One sentence for people: what is wrong, with which host, file or user, and what to do; none while
-    /// both connections stand.
+    /// The first problem, as a sentence with the host, file or user concerned, and what to do; `None` while both
+    /// connections are up.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
         self.problems().into_iter().next()
     }
 
-    /// The same of each connection.
+    /// The problems of both connections.
     #[must_use]
     pub fn problems(&self) -> Vec<String> {
         let link = self.link();
         [&link.receiving, &link.publishing].into_iter().filter_map(State::problem).collect()
     }
 
-    /// For how long robots have not been heard, and why; none while they are.
+    /// For how long robots have not been heard, and the reason; `None` while they are heard.
     #[must_use]
     pub fn deafness(&self) -> Option<(Duration, String)> {
         let link = self.link();
@@ -118,8 +118,8 @@ impl LinkState {
         Some((deaf_for, link.receiving.problem().unwrap_or_default()))
     }
 
-    /// A connection is up and does its job. Returns true if the broker had closed it without a reason while the other one
-    /// stayed up.
+    /// Records that a connection is up and works. Returns true if the broker had closed it without a reason while the
+    /// other one stayed up.
     pub(super) fn connected(&self, side: Side) -> bool {
         let mut link = self.link();
         let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
@@ -137,8 +137,8 @@ impl LinkState {
         was_closed_alone
     }
 
-    /// There is none, or it does not do what it is for. Said once in the log, not at each attempt, and once
-    /// for both connections.
+    /// Records that a connection is down or does not work. An outage is logged once, not at each attempt, and once for
+    /// both connections.
     pub(super) fn broken(&self, side: Side, problem: &Problem) {
         let why = problem.to_string();
         let mut link = self.link();
@@ -150,7 +150,7 @@ impl LinkState {
         let is_news = *own != broken && *other != broken;
         let is_alone = *own == State::Connected && *other == State::Connected;
         *own = broken;
-        // If the other one breaks too, the broker has ended.
+        // If the other connection breaks too, the broker has stopped.
         if problem.is_unexplained_end() && is_alone {
             link.closed_alone = Some(side);
         } else if link.closed_alone != Some(side) {
@@ -171,7 +171,7 @@ impl LinkState {
     pub(super) fn secrets(&self, problem: Option<String>) {
         let mut link = self.link();
         if let Some(problem) = problem.as_deref().filter(|_| link.secrets != problem) {
-            warn!(problem, "using the secrets that were read before");
+            warn!(problem, "cannot read a file of secrets, using its last contents");
         }
         link.secrets = problem;
     }
@@ -181,8 +181,8 @@ impl LinkState {
     }
 }
 
-/// Pauses between attempts: doubled each time, never quite equal, so that supervisors which lost the same
-/// broker do not come back all at once.
+/// Pauses between attempts to connect: doubled each time and randomised, so that supervisors that lost the same broker
+/// do not reconnect at the same time.
 #[derive(Debug)]
 pub(super) struct Backoff {
     next: Duration,
@@ -196,16 +196,16 @@ impl Backoff {
         Self { next: Self::START }
     }
 
-    /// What was tried has worked.
+    /// Starts again with the shortest pause, after a success.
     pub(super) fn reset(&mut self) {
         self.next = Self::START;
     }
 
-    /// Between half of what is due and all of it.
+    /// The next pause: between half of its nominal length and all of it.
     pub(super) fn pause(&mut self) -> Duration {
         let due = self.next;
         self.next = (due * 2).min(Self::MAX);
-        // The standard library's hasher starts at random.
+        // The standard library seeds its hasher at random.
         let random = RandomState::new().build_hasher().finish() % 1024;
         due / 2 + due / 2 * u32::try_from(random).unwrap_or(0) / 1024
     }
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn deafness_lasts_from_the_first_loss_to_the_next_proof_and_is_the_receivers_alone() {
         let link = LinkState::default();
-        assert!(link.deafness().is_some(), "nothing was heard yet");
+        assert!(link.deafness().is_some(), "deaf before the first proof");
         link.connected(Side::Publishing);
         assert!(link.deafness().is_some());
         link.connected(Side::Receiving);
@@ -278,17 +278,17 @@ mod tests {
             let link = LinkState::default();
             assert!(!link.connected(side) && !link.connected(other));
             link.broken(side, &closed);
-            assert!(link.connected(side), "the other one stands");
-            assert!(!link.connected(side), "once");
-            // An attempt that fails meanwhile changes nothing.
+            assert!(link.connected(side), "the other connection stayed up");
+            assert!(!link.connected(side), "reported only once");
+            // A failed attempt in between changes nothing.
             link.broken(side, &closed);
             link.broken(side, &refused);
             assert!(link.connected(side));
-            // The broker ends.
+            // The broker stops.
             link.broken(side, &closed);
             link.broken(other, &closed);
             assert!(!link.connected(side) && !link.connected(other));
-            // A break with a stated reason is not a connection closed alone.
+            // An end with a stated reason does not count.
             link.broken(side, &refused);
             assert!(!link.connected(side));
         }

@@ -1,9 +1,12 @@
-//! Two connections to the broker: one receives, one publishes, so that setpoints never wait behind a burst.
+//! The connections to the broker: one receives and one publishes, so that setpoints never wait behind a burst.
 //!
-//! Nothing rests on the broker's sessions: each connection starts clean under a name that nobody can guess (`identity`), and
-//! subscribes anew, so that retained births and factsheets come again. The receiving one proves that it hears (`hearing`).
+//! The broker's sessions are not relied on: each connection starts clean under an unguessable client id (`identity`),
+//! and subscribes again, so that the broker sends the retained births and factsheets. The receiving connection proves
+//! that it hears robots (`hearing`).
 //!
-//! [`tap`] is a third, for recordings, [`Talk`] a fourth, to test a robot with, and [`try_hearing`] a fifth, for a moment. [`prepare`] reads certificates before anything is tried; [`LinkState`] tells why there is no connection.
+//! Further connections: [`tap`] records, [`Talk`] tests a robot, and [`try_hearing`] tests for a short time whether a
+//! fleet can be heard. [`prepare`] reads certificates before the first attempt; [`LinkState`] gives the reason of an
+//! outage.
 
 mod address;
 mod tls;
@@ -43,34 +46,35 @@ pub use tap::tap;
 pub use tls::{PrepareError, Prepared, prepare};
 pub use trial::try_hearing;
 
-/// The largest packet that is taken. Larger ones the broker must not send; without this limit, one would
-/// end every connection.
+/// Size limit of incoming packets in bytes. The broker is told at the connection, and must not send larger ones;
+/// without the limit, one larger packet would end each connection.
 const PACKET_MAX: u32 = 2 * 1024 * 1024;
-/// Publications of ours without an acknowledgement at a time. The client keeps a table of this size; its default
-/// is the protocol's 65,535.
+/// Limit of this supervisor's publications without an acknowledgement. The client keeps a table of this size; its
+/// default is the protocol's maximum of 65,535.
 const IN_FLIGHT: u16 = 64;
-/// Publications that go out in one write, if so many wait: some 8 KiB of receipts. By itself the client makes a write for each.
+/// Number of waiting publications sent in one write: about 8 KiB of receipts. The client's default is one write for
+/// each.
 const WRITE_BATCH: usize = 64;
 
-/// What both connections need to know.
+/// Settings of a fleet's connections.
 #[derive(Debug, Clone)]
 pub struct Connection {
-    /// Where.
+    /// Address of the broker.
     pub broker: BrokerAddress,
-    /// What [`prepare`] made of it.
+    /// Secrets and certificates, read by [`prepare`].
     pub prepared: Prepared,
-    /// Which fleet.
+    /// Fleet whose topics are used.
     pub fleet: Name,
-    /// Which boot of the supervisor.
+    /// Boot id of this supervisor for the fleet.
     pub boot_id: BootId,
-    /// Its epoch.
+    /// Epoch of the fleet's lease.
     pub epoch: u64,
-    /// Where it is told why there is no connection.
+    /// Receives the state of the connections.
     pub link: LinkState,
 }
 
 impl Connection {
-    /// The options of a client, with a new client id, and a flag that shows whether it has reached TCP.
+    /// Options of a client with a new client id, and a flag that is set once TCP is connected.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
         let id = identity::client_id(&self.fleet, role);
         let (host, port) = (self.broker.host.clone(), self.broker.port);
@@ -90,7 +94,7 @@ impl Connection {
         (options, reached)
     }
 
-    /// Password and certificates.
+    /// Sets password and certificates.
     fn show_secrets(&self, options: &mut MqttOptions) {
         if let Some(credentials) = &self.broker.credentials {
             options.set_credentials(&credentials.username, credentials.password.reveal().to_owned());
@@ -100,8 +104,8 @@ impl Connection {
         }
     }
 
-    /// The same connection with the current contents of the password and certificate files. If a file is unusable, the contents
-    /// read before stay in use.
+    /// The same connection with the current contents of the password and certificate files. If a file is unusable, its
+    /// last contents stay in use.
     fn with_secrets_read_again(&self) -> Self {
         let mut renewed = self.clone();
         let mut problem = None;
@@ -120,7 +124,7 @@ impl Connection {
     }
 }
 
-/// Returns when it is time to stop, or when no one is left to say so.
+/// Returns when the flag is set, or when its sender is gone.
 pub async fn stopped(stop: &mut watch::Receiver<bool>) {
     let _ = stop.wait_for(|&stop| stop).await;
 }

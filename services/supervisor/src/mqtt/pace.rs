@@ -1,31 +1,31 @@
-//! How often to look at the network in a burst.
+//! How often to read from the network in a burst.
 //!
-//! A broker writes each message by itself. Whoever looks at once finds one or two, and pays a wake-up, a read and the
-//! write of an acknowledgement for them: several times what the messages themselves cost. So while many come, the
-//! receiving thread sleeps for half a millisecond between two looks. That must not slow a burst down, as it does where a broker
-//! lets few messages be without acknowledgement, and waits for each look. So it is tried: in turns with pauses and without, because
-//! robots that wait for receipts send by fits and starts, and one turn says little.
+//! A broker writes each message separately. A reader that reads at once gets one or two, and pays a wake-up, a read and
+//! the write of an acknowledgement for them: several times the cost of the messages themselves. So at a high rate the
+//! receiving thread sleeps for half a millisecond between two reads. This must not slow a burst down, as it does with a
+//! broker that allows few unacknowledged messages and therefore waits for each read. So a trial decides: turns with and
+//! without pauses alternate, because robots that wait for receipts send in waves, and a single turn says little.
 
 use std::time::{Duration, Instant};
 
-/// The pause between two looks.
+/// Pause between two reads.
 pub(super) const PAUSE: Duration = Duration::from_micros(500);
-/// Messages that one look brings at the most; after so many there are more, and it is looked again at once.
+/// Limit of messages per read; a read that reaches it is followed by the next one at once.
 pub(super) const LOOK_MAX: usize = 128;
-/// From this rate on it is a burst, in messages a second; below half of it no longer.
+/// Rate from which on it is a burst, messages per second; a burst ends below half of it.
 const BUSY_PER_S: f64 = 8_000.0;
-/// How long messages are counted for their rate, outside of a burst ...
+/// Period over which the rate is measured outside a burst,
 const WINDOW: Duration = Duration::from_millis(10);
-/// ... and in one, and each turn of a trial: as often as robots are sent receipts.
+/// and in a burst, and length of a turn of a trial: the interval of receipts.
 const TURN: Duration = Duration::from_millis(100);
-/// Turns of a trial: half of them with pauses, the first one among them.
+/// Turns of a trial, alternately with and without pauses, beginning with pauses.
 const TURNS: u32 = 10;
-/// With pauses at least this part of the messages must come that come without.
+/// Least number of messages with pauses, as a fraction of the number without, for which pauses are used.
 const LEFT_MIN: f64 = 0.8;
-/// How long a trial's verdict holds.
+/// How long the result of a trial holds.
 const VERDICT: Duration = Duration::from_secs(30);
 
-/// Decides on the pauses of one connection.
+/// Decides whether one connection pauses between reads.
 #[derive(Debug)]
 pub(super) struct Pace {
     since: Instant,
@@ -34,7 +34,7 @@ pub(super) struct Pace {
     verdict: Option<Verdict>,
 }
 
-/// What the last trial has shown, and until when it holds.
+/// Result of the last trial, and the end of its validity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Verdict {
     pauses: bool,
@@ -43,11 +43,11 @@ struct Verdict {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum State {
-    /// Few messages: each is looked for at once.
+    /// Low rate: reads without pauses.
     Calm,
-    /// A burst in which pauses are tried: the turns so far, and what came with pauses and without.
+    /// Trial in a burst: number of turns so far, and numbers of messages with pauses and without.
     Trial(u32, [u64; 2]),
-    /// A burst, with pauses or without.
+    /// A burst after a trial, with pauses or without.
     Burst(bool),
 }
 
@@ -56,7 +56,7 @@ impl Pace {
         Self { since: now, messages: 0, state: State::Calm, verdict: None }
     }
 
-    /// Whether to pause before the next look, after one that has brought so many messages.
+    /// Whether to pause before the next read; `messages` is the number of messages of the last one.
     pub(super) fn pauses(&mut self, now: Instant, messages: usize) -> bool {
         self.messages += messages as u64;
         let elapsed = now.saturating_duration_since(self.since);
@@ -72,7 +72,7 @@ impl Pace {
         pauses && messages < LOOK_MAX
     }
 
-    /// What follows a time with so many messages a second.
+    /// The state after a period with this rate, messages per second.
     fn after(&mut self, now: Instant, per_s: f64) -> State {
         let is_burst = per_s >= if self.state == State::Calm { BUSY_PER_S } else { BUSY_PER_S / 2.0 };
         if !is_burst {
@@ -102,7 +102,8 @@ mod tests {
 
     const MS: Duration = Duration::from_millis(1);
 
-    /// Looks once a millisecond, for so many; gives how many pauses there were. What a look brings depends on whether a pause was before it.
+    /// Reads `count` times, once a millisecond, and returns the number of pauses. `brings` gives the messages of a
+    /// read; its argument says whether a pause was before it.
     fn looks(pace: &mut Pace, now: &mut Instant, count: usize, mut brings: impl FnMut(bool) -> usize) -> usize {
         let mut is_paused = false;
         let look = |_: &usize| {
@@ -123,7 +124,7 @@ mod tests {
         assert!(looks(&mut pace, &mut now, 1_000, |_| 50) >= 990);
         assert!(looks(&mut pace, &mut now, 500, |_| 1) <= 110);
         assert_eq!(looks(&mut pace, &mut now, 500, |_| 1), 0);
-        assert!(looks(&mut pace, &mut now, 100, |_| 50) >= 90, "the next burst at once");
+        assert!(looks(&mut pace, &mut now, 100, |_| 50) >= 90, "the result holds for the next burst");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The polling half of a client: one event after the other, and every failure under its cause.
+//! The polling half of an MQTT client: returns one event after the other, and each failure with its cause.
 
 use std::pin::pin;
 use std::sync::Arc;
@@ -13,20 +13,20 @@ use super::address::BrokerAddress;
 use super::hearing::Hearing;
 use super::problem::{Cause, Problem};
 
-/// Both sides say something at least this often, so that a dead one is noticed after two of them.
+/// Keep-alive interval, s. A dead connection is noticed after two of them.
 pub(super) const KEEP_ALIVE_S: u16 = 6;
-/// For a broker that wants no keep-alive.
+/// Time limit for a broker that disables the keep-alive, s.
 const DAY_S: u64 = 24 * 3600;
 
-/// What a poll ends with.
+/// Why polling ends.
 pub(super) enum Failure {
-    /// For this reason.
+    /// The connection broke for this reason.
     Broken(Problem),
-    /// The client has disconnected, as it was told.
+    /// The client has disconnected on request.
     Finished,
 }
 
-/// A client's event loop.
+/// Event loop of an MQTT client.
 pub(super) struct Poller {
     events: EventLoop,
     broker: BrokerAddress,
@@ -41,17 +41,17 @@ impl Poller {
         Self { events, broker, reached, connected: false, patience: patience(KEEP_ALIVE_S) }
     }
 
-    /// The next event of those that came together with the last one. Everything that one look at the network brings
-    /// waits in the client; going through its whole loop for each costs more than the message itself.
+    /// The next event of the last read, if there are more. The client holds all events of one read; a pass through its
+    /// whole loop for each costs more than the message itself.
     pub(super) fn ready(&mut self) -> Option<Event> {
         let event = self.events.state.events.pop_front()?;
         self.note(&event);
         Some(event)
     }
 
-    /// The next event. After a failure the next call connects anew, at once: wait before it.
+    /// Waits for the next event. After a failure the next call reconnects at once, so the caller must pause first.
     pub(super) async fn next(&mut self) -> Result<Event, Failure> {
-        // A connection into which nothing can be written any more is not noticed by the client itself.
+        // The client itself does not notice a connection into which nothing can be written any more.
         let Ok(event) = tokio::time::timeout(self.patience, self.events.poll()).await else {
             self.events.clean();
             self.connected = false;
@@ -71,16 +71,16 @@ impl Poller {
         }
     }
 
-    /// The next event. Meanwhile `judge` is called whenever something is due of `hearing`.
+    /// Waits for the next event, and calls `judge` whenever `hearing` is due.
     ///
     /// # Errors
-    /// Those of `judge`, at once.
+    /// The first error of `judge`.
     pub(super) async fn next_while<E>(
         &mut self,
         hearing: &mut Hearing,
         mut judge: impl FnMut(&mut Hearing) -> Result<(), E>,
     ) -> Result<Result<Event, Failure>, E> {
-        // Polled on after each judgement: nothing that the client has begun is cut off.
+        // The future is polled again after each judgement, so that no operation of the client is cancelled.
         let mut next = pin!(self.next());
         loop {
             tokio::select! {
@@ -91,7 +91,7 @@ impl Poller {
         }
     }
 
-    /// Takes other credentials, and another client id if it is given, for the next connection.
+    /// Sets new credentials, and a new client id if there is one, for the next connection.
     pub(super) fn renew(&mut self, connection: &Connection, client_id: Option<String>) {
         let options = &mut self.events.options;
         connection.show_secrets(options);
@@ -108,7 +108,7 @@ impl Poller {
     }
 }
 
-/// The broker's word counts.
+/// Keep-alive interval, s: the broker's value takes precedence.
 fn keep_alive_s(ack: &ConnAck) -> u16 {
     ack.properties.as_ref().and_then(|properties| properties.server_keep_alive).unwrap_or(KEEP_ALIVE_S)
 }

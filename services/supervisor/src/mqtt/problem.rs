@@ -1,5 +1,4 @@
-//! Why there is no connection, in a sentence for people: what is wrong, with which host, file or user, and
-//! what to do.
+//! Why a connection fails, as a sentence with the host, file or user concerned, and what to do.
 
 use std::fmt;
 use std::io;
@@ -12,73 +11,73 @@ use super::address::BrokerAddress;
 use super::dial::{CONNECT_TIMEOUT, LookupError};
 use super::hearing::PATIENCE;
 
-/// A cause, with the broker that it is about.
+/// A cause of failure, with the broker concerned.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Problem {
-    /// In a box, so that results with a problem stay small.
+    /// Boxed, to keep results with a problem small.
     broker: Box<BrokerAddress>,
     cause: Cause,
 }
 
-/// What is wrong.
+/// Cause of a failure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// The host's name has no address.
+    /// The host name cannot be resolved.
     UnknownHost(String),
-    /// Nothing listens there.
+    /// Nothing listens on the port.
     Refused,
-    /// The network does not lead there.
+    /// There is no route to the host.
     Unreachable(String),
-    /// No answer to the attempt to connect.
+    /// No answer to the TCP connection attempt.
     NoAnswer,
-    /// Connected by TCP, and then nothing.
+    /// TCP is connected, but nothing arrives.
     Mute,
-    /// It answers something, but not in TLS.
+    /// The broker answers, but not in TLS.
     NotTls,
-    /// Its certificate comes from an authority that is not known.
+    /// An unknown authority has signed the broker's certificate.
     UnknownIssuer,
-    /// Its certificate is for other names.
+    /// The broker's certificate is for other names, which are listed.
     WrongName(Vec<String>),
-    /// Its certificate is not valid any more.
+    /// The broker's certificate has expired.
     Expired,
-    /// Its certificate is not valid yet.
+    /// The broker's certificate is not valid yet.
     NotYetValid,
-    /// Its certificate cannot be used for another reason.
+    /// The broker's certificate is unusable for another reason.
     BadCertificate(String),
-    /// It wants a certificate of ours.
+    /// The broker requires a client certificate.
     WantsCertificate,
-    /// It does not want the one that it got.
+    /// The broker rejects the client certificate.
     CertificateRefused(String),
     /// TLS fails for another reason.
     Tls(String),
-    /// It closes the connection, or says what no broker says.
+    /// The peer closes the connection, or does not speak MQTT.
     NotMqtt,
-    /// It speaks another version of MQTT.
+    /// The broker speaks another version of MQTT.
     WrongVersion,
-    /// It does not accept the user or the password, or wants some.
+    /// The broker rejects the user or password, or requires some.
     NotAuthorized,
-    /// It does not accept the connection for another reason.
+    /// The broker rejects the connection for another reason.
     NotAccepted(ConnectReturnCode),
-    /// It does not let us read.
+    /// The broker rejects a subscription.
     Subscription(String),
-    /// It does not let us write.
+    /// The broker rejects a publication.
     Publication(String),
-    /// The connection stood, and broke.
+    /// An established connection broke.
     Lost(String),
-    /// The connection stands, but nothing comes through it.
+    /// An established connection has gone silent.
     Silent,
-    /// Another client has connected with our client id.
+    /// Another client has connected with this client id.
     TakenOver,
-    /// The broker has closed the connection and says nothing of why.
+    /// The broker has closed the connection without a reason.
     Closed,
     /// Probes for these topics did not come back.
     Unheard {
         fleet: Name,
         topics: Vec<RobotTopic>,
-        /// Nor did anything else.
+        /// No other message arrived either.
         is_silent: bool,
     },
-    /// It does not let us publish probes.
+    /// The broker rejects the publication of probes.
     ProbeRefused { fleet: Name, why: String },
 }
 
@@ -87,11 +86,11 @@ impl Problem {
         Self { broker: Box::new(broker.clone()), cause }
     }
 
-    /// What of the client's errors it is.
+    /// Classifies an error of the client.
     ///
-    /// `reached`: TCP stood. `connected`: the broker had accepted the connection.
+    /// `reached`: TCP was connected. `connected`: the broker had accepted the connection.
     pub(super) fn of(broker: &BrokerAddress, error: &ConnectionError, reached: bool, connected: bool) -> Self {
-        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: told apart by what they hold")]
+        #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: classified by their contents")]
         let cause = match error {
             ConnectionError::ConnectionRefused(code) => of_code(*code),
             ConnectionError::Timeout(_) if reached => Cause::Mute,
@@ -113,26 +112,27 @@ impl Problem {
         Self::new(broker, cause)
     }
 
-    /// Whether another client has connected with our client id.
+    /// Whether another client has connected with this client id.
     pub(super) fn is_takeover(&self) -> bool {
         self.cause == Cause::TakenOver
     }
 
-    /// Whether the broker has closed the connection without a reason that is understood. After a takeover Mosquitto 2.0.11 gives
-    /// none, and newer ones send a DISCONNECT without the length of its properties, which the client library does not read.
+    /// Whether the broker has closed the connection without an understandable reason. After a takeover Mosquitto 2.0.11
+    /// gives none, and newer versions send a DISCONNECT without the length of its properties, which the client library
+    /// cannot parse.
     pub(super) fn is_unexplained_end(&self) -> bool {
         self.cause == Cause::Closed
     }
 }
 
-/// Whether the other side has closed the connection.
+/// Whether the peer has closed the connection.
 fn is_end(error: &ConnectionError) -> bool {
     matches!(error, ConnectionError::MqttState(StateError::ConnectionAborted))
         || io_of(error).is_some_and(|error| error.kind() == io::ErrorKind::ConnectionReset)
 }
 
 fn of_code(code: ConnectReturnCode) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's codes: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's codes: the others have no specific advice")]
     match code {
         ConnectReturnCode::BadUserNamePassword
         | ConnectReturnCode::NotAuthorized
@@ -144,9 +144,9 @@ fn of_code(code: ConnectReturnCode) -> Cause {
     }
 }
 
-/// The error of the socket, wherever the client has put it.
+/// The socket's error, which the client wraps in several ways.
 fn io_of(error: &ConnectionError) -> Option<&io::Error> {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others hold no such thing")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others contain no socket error")]
     match error {
         ConnectionError::Io(error)
         | ConnectionError::Tls(TlsError::Io(error))
@@ -157,7 +157,7 @@ fn io_of(error: &ConnectionError) -> Option<&io::Error> {
     }
 }
 
-/// The error of TLS; after the handshake it comes by way of the socket.
+/// The TLS error; after the handshake the client wraps it in a socket error.
 fn tls_of(error: &ConnectionError) -> Option<&rustls::Error> {
     if let ConnectionError::Tls(TlsError::TLS(error)) = error {
         return Some(error);
@@ -166,11 +166,11 @@ fn tls_of(error: &ConnectionError) -> Option<&rustls::Error> {
 }
 
 fn of_tls(error: &rustls::Error) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no specific advice")]
     match error {
         rustls::Error::InvalidCertificate(problem) => of_certificate(problem),
         rustls::Error::InvalidMessage(_) => Cause::NotTls,
-        // TLS 1.3 has an alert of its own for it; 1.2 says that nothing fits.
+        // TLS 1.3 has an alert for it; TLS 1.2 reports a handshake failure.
         rustls::Error::AlertReceived(AlertDescription::CertificateRequired | AlertDescription::HandshakeFailure) => {
             Cause::WantsCertificate
         }
@@ -189,7 +189,7 @@ fn of_tls(error: &rustls::Error) -> Cause {
 }
 
 fn of_certificate(problem: &CertificateError) -> Cause {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no specific advice")]
     match problem {
         CertificateError::UnknownIssuer | CertificateError::BadSignature => Cause::UnknownIssuer,
         CertificateError::NotValidForName => Cause::WrongName(Vec::new()),
@@ -200,13 +200,13 @@ fn of_certificate(problem: &CertificateError) -> Cause {
     }
 }
 
-/// TCP never stood.
+/// Classifies a failure before TCP was connected.
 fn of_dial(error: &ConnectionError) -> Cause {
     let Some(error) = io_of(error) else { return Cause::Unreachable(short(error)) };
     if let Some(LookupError(why)) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
         return Cause::UnknownHost(why.clone());
     }
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the others have no advice of their own")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the others have no specific advice")]
     match error.kind() {
         io::ErrorKind::ConnectionRefused => Cause::Refused,
         io::ErrorKind::TimedOut => Cause::NoAnswer,
@@ -214,13 +214,13 @@ fn of_dial(error: &ConnectionError) -> Cause {
     }
 }
 
-/// What broke a connection, without the client's layers.
+/// Reason of a broken connection, without the client's wrapping texts.
 fn short(error: &ConnectionError) -> String {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others say it themselves")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
     match error {
         ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();
-            format!("the broker ended it: {reason_code:?}{said}")
+            format!("the broker disconnected: {reason_code:?}{said}")
         }
         other => io_of(other).map_or_else(|| other.to_string(), ToString::to_string),
     }
@@ -241,51 +241,51 @@ impl fmt::Display for Problem {
             | Cause::BadCertificate(_) => self.untrusted(f),
             Cause::NotTls => write!(
                 f,
-                "it does not answer in TLS on port {}: write mqtt:// in mqtt.url if it has none, or the port that has \
-                 it (usually 8883)",
+                "it does not answer in TLS on port {}: use mqtt:// in mqtt.url if it has no TLS, or its port for TLS \
+                 (usually 8883)",
                 broker.port
             ),
             Cause::WantsCertificate => f.write_str(
-                "it wants a client certificate: set mqtt.client_certificate_file and mqtt.client_key_file to one from \
-                 an authority that it knows",
+                "it requires a client certificate: set mqtt.client_certificate_file and mqtt.client_key_file to one of \
+                 an authority that it trusts",
             ),
             Cause::CertificateRefused(alert) => write!(
                 f,
-                "it does not accept the client certificate in {} ({alert}): it must come from an authority that the \
-                 broker knows, and not have expired",
+                "it does not accept the client certificate in {} ({alert}): it must be signed by an authority that the \
+                 broker trusts, and must not have expired",
                 self.certificate_file()
             ),
-            Cause::Tls(why) => write!(f, "no agreement on TLS: {why}"),
+            Cause::Tls(why) => write!(f, "the TLS handshake failed: {why}"),
             Cause::NotMqtt => self.not_mqtt(f),
-            Cause::WrongVersion => f.write_str("it does not speak MQTT 5, which is needed: use one that does"),
+            Cause::WrongVersion => f.write_str("it does not support MQTT 5: use a broker that does"),
             Cause::NotAuthorized => self.not_authorized(f),
             Cause::NotAccepted(code) => write!(f, "it does not accept the connection: {code:?}"),
             Cause::Subscription(what) => write!(
                 f,
-                "it does not let {} read {what}: allow that in the broker's access list; until then robots are not \
-                 heard",
+                "it does not let {} subscribe to {what}: allow it in the broker's access list. Until then robots are \
+                 not heard",
                 self.user()
             ),
             Cause::Publication(why) => write!(
                 f,
-                "it does not take what {} publishes ({why}): allow setpoint, receipt, request and supervisor/state in \
+                "it rejects publications of {} ({why}): allow setpoint, receipt, request and supervisor/state in \
                  the broker's access list",
                 self.user()
             ),
-            Cause::Lost(why) => write!(f, "the connection broke ({why}); trying again"),
-            Cause::Silent => f.write_str("it has stopped answering; trying again"),
+            Cause::Lost(why) => write!(f, "the connection broke ({why}); reconnecting"),
+            Cause::Silent => f.write_str("it has stopped answering; reconnecting"),
             Cause::TakenOver => f.write_str(
-                "it has ended the connection because another client connected with the same client id, which nobody else \
-                 can know unless the broker or its log tells it; connecting again under a new one",
+                "it has ended the connection because another client connected with the same client id, which is secret \
+                 unless the broker or its log reveals it; reconnecting with a new one",
             ),
             Cause::Closed => f.write_str(
-                "it has closed the connection without a reason, as a broker does that ends, and some when another client \
-                 connects with the same client id; connecting again under a new one",
+                "it has closed the connection without a reason: it may be stopping, or another client has the \
+                 same client id; reconnecting with a new one",
             ),
             Cause::Unheard { .. } => self.unheard(f),
             Cause::ProbeRefused { fleet, why } => write!(
                 f,
-                "it does not let {} publish the probes that prove that robots are heard ({why}): allow \
+                "it does not let {} publish the probes for its subscriptions ({why}): allow \
                  whisker/v1/{fleet}/supervisor/+ in the broker's access list",
                 self.user()
             ),
@@ -298,7 +298,7 @@ impl Problem {
         let host = &self.broker.host;
         let seconds = CONNECT_TIMEOUT.as_secs();
         if let Cause::UnknownHost(why) = &self.cause {
-            write!(f, "no address is known for host {host:?} ({why}): correct mqtt.url, or the name service")
+            write!(f, "no address is known for host {host:?} ({why}): correct mqtt.url or DNS")
         } else if let Cause::Unreachable(why) = &self.cause {
             write!(f, "it cannot be reached ({why}): check the network, and mqtt.url")
         } else if self.cause == Cause::Refused {
@@ -308,7 +308,7 @@ impl Problem {
         } else {
             write!(
                 f,
-                "it takes the connection but says nothing within {seconds} s: is it an MQTT broker, and is TLS {}?",
+                "it accepts the connection but says nothing within {seconds} s: is it an MQTT broker, and is TLS {}?",
                 if self.broker.tls.is_some() { "on at that port" } else { "off at that port (else write mqtts://)" }
             )
         }
@@ -323,8 +323,8 @@ impl Problem {
         let topics: Vec<String> = topics.iter().map(|topic| topic.fleet_filter(fleet)).collect();
         write!(
             f,
-            "a probe did not come back within {seconds} s from {}, so robots are not heard there; subscribing again on a new \
-             connection",
+            "a probe on {} did not come back within {seconds} s, so robots are not heard there; subscribing again on \
+             a new connection",
             topics.join(", ")
         )
     }
@@ -332,11 +332,11 @@ impl Problem {
     fn untrusted(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let host = &self.broker.host;
         if let Cause::WrongName(names) = &self.cause {
-            // As rustls lists them: DnsName("a.example").
+            // Format of rustls: DnsName("a.example").
             let names = names.join(", ");
             write!(
                 f,
-                "its certificate is not for {host:?} but for {names}: write such a name in mqtt.url, or give the broker \
+                "its certificate is not for {host:?} but for {names}: use one of these in mqtt.url, or give the broker \
                  a certificate for {host:?}"
             )
         } else if let Cause::BadCertificate(why) = &self.cause {
@@ -352,7 +352,7 @@ impl Problem {
             };
             write!(
                 f,
-                "its certificate comes from none of the authorities that are trusted, {from}: set mqtt.ca_file to \
+                "its certificate is not signed by a trusted authority ({from}): set mqtt.ca_file to \
                        the certificate of the broker's authority"
             )
         }
@@ -361,16 +361,16 @@ impl Problem {
     fn not_mqtt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.broker.tls {
             None => f.write_str(
-                "it does not answer as an MQTT broker: write mqtts:// in mqtt.url if it expects TLS, or correct the port",
+                "it does not answer as an MQTT broker: use mqtts:// in mqtt.url if it expects TLS, or correct the port",
             ),
             Some(tls) if tls.client.is_none() => f.write_str(
-                "it ends the encrypted connection without an answer: if it wants a client certificate, set \
+                "it closes the encrypted connection without an answer: if it requires a client certificate, set \
                  mqtt.client_certificate_file and mqtt.client_key_file; otherwise correct the port",
             ),
             Some(_) => write!(
                 f,
-                "it ends the encrypted connection without an answer: is the client certificate in {} from an authority \
-                 that it knows?",
+                "it closes the encrypted connection without an answer: is the client certificate in {} signed by an \
+                 authority that it trusts?",
                 self.certificate_file()
             ),
         }
@@ -384,14 +384,14 @@ impl Problem {
                  or the broker's list of users",
                 credentials.username
             ),
-            None => f.write_str("it wants a user and a password: set mqtt.username and mqtt.password_file"),
+            None => f.write_str("it requires a user and a password: set mqtt.username and mqtt.password_file"),
         }
     }
 
     fn user(&self) -> String {
         match &self.broker.credentials {
             Some(credentials) => format!("user {:?}", credentials.username),
-            None => "a client without a name".to_owned(),
+            None => "an anonymous client".to_owned(),
         }
     }
 

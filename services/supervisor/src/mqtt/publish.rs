@@ -1,4 +1,4 @@
-//! The connection that publishes: setpoints, receipts, requests, and whether the supervisor is there.
+//! The publishing connection: setpoints, receipts, requests, and the presence of the supervisor.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,17 +21,18 @@ use super::problem::{Cause, Problem};
 use crate::metrics::FleetMetrics;
 use crate::outbox::Publication;
 
-/// Publications queued in the client: as many as one write takes. The client sends a queued publication however old it gets.
+/// Capacity of the client's queue of publications: as many as one write takes. The client sends a queued publication
+/// without regard to its age.
 const WAITING: usize = super::WRITE_BATCH;
-/// How often whoever waits for the connection looks whether there is anything left to wait for.
+/// How often a wait for the connection checks whether the outbox is closed.
 const LOOK: Duration = Duration::from_millis(100);
-/// How long the good-bye may take.
+/// Time limit for the farewell.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 const ROLE: &str = "out";
 
-/// Publishes messages from `outbox` until it is closed, then says good-bye. Messages that have waited too long are counted and
-/// dropped.
+/// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Expired messages
+/// are counted and dropped.
 pub fn publish(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -69,11 +70,11 @@ pub fn publish(
         let farewell = async {
             client.publish(topic, offline, retained()).await?;
             client.disconnect().await?;
-            // Ends by itself when the disconnect is out.
+            // Ends when the disconnect is sent.
             let _ = (&mut polling).await;
             Ok::<(), rumqttc::ClientError>(())
         };
-        // Without it the broker publishes the will, which says the same.
+        // If this fails, the broker publishes the last will, with the same content.
         let _ = tokio::time::timeout(FAREWELL_TIMEOUT, farewell).await;
         polling.abort();
     })
@@ -81,7 +82,7 @@ pub fn publish(
 
 /// Waits for the connection. Returns false if the outbox is closed before the connection is up.
 ///
-/// Until then the client gets no publications: it would keep them and send them too late.
+/// Until then the client gets no publications, because it would queue them and send them too late.
 async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mpsc::Receiver<Publication>) -> bool {
     if *is_connected.borrow() {
         return true;
@@ -95,11 +96,11 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
     }
 }
 
-/// Polls, connects again, and says at each connection that the supervisor is there.
+/// Polls the client, reconnects it, and announces after each connection that the supervisor is online.
 ///
-/// It keeps its client id from one connection to the next, so that the broker ends the old connection before the new one
-/// speaks: else the last will of the old one would come late, and say that the supervisor has gone. It changes only an id that
-/// somebody else knows, or may know; then the broker has ended the old connection already.
+/// The client keeps its id when it reconnects, so that the broker ends the old connection before it accepts the new
+/// one. Otherwise the last will of the old connection could come later, and say that the supervisor has gone. The id
+/// changes only if another client knows it, or may know it; then the broker has already ended the old connection.
 async fn keep_up(
     connection: Connection,
     metrics: FleetMetrics,
@@ -113,9 +114,9 @@ async fn keep_up(
     loop {
         match poller.next().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                // Never awaited here: who polls must not wait for the queue that polling empties.
+                // Not awaited: the polling task must not wait for the queue that polling empties.
                 if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
-                    warn!(%problem, "cannot hear what is said of the supervisor");
+                    warn!(%problem, "cannot subscribe to the supervisor's own state");
                 }
                 say_online(&client, &topic, &online);
                 connected.send_replace(true);
@@ -154,12 +155,12 @@ async fn keep_up(
 
 fn say_online(client: &AsyncClient, topic: &str, online: &[u8]) {
     if let Err(problem) = client.try_publish(topic, online.to_vec(), retained()) {
-        warn!(%problem, "cannot say that the supervisor is online");
+        warn!(%problem, "cannot announce that the supervisor is online");
     }
 }
 
-/// Whether this is what a broker says, late, of a supervisor that froze or lost its link, and whose fleet we have, or of a
-/// former connection of ours: its will has taken the place of our own word.
+/// Whether a message says wrongly that this supervisor is offline: the late last will of an earlier owner of the fleet,
+/// or of an earlier connection of this supervisor, which has replaced the retained message.
 fn is_outdated(connection: &Connection, payload: &[u8]) -> bool {
     let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     match decode(&topic, payload) {
@@ -180,7 +181,8 @@ fn retained() -> PublishOptions {
     PublishOptions::at_least_once().retained()
 }
 
-/// The options for sending a publication now; `None` if its time is over. The time left becomes the broker's expiry.
+/// MQTT options for a publication at `now`; `None` if it has expired. The remaining time becomes the MQTT message
+/// expiry.
 fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions> {
     let options = PublishOptions::new(match publication.qos {
         QualityOfService::AtMostOnce => QoS::AtMostOnce,
@@ -188,13 +190,13 @@ fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions>
     });
     let Some(until) = publication.until else { return Some(options) };
     let left = until.checked_duration_since(now).filter(|left| !left.is_zero())?;
-    // Whole seconds, of which a broker may take 0 for none at all.
+    // The expiry is in whole seconds. It is rounded up, because a broker may take 0 for no expiry.
     let left_s = left.as_secs_f64().ceil() as u32;
     let properties = PublishProperties { message_expiry_interval: Some(left_s), ..PublishProperties::default() };
     Some(options.properties(properties))
 }
 
-/// Whether the broker did not take a publication.
+/// Whether the broker has rejected a publication.
 pub(super) fn is_failure(ack: &PubAck) -> bool {
     !matches!(ack.reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers)
 }
@@ -218,7 +220,7 @@ mod tests {
             options_of(&publication(Some(until)), now).map(|options| format!("{options:?}"))
         };
         for (left_ms, expiry_s) in [(1, 1), (999, 1), (1001, 2), (9_500, 10)] {
-            let options = goes_out(left_ms).expect("in time");
+            let options = goes_out(left_ms).expect("not expired yet");
             assert!(options.contains(&format!("message_expiry_interval: Some({expiry_s})")), "{left_ms}: {options}");
         }
         assert_eq!(goes_out(0), None);

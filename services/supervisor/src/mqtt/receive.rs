@@ -1,4 +1,4 @@
-//! The connection that receives: everything that robots say goes into the inbox.
+//! The receiving connection: puts all messages of robots into the inbox.
 
 use std::convert::Infallible;
 use std::time::Instant;
@@ -21,14 +21,14 @@ use super::{Connection, stopped};
 use crate::inbox::{Inbox, Intake, inbox};
 use crate::metrics::FleetMetrics;
 
-/// Publications of ours without an acknowledgement: probes, one a topic. The client goes through a table of this size with each
-/// write.
+/// Limit of this connection's publications without an acknowledgement: one probe per topic. The client scans a table of
+/// this size at each write.
 const IN_FLIGHT: u16 = 8;
-/// How long a broker may keep a probe for a subscriber that is away, in seconds.
+/// MQTT message expiry of a probe, s.
 const PROBE_EXPIRY_S: u32 = 15;
 
-/// The inbox, and what fills it with everything that robots say, until `stop`: in a thread that has nothing to do but this and
-/// what comes of it, for it sleeps between two looks at the network ([`super::pace`]).
+/// Returns the inbox, and the future that fills it until `stop`. The future needs a thread of its own, which it may
+/// share only with the engine, because it sleeps between two reads ([`super::pace`]).
 pub fn receive(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -55,7 +55,7 @@ struct Receiver {
 }
 
 impl Receiver {
-    /// Never ends by itself.
+    /// Connects again and again; never ends.
     async fn run(&mut self) {
         loop {
             let problem = self.listen().await;
@@ -69,8 +69,8 @@ impl Receiver {
         }
     }
 
-    /// One connection, from the attempt to its end. The client is a new one each time: nothing that waited
-    /// for the last connection goes to the next.
+    /// One connection, from the attempt to its end. Each has a new client, so that messages queued for the last
+    /// connection are not sent on the next.
     async fn listen(&mut self) -> Problem {
         match self.hear().await {
             Ok(never) => match never {},
@@ -91,17 +91,18 @@ impl Receiver {
                 None => {
                     let messages = self.intake.hand_over();
                     if messages > 0 {
-                        // It is worked on before the next look.
+                        // Let the engine process the messages before the next read.
                         yield_now().await;
                     }
-                    // A new subscription brings what is retained once more.
+                    // A new subscription makes the broker send its retained messages again.
                     if self.intake.take_missed() {
                         let retained = filters(&self.connection.fleet, RobotTopic::is_retained);
                         client.try_subscribe_many(retained).map_err(|error| self.lost(&error))?;
                     }
                     let now = Instant::now();
                     if pace.pauses(now, messages) {
-                        // Not awaited: what comes meanwhile would wake the runtime, one message after the other.
+                        // Blocks the thread, because in an asynchronous sleep each arriving message would wake the
+                        // runtime.
                         std::thread::sleep(PAUSE);
                     }
                     let judge = |hearing: &mut Hearing| {
@@ -111,14 +112,14 @@ impl Receiver {
                             }
                         })
                     };
-                    // Where messages never stop coming, no time is left below.
+                    // With messages arriving all the time, the wait below never becomes idle.
                     if now >= hearing.due() {
                         judge(&mut hearing)?;
                     }
                     match poller.next_while(&mut hearing, judge).await? {
                         Ok(event) => event,
                         Err(Failure::Broken(problem)) => return Err(problem),
-                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost("it was ended".to_owned()))),
+                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost("client stopped".to_owned()))),
                     }
                 }
             };
@@ -155,7 +156,7 @@ impl Receiver {
         }
     }
 
-    /// Something came through each subscription: robots are heard.
+    /// Records that every subscription is proven: robots are heard.
     fn proven(&mut self, hearing: &Hearing) {
         if let Some(round_trip) = hearing.round_trip() {
             self.metrics.mqtt_probe_round_trip_seconds.set(round_trip.as_secs_f64());
@@ -179,10 +180,10 @@ impl Receiver {
     }
 }
 
-/// Publishes probes when they are due.
+/// Publishes probes when they are due, and judges the missing ones.
 ///
 /// # Errors
-/// Some probes did not come back in time; `deaf` gets their topics.
+/// Probes are overdue; `deaf` gets their topics.
 pub(super) fn judge(
     client: &AsyncClient,
     hearing: &mut Hearing,
@@ -203,7 +204,7 @@ pub(super) fn judge(
     }
 }
 
-/// With QoS 1 the broker says whether it takes them.
+/// QoS 1, so that the broker acknowledges or rejects the probes.
 fn probe_options() -> PublishOptions {
     let expiry = PublishProperties { message_expiry_interval: Some(PROBE_EXPIRY_S), ..PublishProperties::default() };
     PublishOptions::at_least_once().properties(expiry)
@@ -214,16 +215,17 @@ pub(super) fn filters(fleet: &Name, which: impl Fn(RobotTopic) -> bool) -> Vec<S
     heard().filter(|&kind| which(kind)).map(asked).collect()
 }
 
-/// The first topic that the broker does not let us read, and why; `None` if it lets us read all.
+/// The first topic that the broker does not let this client read, and its reason code; `None` if all are accepted.
 pub(super) fn refused(ack: &SubAck, fleet: &Name) -> Option<String> {
     let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
     let (at, code) = ack.return_codes.iter().enumerate().find(|(_, code)| is_refused(code))?;
-    // Codes are in the order of the filters. Retained topics may be requested alone, and come first in both lists.
+    // Codes are in the order of the filters. The retained topics may be subscribed to alone; they come first in both
+    // lists.
     let topic = heard().nth(at).map(|kind| kind.fleet_filter(fleet));
     Some(format!("{} ({code:?})", topic.as_deref().unwrap_or("the robots' topics")))
 }
 
-/// The kinds of topics that robots publish on.
+/// The topics that robots publish.
 pub(super) fn heard() -> impl Iterator<Item = RobotTopic> {
     RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
 }

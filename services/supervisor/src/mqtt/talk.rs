@@ -1,6 +1,6 @@
-//! One connection that hears some topics exactly as they are published, and can say anything: to test a robot with.
+//! A connection to test a robot: receives some topics unchanged, and publishes arbitrary messages.
 //!
-//! It is not made anew when it breaks: whoever tests must know that something was not heard.
+//! It is not reconnected after a failure, because the test must know that messages were missed.
 
 use std::time::{Duration, Instant};
 
@@ -18,30 +18,30 @@ use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 
-/// How long the good-bye may take.
+/// Time limit for the disconnect.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A message as its sender published it.
 #[derive(Debug, Clone)]
 pub struct Said {
-    /// Its topic.
+    /// Topic of the message.
     pub topic: String,
-    /// Its bytes.
+    /// Payload of the message.
     pub payload: Bytes,
-    /// The quality of service it was published with: 0, 1 or 2.
+    /// Quality of service of the publication: 0, 1 or 2.
     pub qos: u8,
-    /// Whether it was published to be retained.
+    /// Whether the message was published with the retain flag.
     pub retained: bool,
-    /// When it came.
+    /// Time of receipt, by the monotonic clock.
     pub at: Instant,
 }
 
-/// Why there is no conversation, in a sentence for people.
+/// Why the connection failed, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Silence(String);
 
-/// A connection. Dropped, it breaks.
+/// A test connection. Dropping it closes the connection.
 #[derive(Debug)]
 pub struct Talk {
     client: AsyncClient,
@@ -50,16 +50,16 @@ pub struct Talk {
 }
 
 impl Talk {
-    /// Connects and subscribes; what is retained there comes first.
+    /// Connects and subscribes; the retained messages of the topics come first.
     ///
     /// # Errors
-    /// There is no connection, or the broker does not let us read.
+    /// The connection fails, or the broker rejects the subscription.
     pub async fn open(connection: &Connection, topics: &[String]) -> Result<Self, Silence> {
         let (options, reached) = connection.options("check");
         let (client, events) = AsyncClient::builder(options).capacity(256).build();
         let mut poller = Poller::new(events, connection, reached);
         let problem = |cause| Silence(Problem::new(&connection.broker, cause).to_string());
-        // QoS 2 and the publisher's own flag: nothing is made less than it was.
+        // QoS 2 and the publisher's retain flag, so that messages arrive as they were published.
         let filters =
             topics.iter().map(|topic| SubscribeFilterInput::new(topic, QoS::ExactlyOnce).preserve_retain(true));
         let mut filters = Some(filters.collect::<Vec<_>>());
@@ -79,12 +79,12 @@ impl Talk {
                 Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_) => {}
             }
         }
-        // Unbounded: a robot says little, and whoever tests it keeps it all.
+        // Unbounded: a robot sends little, and the test keeps all of it anyway.
         let (sender, heard) = mpsc::unbounded_channel();
         Ok(Self { client, heard, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)) })
     }
 
-    /// Publishes, not retained; `expiry_s` is how long the broker may keep it.
+    /// Publishes a message that is not retained; `expiry_s` is its MQTT message expiry, s.
     ///
     /// # Errors
     /// The connection has ended.
@@ -104,19 +104,19 @@ impl Talk {
         said.map_err(|error| Silence(error.to_string()))
     }
 
-    /// The next message. Nothing is lost if it is not waited for to the end.
+    /// Waits for the next message. Cancel safe.
     ///
     /// # Errors
-    /// The connection has ended, for that reason.
+    /// The connection has ended; the error gives the reason.
     pub async fn next(&mut self) -> Result<Said, Silence> {
         let ended = || Err(Silence("the connection has ended".to_owned()));
         self.heard.recv().await.unwrap_or_else(ended)
     }
 
-    /// Ends it in good order: what was said is out.
+    /// Disconnects after everything is sent.
     pub async fn close(mut self) {
         if self.client.disconnect().await.is_ok() {
-            // Ends by itself when the disconnect is out; if not, dropping it does.
+            // The task ends when the disconnect is sent, or is aborted when `self` is dropped.
             let _ = tokio::time::timeout(FAREWELL_TIMEOUT, &mut self.polling).await;
         }
     }
@@ -131,7 +131,7 @@ impl Drop for Talk {
 fn silence(failure: Failure) -> Silence {
     match failure {
         Failure::Broken(problem) => Silence(problem.to_string()),
-        Failure::Finished => Silence("the connection was ended".to_owned()),
+        Failure::Finished => Silence("client stopped".to_owned()),
     }
 }
 
@@ -153,7 +153,7 @@ async fn poll(broker: BrokerAddress, mut poller: Poller, heard: mpsc::UnboundedS
             Err(failure) => Err(silence(failure)),
         };
         let is_end = said.is_err();
-        // Nobody listens any more.
+        // The receiver was dropped.
         if heard.send(said).is_err() || is_end {
             return;
         }

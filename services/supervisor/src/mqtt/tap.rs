@@ -1,4 +1,4 @@
-//! A connection that hears everything that is said in a fleet, and says nothing: for recordings.
+//! A read-only connection that receives all messages of a fleet: for recordings.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,8 +15,8 @@ use super::problem::{Cause, Problem};
 use crate::inbox::Incoming;
 use vibrissa_edge::clock::wall_clock;
 
-/// Hears everything of the connection's fleet until the task is aborted, and connects again when the
-/// connection breaks: `breaks` counts that. A slow receiver makes the broker wait.
+/// Receives all messages of the connection's fleet until the task is aborted, and reconnects after failures, which
+/// `breaks` counts. A slow receiver makes the broker wait.
 pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<AtomicU64>) -> JoinHandle<()> {
     tokio::spawn(async move {
         let mut backoff = Backoff::new();
@@ -35,7 +35,7 @@ pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<At
     })
 }
 
-/// One connection, from the attempt to its end: why it ended, and whether anything could be heard.
+/// One connection, from the attempt to its end: the reason of the end, and whether the subscription was accepted.
 async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Problem, bool) {
     let connection = &connection.with_secrets_read_again();
     let filter = format!("whisker/v1/{}/#", connection.fleet);
@@ -60,17 +60,17 @@ async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Pro
                 was_heard = true;
                 connection.link.connected(Side::Receiving);
             }
-            // What supervisors say to themselves.
+            // Probes of supervisors.
             Ok(Event::Incoming(Packet::Publish(publish))) if is_probe_on(&publish.topic, &publish.payload) => {}
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 let incoming = Incoming { topic: publish.topic, payload: publish.payload, received: wall_clock() };
                 if heard.send(incoming).await.is_err() {
-                    return (problem(Cause::Lost("nobody listens any more".to_owned())), was_heard);
+                    return (problem(Cause::Lost("the recording has ended".to_owned())), was_heard);
                 }
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(broken)) => return (broken, was_heard),
-            Err(Failure::Finished) => return (problem(Cause::Lost("it was ended".to_owned())), was_heard),
+            Err(Failure::Finished) => return (problem(Cause::Lost("client stopped".to_owned())), was_heard),
         }
     }
 }

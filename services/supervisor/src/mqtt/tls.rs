@@ -1,4 +1,4 @@
-//! Certificates read from files before a connection: the authorities' and the supervisor's own.
+//! Certificates and keys, read from files before a connection.
 
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -13,15 +13,16 @@ use tracing::warn;
 
 use super::address::{BrokerAddress, ClientCertificate, TlsOptions};
 
-/// What a connection needs from files, read and checked.
+/// TLS configuration of a connection, read from files and checked.
 #[derive(Clone, Default)]
 pub struct Prepared {
     pub(super) tls: Option<Arc<ClientConfig>>,
-    /// How the files were before they were read.
+    /// Stamps of the files, taken before they were read.
     stamps: Vec<Stamp>,
 }
 
-/// How a file is known to be another: length, time of change in seconds and nanoseconds, and inode; none if it cannot be read.
+/// Identifies a version of a file: length, modification time in seconds and nanoseconds, and inode; `None` if the file
+/// cannot be read.
 type Stamp = Option<(u64, i64, i64, u64)>;
 
 fn stamp(path: &Path) -> Stamp {
@@ -35,7 +36,7 @@ fn stamps(options: &TlsOptions) -> Vec<Stamp> {
 }
 
 impl Prepared {
-    /// The same, or what the files hold now if one of them has changed.
+    /// The same configuration, or a new one if a file has changed.
     pub(super) fn read_again(&self, broker: &BrokerAddress) -> Result<Self, PrepareError> {
         match &broker.tls {
             Some(options) if stamps(options) != self.stamps => prepared(options),
@@ -50,77 +51,77 @@ impl std::fmt::Debug for Prepared {
     }
 }
 
-/// Why no connection can be tried.
+/// Why TLS cannot be configured.
 #[derive(Debug, thiserror::Error)]
 pub enum PrepareError {
-    /// A file is not there, or is kept from us.
+    /// A file is missing, or may not be read.
     #[error("{key}: cannot read {}: {source}", path.display())]
     Unreadable {
-        /// The setting that names it.
+        /// Setting that names the file.
         key: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A file is not in PEM, or is cut off.
+    /// A file is not in PEM, or is truncated.
     #[error("{key}: {} is not PEM ({why}): it must have lines such as -----BEGIN CERTIFICATE-----", path.display())]
     NotPem {
-        /// The setting that names it.
+        /// Setting that names the file.
         key: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the defect.
         why: String,
     },
-    /// A file in PEM without what it is for.
+    /// A PEM file does not contain the required item.
     #[error("{key}: there is no {wanted} in {}", path.display())]
     Missing {
-        /// The setting that names it.
+        /// Setting that names the file.
         key: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What should be in it.
+        /// The required item.
         wanted: &'static str,
     },
-    /// A key that is kept under a passphrase.
+    /// The private key is encrypted with a passphrase.
     #[error("{key}: the private key in {} is encrypted: decrypt it (openssl pkey) and restrict who may read it", path.display())]
     EncryptedKey {
-        /// The setting that names it.
+        /// Setting that names the file.
         key: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A certificate or a key that cannot be used.
+    /// A certificate or key is unusable.
     #[error("{key}: {} cannot be used: {why}", path.display())]
     Unusable {
-        /// The setting that names it.
+        /// Setting that names the file.
         key: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the defect.
         why: String,
     },
-    /// The key belongs to another certificate.
+    /// The private key belongs to another certificate.
     #[error(
         "mqtt.client_key_file: the private key in {} does not belong to the certificate in {}",
         key_file.display(), certificate_file.display()
     )]
     KeyMismatch {
-        /// The key's file.
+        /// File of the private key.
         key_file: PathBuf,
-        /// The certificate's.
+        /// File of the certificate.
         certificate_file: PathBuf,
     },
-    /// This system has no authorities of its own.
+    /// The system has no certificates of authorities.
     #[error(
         "this system has no certificates of authorities ({0}): install them (ca-certificates), or set mqtt.ca_file"
     )]
     NoSystemAuthorities(String),
-    /// A host that no certificate can be for.
-    #[error("mqtt.url: {0:?} is no host that a certificate can be for")]
+    /// No certificate can be issued for the host.
+    #[error("mqtt.url: a certificate cannot be issued for host {0:?}")]
     BadHost(String),
-    /// TLS itself does not work.
+    /// The TLS library fails.
     #[error("TLS cannot be used: {0}")]
     Tls(#[from] rustls::Error),
 }
@@ -129,11 +130,11 @@ const CA: &str = "mqtt.ca_file";
 const CERTIFICATE: &str = "mqtt.client_certificate_file";
 const KEY: &str = "mqtt.client_key_file";
 
-/// Reads and checks the files that a connection needs: a file that is wrong is said at the start. They are read again before
-/// a connection if they have changed.
+/// Reads and checks the files that a connection needs, so that a defect is reported at the start. Before each
+/// connection, changed files are read again.
 ///
 /// # Errors
-/// A file is missing or wrong; the error names it, and its setting.
+/// A file is missing or defective; the error names it, and its setting.
 pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
     if broker.tls.is_none() && !broker.is_loopback() {
         let what = match &broker.credentials {
@@ -150,12 +151,12 @@ pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
 }
 
 fn prepared(options: &TlsOptions) -> Result<Prepared, PrepareError> {
-    // Before they are read: what changes meanwhile is read again.
+    // Before the files are read, so that a change in the meantime is noticed later.
     let stamps = stamps(options);
     Ok(Prepared { tls: Some(Arc::new(client_config(options)?)), stamps })
 }
 
-/// TLS 1.2 or 1.3.
+/// Configuration for TLS 1.2 and 1.3.
 fn client_config(options: &TlsOptions) -> Result<ClientConfig, PrepareError> {
     let provider = Arc::new(rustls::crypto::ring::default_provider());
     let authorities = Arc::new(authorities(options.ca_file.as_deref())?);
@@ -175,7 +176,8 @@ fn client_config(options: &TlsOptions) -> Result<ClientConfig, PrepareError> {
     }
 }
 
-/// Those of the file, every one of which must be usable; or the system's, of which some usually are not.
+/// The authorities of the file, all of which must be usable; or the system's, of which some are usually unusable and
+/// skipped.
 fn authorities(file: Option<&Path>) -> Result<RootCertStore, PrepareError> {
     let mut store = RootCertStore::empty();
     let Some(path) = file else {
@@ -203,11 +205,11 @@ fn read(key: &'static str, path: &Path) -> Result<Vec<u8>, PrepareError> {
     if bytes.windows(11).any(|window| window == b"-----BEGIN ") {
         return Ok(bytes);
     }
-    let why = if bytes.is_empty() { "it is empty" } else { "nothing begins in it" };
+    let why = if bytes.is_empty() { "it is empty" } else { "it has no BEGIN line" };
     Err(PrepareError::NotPem { key, path: path.to_owned(), why: why.to_owned() })
 }
 
-/// At least one.
+/// Reads a list of at least one certificate.
 fn certificates(key: &'static str, path: &Path) -> Result<Vec<CertificateDer<'static>>, PrepareError> {
     let bytes = read(key, path)?;
     let found: Result<Vec<_>, pem::Error> = CertificateDer::pem_slice_iter(&bytes).collect();
@@ -221,20 +223,23 @@ fn certificates(key: &'static str, path: &Path) -> Result<Vec<CertificateDer<'st
 
 fn private_key(path: &Path) -> Result<PrivateKeyDer<'static>, PrepareError> {
     let bytes = read(KEY, path)?;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: none of the others may be shown")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the library's errors: the texts of the others may reveal the key"
+    )]
     PrivateKeyDer::from_pem_slice(&bytes).map_err(|problem| match problem {
         pem::Error::NoItemsFound if String::from_utf8_lossy(&bytes).contains("BEGIN ENCRYPTED PRIVATE KEY") => {
             PrepareError::EncryptedKey { key: KEY, path: path.to_owned() }
         }
         pem::Error::NoItemsFound => PrepareError::Missing { key: KEY, path: path.to_owned(), wanted: "private key" },
-        // Its text would be a piece of the key.
-        _ => PrepareError::NotPem { key: KEY, path: path.to_owned(), why: "a section of it is damaged".to_owned() },
+        // The parser's text would reveal a piece of the key.
+        _ => PrepareError::NotPem { key: KEY, path: path.to_owned(), why: "a section is damaged".to_owned() },
     })
 }
 
 fn refused_key(client: &ClientCertificate, problem: rustls::Error) -> PrepareError {
     let (key_file, certificate_file) = (client.key_file.clone(), client.certificate_file.clone());
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others say it themselves")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
     match problem {
         rustls::Error::InconsistentKeys(_) => PrepareError::KeyMismatch { key_file, certificate_file },
         rustls::Error::InvalidCertificate(why) => {

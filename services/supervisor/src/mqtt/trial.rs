@@ -1,4 +1,4 @@
-//! A connection that proves that this supervisor would hear a fleet, and ends.
+//! A connection that proves that this supervisor can hear a fleet, and then ends.
 
 use std::time::{Duration, Instant};
 
@@ -14,13 +14,13 @@ use super::receive::{filters, heard, judge, refused};
 
 /// Time limit of the whole trial.
 const LIMIT: Duration = Duration::from_secs(15);
-/// How long the good-bye may take.
+/// Time limit for the disconnect.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Connects, subscribes to the robots' topics without retained messages, and waits for a probe of each topic.
 ///
 /// # Errors
-/// Why robots would not be heard, in a sentence for people.
+/// Why robots would not be heard, as a sentence.
 pub async fn try_hearing(connection: &Connection) -> Result<(), String> {
     let silent = || Problem::new(&connection.broker, Cause::Silent);
     let tried = timeout(LIMIT, prove(connection)).await;
@@ -58,10 +58,10 @@ async fn prove(connection: &Connection) -> Result<(), Problem> {
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => return Err(problem),
-            Err(Failure::Finished) => return Err(problem(Cause::Lost("it was ended".to_owned()))),
+            Err(Failure::Finished) => return Err(problem(Cause::Lost("client stopped".to_owned()))),
         }
     }
-    // In good order, so that the broker does not log a lost connection each time.
+    // Disconnects, so that the broker does not log a lost connection each time.
     if client.try_disconnect().is_ok() {
         let ended = async { while poller.next().await.is_ok() {} };
         let _ = timeout(FAREWELL_TIMEOUT, ended).await;

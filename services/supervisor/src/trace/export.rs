@@ -1,5 +1,5 @@
-//! The way to the collector: OTLP as protobuf over HTTP, by the client that the program has anyway. It runs in the thread
-//! of the batch processor, which may wait.
+//! Export of spans to the collector: OTLP as protobuf over HTTP, with ureq, the program's HTTP client. It runs in the
+//! thread of the batch processor, which may block.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,17 +14,18 @@ use opentelemetry_sdk::trace::{SpanData, SpanExporter as Exporter};
 use prometheus::IntCounter;
 use tracing::{info, warn};
 
-/// How long a collector may take for an answer.
+/// Time limit for an answer of the collector.
 const ANSWER_PATIENCE: Duration = Duration::from_secs(5);
-/// Bytes of an answer that are read at the most.
+/// Size limit of an answer in bytes.
 const ANSWER_BYTES_MAX: u64 = 64 * 1024;
-/// How often it is told that a collector takes nothing.
+/// Shortest interval between two warnings that the collector does not accept traces.
 const COMPLAIN_EVERY: Duration = Duration::from_secs(60);
 
-/// What went wrong last between us and the collector.
+/// The last problem with the collector.
 type Trouble = Arc<Mutex<Option<String>>>;
 
-/// Sends what it is given once: what does not arrive is dropped and counted. `queued` loses what it takes.
+/// Sends each batch once; spans that do not arrive are dropped and counted in `dropped`. `queued` is the number of
+/// spans in the queue, and is reduced by each batch.
 pub(super) fn exporter(url: &str, queued: Arc<AtomicUsize>, dropped: IntCounter) -> Result<Counting, String> {
     let trouble = Trouble::default();
     let exporter = SpanExporter::builder()
@@ -40,7 +41,7 @@ pub(super) fn exporter(url: &str, queued: Arc<AtomicUsize>, dropped: IntCounter)
     Ok(Counting { exporter, url: url.to_owned(), queued, dropped, trouble, silence })
 }
 
-/// An exporter that knows what was lost, and says so now and then.
+/// An exporter that counts lost spans and logs them from time to time.
 #[derive(Debug)]
 pub(super) struct Counting {
     exporter: SpanExporter,
@@ -51,7 +52,7 @@ pub(super) struct Counting {
     silence: Mutex<Silence>,
 }
 
-/// When it was last said that the collector takes nothing, and what was lost since.
+/// Limits the rate of warnings: time of the last one, and the spans lost since then.
 #[derive(Debug, Default)]
 struct Silence {
     told: Option<Instant>,
@@ -60,7 +61,7 @@ struct Silence {
 }
 
 impl Silence {
-    /// How much was lost since it was last told; nothing if that was just now.
+    /// Records `lost` spans. Returns the number lost since the last warning if another warning is due.
     fn broken(&mut self, lost: usize, now: Instant) -> Option<usize> {
         self.is_broken = true;
         self.lost += lost;
@@ -71,7 +72,7 @@ impl Silence {
         })
     }
 
-    /// Whether it was broken before.
+    /// Clears the failure. Returns whether there was one.
     fn mended(&mut self) -> bool {
         std::mem::take(&mut self.is_broken)
     }
@@ -84,14 +85,14 @@ impl Exporter for Counting {
         let sent = self.exporter.export(batch).await;
         let mut silence = self.silence.lock().unwrap_or_else(PoisonError::into_inner);
         match &sent {
-            Ok(()) if silence.mended() => info!(url = self.url, "the collector takes traces again"),
+            Ok(()) if silence.mended() => info!(url = self.url, "collector accepts traces again"),
             Ok(()) => {}
             Err(problem) => {
                 self.dropped.inc_by(spans as u64);
                 if let Some(lost) = silence.broken(spans, Instant::now()) {
                     let told = self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
                     let problem = told.unwrap_or_else(|| problem.to_string());
-                    warn!(url = self.url, problem, spans = lost, "the collector takes no traces; they are dropped");
+                    warn!(url = self.url, problem, spans = lost, "collector does not accept traces, dropping spans");
                 }
             }
         }
@@ -103,7 +104,7 @@ impl Exporter for Counting {
     }
 }
 
-/// The program's HTTP client, as OpenTelemetry wants one.
+/// Lets OpenTelemetry use the program's HTTP client.
 #[derive(Debug)]
 struct Client {
     agent: ureq::Agent,
@@ -135,7 +136,7 @@ impl HttpClient for Client {
         let answer = self.send(request);
         let trouble = match &answer {
             Ok(answer) if answer.status().is_success() => None,
-            Ok(answer) => Some(format!("it answers {}", answer.status())),
+            Ok(answer) => Some(format!("it answers with status {}", answer.status())),
             Err(problem) => Some(problem.to_string()),
         };
         *self.trouble.lock().unwrap_or_else(PoisonError::into_inner) = trouble;

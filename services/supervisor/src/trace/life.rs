@@ -1,8 +1,9 @@
-//! The traces of a fleet's setpoints: each begins with the contact that raised the suspicion, or with what an operator asked
-//! for, and ends with the last answer.
+//! The traces of a fleet's setpoints: each begins with the contact that raised the suspicion, or with an operator's
+//! action, and ends with the last answer.
 //!
-//! Nothing is told that is not committed. The root, which spans the whole, is told by the supervisor that sees the end;
-//! one that gives the fleet away leaves it to the next, which knows the same name.
+//! Only committed spans are exported. The supervisor that sees the end of a trace exports its root span, which covers
+//! the whole trace. If a fleet changes its owner, the next owner does so: the identifiers of trace and root span follow
+//! from the setpoint's.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, SystemTime};
@@ -23,46 +24,46 @@ use vibrissa_edge::ids::command_uuid;
 use vibrissa_edge::ids::compensation_uuid;
 use vibrissa_edge::ids::wide_id;
 
-/// Setpoints under way that are followed at a time, and suspicions that are remembered.
+/// Limit of the setpoints under way that are traced at a time, and of the remembered suspicions.
 const OPEN_MAX: usize = 4096;
 
-/// A whisker by its names, which outlast a new layout.
+/// A whisker by the names of its robot and array and its number, which stay valid after a layout change.
 type Whisker = (Name, String, u16);
 
-/// The traces of a fleet that are not over.
+/// The open traces of a fleet.
 pub(crate) struct Lives {
     traces: Traces,
     fleet: Name,
     open: BTreeMap<Uuid, Life>,
-    /// Steps of which there was something to tell.
+    /// Number of steps that have led to spans.
     steps: u64,
-    /// What raised the suspicions that are being looked into, each with the number of its step.
+    /// The spans that raised the suspicions under review, each with the number of its step.
     suspicions: BTreeMap<Whisker, (u64, Draft)>,
-    /// What is being carried out.
+    /// The operator's action in execution.
     asked: Option<Asked>,
     untold: Untold,
 }
 
-/// What a commit makes true.
+/// Spans that may be exported after a commit.
 #[derive(Default)]
 pub(crate) struct Untold {
-    /// Spans.
+    /// Spans and their places.
     spans: Vec<(Draft, Place)>,
-    /// The lives that they belong to.
+    /// The traces that they belong to.
     touched: BTreeSet<Uuid>,
     over: Vec<Uuid>,
     /// Setpoints among the publications.
     sending: Vec<Uuid>,
 }
 
-/// A trace that is not over.
+/// An open trace.
 struct Life {
     name: String,
     robot: Name,
     began: SystemTime,
     attributes: Vec<KeyValue>,
     status: Status,
-    /// Whether what it begins with is committed.
+    /// Whether its first span is committed.
     is_committed: bool,
 }
 
@@ -79,7 +80,7 @@ impl Lives {
         }
     }
 
-    /// Goes on with the setpoints of a robot that another supervisor, or an earlier start, has sent.
+    /// Continues the traces of a robot's setpoints that another supervisor, or an earlier start, has sent.
     pub(crate) fn take_up(&mut self, name: &Name, robot_id: i64, robot: &Robot) {
         for command in robot.commands_under_way() {
             let id = command_uuid(&self.fleet, name, command.key);
@@ -90,12 +91,12 @@ impl Lives {
         }
     }
 
-    /// What is carried out from now on; nothing after it.
+    /// Sets the operator's action in execution; `None` after it.
     pub(crate) fn asked(&mut self, asked: Option<Asked>) {
         self.asked = asked;
     }
 
-    /// The core has taken a step of which there is something to tell.
+    /// Adds the spans of a step of the core.
     pub(crate) fn stepped(&mut self, step: &Step<'_>) {
         self.steps += 1;
         let draft = story::processing(step, self.asked.as_ref());
@@ -128,7 +129,7 @@ impl Lives {
         }
     }
 
-    /// Remembers what has raised a suspicion, until it is dismissed or a trim is called.
+    /// Remembers the span that raised a suspicion, until the suspicion is dismissed or a trim is reported.
     fn suspect(&mut self, step: &Step<'_>, index: WhiskerIndex, to: Condition, draft: &Draft) {
         let Some(whisker) = whisker(step, index) else { return };
         match to {
@@ -139,12 +140,12 @@ impl Lives {
             Condition::Learning | Condition::Healthy => {
                 self.suspicions.remove(&whisker);
             }
-            // A trim may follow: the length is looked at first.
+            // A trim may follow, once the length is estimated.
             Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => {}
         }
     }
 
-    /// A setpoint was decided: its trace begins, with what came before.
+    /// Begins the trace of a setpoint, with the suspicion that led to it.
     fn commanded(&mut self, step: &Step<'_>, command: &Command, target: Option<WhiskerIndex>, draft: &Draft) {
         let id = command_uuid(&self.fleet, step.name, command.key);
         let mut life = self.life(step.name, step.robot, step.robot_id, command, id);
@@ -155,7 +156,8 @@ impl Lives {
         self.tell_beginning(step, id, life, target, draft);
     }
 
-    /// A decision from which no setpoint follows yet: nobody can serve, or somebody must approve. Its trace is over.
+    /// Makes a complete trace of a decision without a setpoint: no compensator is available, or an operator must
+    /// approve it.
     fn decided(&mut self, step: &Step<'_>, number: u32, target: WhiskerIndex, draft: &Draft) {
         let id = compensation_uuid(&self.fleet, step.name, number);
         let mut attributes = story::robot_of(&self.fleet, step.name).to_vec();
@@ -196,7 +198,7 @@ impl Lives {
         }
     }
 
-    /// A setpoint has come into another state.
+    /// Adds the span of a setpoint's state change, and ends the trace at a final state.
     fn answered(&mut self, id: Uuid, state: CommandState, error: Option<&'static str>, draft: Draft) {
         let Some(life) = self.open.get_mut(&id) else { return };
         self.untold.spans.push((draft, Place::root(id).child()));
@@ -211,12 +213,12 @@ impl Lives {
         }
     }
 
-    /// What was stepped so far is one transaction; what comes now is the next one's.
+    /// Takes the spans of the steps so far, which belong to one transaction.
     pub(crate) fn seal(&mut self) -> Untold {
         std::mem::take(&mut self.untold)
     }
 
-    /// What was sealed is committed, which took that long.
+    /// Exports the spans of a transaction after its commit, which took `took`.
     pub(crate) fn committed(&mut self, untold: &mut Untold, took: Duration) {
         let done = SystemTime::now();
         for (draft, place) in untold.spans.drain(..) {
@@ -241,25 +243,25 @@ impl Lives {
         }
     }
 
-    /// A setpoint is among the publications.
+    /// Notes that a setpoint is among the publications.
     pub(crate) fn sending(&mut self, name: &Name, command: &Command) {
         self.untold.sending.push(command_uuid(&self.fleet, name, command.key));
     }
 
-    /// The publications were given to the connection then, or some of them could not be.
+    /// Adds the spans of the publications, handed to the connection at `now`; `all` is false if some could not be.
     pub(crate) fn published(&mut self, untold: Untold, now: SystemTime, all: bool) {
         for id in untold.sending {
             let Some(life) = self.open.get(&id) else { continue };
             let draft = Draft::new("send setpoint", SpanKind::Producer, (now, now));
             let mut draft = story::messaging(draft, RobotTopic::Setpoint, &self.fleet, &life.robot, "publish");
             if !all {
-                draft.status = Status::error("not everything was published; what is not answered is sent again");
+                draft.status = Status::error("not all messages were published; unanswered setpoints are sent again");
             }
             self.traces.tell(draft, Place::root(id).child());
         }
     }
 
-    /// The fleet is somebody else's from now on, or nobody's.
+    /// Ends supervision of the fleet: the open traces are left to the next owner.
     pub(crate) fn end(&mut self, ending: Ending) {
         let word = match ending {
             Ending::Stopped => "STOPPED",
@@ -270,7 +272,7 @@ impl Lives {
         }
     }
 
-    /// A setpoint's trace, as everybody knows it who knows the setpoint.
+    /// A setpoint's trace. Every supervisor that knows the setpoint derives the same one.
     fn life(&self, name: &Name, robot: &Robot, robot_id: i64, command: &Command, id: Uuid) -> Life {
         let mut attributes = story::robot_of(&self.fleet, name).to_vec();
         attributes.extend(story::setpoint(robot, robot_id, command, id.to_string()));
@@ -284,7 +286,7 @@ impl Lives {
         }
     }
 
-    /// False if too many are under way to follow this one.
+    /// Opens a trace. False if too many traces are open.
     fn begin(&mut self, id: Uuid, life: Life) -> bool {
         let is_followed = self.open.len() < OPEN_MAX;
         if is_followed {
@@ -303,7 +305,7 @@ impl Lives {
     }
 }
 
-/// A whisker by its names.
+/// A whisker by its names; `None` if the robot has no such whisker.
 fn whisker(step: &Step<'_>, index: WhiskerIndex) -> Option<Whisker> {
     let view = step.robot.whisker(index)?;
     Some((step.name.clone(), view.array.to_owned(), view.sheet.number))

@@ -1,13 +1,13 @@
-//! Traces for OpenTelemetry, where somebody has a collector: one trace for each setpoint, from the contact that raised the
-//! suspicion to the answer of the robot, and one for each request.
+//! Traces for OpenTelemetry, if a collector is configured: one trace for each setpoint, from the contact that raised
+//! the suspicion to the robot's answer, and one for each HTTP request.
 //!
-//! A setpoint's trace has its `command_id` as its id, so that whoever has the one has the other, and a supervisor that
-//! takes a fleet over goes on with the traces of its predecessor. Spans are put together when what they tell is over, and
-//! given to a bounded queue, from which a thread of its own sends them: nobody waits for a collector, and what it does not
-//! take is dropped and counted. Without a collector there is nothing of it: no thread, no queue, no spans.
+//! A setpoint's trace has the `command_id` as its trace id, so that one is found by the other, and a supervisor that
+//! acquires a fleet continues the traces of the last owner. A span is built when its period is over and put into a
+//! bounded queue, from which a separate thread sends it: nothing waits for the collector, and spans that it does not
+//! accept are dropped and counted. Without a collector there is no thread, no queue and no span.
 //!
-//! Read in this order: `span` (one span), `life` (a setpoint's trace), `story` (what a step of the core is told as),
-//! `request`, `export` (the way to the collector).
+//! Reading order: `span` (one span), `life` (a setpoint's trace), `story` (spans and attributes of a step of the core),
+//! `request`, `export` (connection to the collector).
 
 mod export;
 mod life;
@@ -28,21 +28,21 @@ use tracing::warn;
 pub(crate) use life::{Lives, Untold};
 pub(crate) use story::{Asked, Step, is_told};
 
-/// Spans that wait for the collector at the most; beyond it they are dropped.
+/// Capacity of the queue in spans; beyond it spans are dropped.
 const QUEUE_SPANS: usize = 4096;
-/// Spans that are sent at once at the most.
+/// Largest number of spans in one export.
 const BATCH_SPANS: usize = 512;
-/// How often spans are sent.
+/// Interval between two exports.
 const SEND_EVERY: Duration = Duration::from_secs(1);
-/// How long the last ones may take when the service stops.
+/// Time limit for the last export when the service stops.
 const STOP_PATIENCE: Duration = Duration::from_secs(2);
 
-/// Where traces go.
+/// Destination and sampling of traces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraceOptions {
-    /// The collector's URL for traces, `http://HOST:4318/v1/traces` as a rule.
+    /// The collector's URL for traces, usually `http://HOST:4318/v1/traces`.
     pub url: String,
-    /// Share of the requests that only look which is traced, 0 to 1; those that change something always are.
+    /// Share of the requests with safe methods (GET) that are traced, 0 to 1; all other requests are always traced.
     pub sample_ratio: f64,
 }
 
@@ -56,7 +56,7 @@ pub struct TraceError {
     problem: String,
 }
 
-/// The way to the collector. Copies share it.
+/// Handle of the exporter. Clones share it.
 #[derive(Debug, Clone)]
 pub struct Traces(Arc<Inner>);
 
@@ -64,19 +64,20 @@ pub struct Traces(Arc<Inner>);
 struct Inner {
     processor: BatchSpanProcessor,
     scope: InstrumentationScope,
-    /// Spans in the queue.
+    /// Number of spans in the queue.
     queued: Arc<AtomicUsize>,
     dropped: IntCounter,
     sample_ratio: f64,
-    /// The database, in OpenTelemetry's words.
+    /// The database's name in OpenTelemetry's semantic conventions.
     database: &'static str,
 }
 
 impl Traces {
-    /// Starts the thread that sends. A collector that is away is no error: its spans are dropped, and counted in `dropped`.
+    /// Starts the exporting thread. An unreachable collector is no error: its spans are dropped, and counted in
+    /// `dropped`.
     ///
     /// # Errors
-    /// The URL is none, or the environment asks for what is not built in.
+    /// The URL is invalid, or the environment variables request an option that is not built in.
     pub fn start(
         options: &TraceOptions,
         supervisor: &str,
@@ -101,7 +102,7 @@ impl Traces {
         Ok(Self(Arc::new(Inner { processor, scope, queued, dropped, sample_ratio, database })))
     }
 
-    /// Puts a span into the queue, if there is room. Never waits.
+    /// Puts a span into the queue, or drops it if the queue is full. Never blocks.
     fn submit(&self, span: SpanData) {
         if self.0.queued.fetch_add(1, Ordering::AcqRel) >= QUEUE_SPANS {
             self.0.queued.fetch_sub(1, Ordering::AcqRel);
@@ -111,23 +112,23 @@ impl Traces {
         self.0.processor.on_end(span);
     }
 
-    /// Counts a span that nobody will see.
+    /// Counts a dropped span.
     fn drop_one(&self) {
         self.0.dropped.inc();
     }
 
-    /// Sends what waits, for two seconds at the most; nothing is sent after it.
+    /// Exports the queue within two seconds; later spans are not sent.
     pub async fn stop(&self) {
         let traces = self.clone();
         let stopped =
             tokio::task::spawn_blocking(move || traces.0.processor.shutdown_with_timeout(STOP_PATIENCE)).await;
         if !matches!(stopped, Ok(Ok(()))) {
-            warn!(spans = self.0.queued.load(Ordering::Acquire), "the last traces have not reached the collector");
+            warn!(spans = self.0.queued.load(Ordering::Acquire), "stopped, last traces not exported");
         }
     }
 }
 
-/// The queue, and the thread that empties it.
+/// The queue, and the thread that exports from it.
 fn processor(exporter: impl SpanExporter + 'static) -> BatchSpanProcessor {
     let batches = BatchConfigBuilder::default()
         .with_max_queue_size(QUEUE_SPANS)

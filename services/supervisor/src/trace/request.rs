@@ -1,4 +1,4 @@
-//! Spans of requests.
+//! Spans of HTTP requests.
 
 use std::time::SystemTime;
 
@@ -13,10 +13,10 @@ use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator};
 use super::Traces;
 use super::span::{Draft, Place};
 
-/// Asked all the time by machines: nobody looks for it in traces.
+/// Paths polled by machines, which are never traced.
 const NOT_TOLD: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
-/// A request that is under way.
+/// The span of a request that is being handled.
 pub(crate) struct RequestSpan {
     traces: Traces,
     draft: Draft,
@@ -24,7 +24,7 @@ pub(crate) struct RequestSpan {
 }
 
 impl Traces {
-    /// Begins the span of a request, unless it is none of those that are traced.
+    /// Begins the span of a request; `None` if the request is not traced.
     pub(crate) fn request(&self, request: &Request, id: &str) -> Option<RequestSpan> {
         let (path, method) = (request.uri().path(), request.method());
         if NOT_TOLD.contains(&path) {
@@ -47,7 +47,7 @@ impl Traces {
 }
 
 impl RequestSpan {
-    /// The answer begins.
+    /// Ends the span when the response begins.
     pub(crate) fn answered(self, status: StatusCode) {
         let mut draft = self.draft.with("http.response.status_code", i64::from(status.as_u16()));
         draft.end = SystemTime::now().max(draft.start);
@@ -59,7 +59,8 @@ impl RequestSpan {
     }
 }
 
-/// The caller's trace, if it has one and has it recorded; else a new one of those that are.
+/// Place of the request's span: in the caller's trace, if there is one, or else in a new trace. `None` if the trace is
+/// not sampled.
 fn place(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<Place> {
     let new = RandomIdGenerator::default();
     let told = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
@@ -75,7 +76,7 @@ fn place(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<Plac
     is_sampled.then(|| Place { trace, span: new.new_span_id(), parent: SpanId::INVALID })
 }
 
-/// The method in OpenTelemetry's words.
+/// The method as OpenTelemetry's semantic conventions write it.
 fn standard(method: &Method) -> &str {
     const STANDARD: [Method; 9] = [
         Method::GET,
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_callers_trace_is_gone_on_with_and_its_wish_not_to_be_traced_respected() {
-        // The example of W3C's Trace Context.
+        // The example in the W3C recommendation Trace Context.
         let text = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
         let place = place(&headers(text), &Method::GET, 0.0).unwrap();
         assert_eq!(place.trace.to_string(), "0af7651916cd43dd8448eb211c80319c");

@@ -1,4 +1,4 @@
-//! One span: what it tells, and its place in a trace.
+//! One span: its content, and its place in a trace.
 
 use std::borrow::Cow;
 use std::time::{Duration, SystemTime};
@@ -11,7 +11,7 @@ use vibrissa_core::units::Micros;
 
 use super::Traces;
 
-/// What a span tells, wherever it belongs.
+/// Content of a span.
 #[derive(Debug, Clone)]
 pub(super) struct Draft {
     pub(super) name: Cow<'static, str>,
@@ -23,7 +23,7 @@ pub(super) struct Draft {
     pub(super) status: Status,
 }
 
-/// Where it belongs.
+/// Place of a span in a trace.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) trace: TraceId,
@@ -33,7 +33,7 @@ pub(super) struct Place {
 }
 
 impl Draft {
-    /// From then to then; a clock that was set back makes it no shorter than nothing.
+    /// A span over a period. If the clock was set back meanwhile, the end is the start.
     pub(super) fn new(
         name: impl Into<Cow<'static, str>>,
         kind: SpanKind,
@@ -50,7 +50,7 @@ impl Draft {
         }
     }
 
-    /// With one attribute more.
+    /// Adds an attribute.
     pub(super) fn with(mut self, key: &'static str, value: impl Into<Value>) -> Self {
         self.attributes.push(KeyValue::new(key, value));
         self
@@ -58,23 +58,23 @@ impl Draft {
 }
 
 impl Place {
-    /// The root of the trace of what has that name.
+    /// Root span of the trace of the object with this UUID.
     pub(super) fn root(name: Uuid) -> Self {
         let bytes = name.into_bytes();
         let [.., a, b, c, d, e, f, g, h] = bytes;
-        // The second half of a name begins with its variant, and is never zero.
+        // The second half of a UUID begins with its variant, and is never zero.
         let span = SpanId::from_bytes([a, b, c, d, e, f, g, h]);
         Self { trace: TraceId::from_bytes(bytes), span, parent: SpanId::INVALID }
     }
 
-    /// A new place under this one.
+    /// A new span whose parent is this one.
     pub(super) fn child(self) -> Self {
         Self { span: RandomIdGenerator::default().new_span_id(), parent: self.span, ..self }
     }
 }
 
 impl Traces {
-    /// Sends a span, if there is room for it.
+    /// Queues a span for export, or drops it if the queue is full.
     pub(super) fn tell(&self, draft: Draft, place: Place) {
         let mut events = SpanEvents::default();
         events.events = draft.events;
@@ -96,12 +96,12 @@ impl Traces {
     }
 }
 
-/// A time of the service as one of the system.
+/// Converts a time in µs since 1970.
 pub(super) fn time(at: Micros) -> SystemTime {
     SystemTime::UNIX_EPOCH + Duration::from_micros(at.0)
 }
 
-/// Attributes that not everything has.
+/// Attributes with a value; the others are omitted.
 pub(super) fn known<const N: usize>(some: [(&'static str, Option<Value>); N]) -> impl Iterator<Item = KeyValue> {
     some.into_iter().filter_map(|(key, value)| Some(KeyValue::new(key, value?)))
 }

@@ -1,4 +1,4 @@
-//! What a step of the core is told as: what it was about, and what came of it.
+//! Spans and attributes of a step of the core.
 
 use std::time::SystemTime;
 
@@ -14,36 +14,36 @@ use super::span::{Draft, known, time};
 use vibrissa_edge::ids::wide_id;
 use vibrissa_store::actions::Action;
 
-/// A step that the core has taken.
+/// A step of the core.
 pub(crate) struct Step<'a> {
-    /// The fleet.
+    /// Fleet of the robot.
     pub(crate) fleet: &'a Name,
-    /// The robot.
+    /// Name of the robot.
     pub(crate) name: &'a Name,
-    /// Its number in the database.
+    /// Row id of the robot in the database.
     pub(crate) robot_id: i64,
-    /// As it is after the step.
+    /// The robot after the step.
     pub(crate) robot: &'a Robot,
-    /// When the message was received, or what time was told.
+    /// Time of the step: receipt of the message, or the time of a tick.
     pub(crate) now: Micros,
-    /// What happened.
+    /// Event that the core was given.
     pub(crate) event: &'a Event<'a>,
-    /// What came of it.
+    /// The effects of the step.
     pub(crate) effects: &'a [Effect],
 }
 
-/// What an operator has asked for.
+/// An operator's action.
 #[derive(Debug, Clone)]
 pub(crate) struct Asked {
     action_id: i64,
     request_id: String,
     kind: String,
-    /// When, by the clock of the supervisor that was asked.
+    /// Time of the request, by the clock of the supervisor that received it.
     pub(super) asked: SystemTime,
 }
 
 impl Asked {
-    /// The same, of an action in the mailbox.
+    /// The trace's view of a row of the table `actions`.
     pub(crate) fn of(action: &Action) -> Self {
         let asked = time(Micros(u64::try_from(action.asked_us).unwrap_or_default()));
         let (request_id, kind) = (action.request_id.clone(), action.kind.clone());
@@ -59,7 +59,7 @@ impl Asked {
     }
 }
 
-/// Whether there is anything to tell: of ordinary contacts there is not.
+/// Whether a step is traced: steps with ordinary contacts only are not.
 pub(crate) fn is_told(effects: &[Effect]) -> bool {
     effects.iter().any(|effect| {
         matches!(
@@ -73,7 +73,7 @@ pub(crate) fn is_told(effects: &[Effect]) -> bool {
     })
 }
 
-/// Whether nothing more is to be heard of a setpoint.
+/// Whether a setpoint's state is final.
 pub(super) fn is_final(state: CommandState) -> bool {
     match state {
         CommandState::Pending | CommandState::Received | CommandState::Applying => false,
@@ -86,7 +86,7 @@ pub(super) fn is_final(state: CommandState) -> bool {
     }
 }
 
-/// The step as a span, from when the message was received until now.
+/// The span of a step, from the receipt of the message until now.
 pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
     let (what, boot_id, seq) = match *step.event {
         Event::Contacts { boot_id, seq, .. } => (Some(RobotTopic::Contacts), Some(boot_id), Some(seq)),
@@ -117,7 +117,7 @@ pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
     draft
 }
 
-/// A span about a message, in OpenTelemetry's words for messaging.
+/// Adds the attributes of OpenTelemetry's semantic conventions for messaging.
 pub(super) fn messaging(draft: Draft, topic: RobotTopic, fleet: &Name, robot: &Name, operation: &'static str) -> Draft {
     let kind = if operation == "process" { "process" } else { "send" };
     draft
@@ -128,7 +128,7 @@ pub(super) fn messaging(draft: Draft, topic: RobotTopic, fleet: &Name, robot: &N
         .with("messaging.destination.template", format!("whisker/v1/{{fleet}}/{{robot}}/{topic}"))
 }
 
-/// What was found and decided, in its order.
+/// Events of the span: condition changes, trims and decisions, in the order of the effects.
 fn verdicts(step: &Step<'_>, at: SystemTime) -> Vec<SpanEvent> {
     let mut felt: Option<&ContactRecord> = None;
     let mut told = Vec::new();
@@ -151,7 +151,7 @@ fn verdicts(step: &Step<'_>, at: SystemTime) -> Vec<SpanEvent> {
     told
 }
 
-/// The contact that tipped the scales.
+/// Attributes of the contact that changed the condition.
 fn contact(felt: &ContactRecord) -> impl Iterator<Item = KeyValue> + use<> {
     known([
         ("vibrissa.contact_position", Some(whole(felt.position as u64))),
@@ -191,7 +191,7 @@ fn decided(step: &Step<'_>, decision: &Decision) -> Vec<KeyValue> {
     attributes
 }
 
-/// Which whisker.
+/// Attributes that identify a whisker.
 pub(super) fn whisker_of(robot: &Robot, whisker: WhiskerIndex) -> Vec<KeyValue> {
     robot.whisker(whisker).map_or_else(Vec::new, |view| {
         vec![
@@ -201,12 +201,12 @@ pub(super) fn whisker_of(robot: &Robot, whisker: WhiskerIndex) -> Vec<KeyValue> 
     })
 }
 
-/// Which robot.
+/// Attributes that identify a robot.
 pub(super) fn robot_of(fleet: &Name, robot: &Name) -> [KeyValue; 2] {
     [KeyValue::new("vibrissa.fleet", fleet.to_string()), KeyValue::new("vibrissa.robot", robot.to_string())]
 }
 
-/// What a setpoint says.
+/// Attributes of a setpoint.
 pub(super) fn setpoint(robot: &Robot, robot_id: i64, command: &Command, command_id: String) -> Vec<KeyValue> {
     let mut attributes = whisker_of(robot, command.whisker);
     attributes.extend([
@@ -223,7 +223,7 @@ pub(super) fn setpoint(robot: &Robot, robot_id: i64, command: &Command, command_
     attributes
 }
 
-/// A pressure that was told.
+/// Attribute of a reported pressure, if there is one.
 pub(super) fn known_pressure(pressure: Option<Megapascal>) -> impl Iterator<Item = KeyValue> {
     known([("vibrissa.pressure_mpa", pressure.map(|pressure| pressure.mpa().into()))])
 }

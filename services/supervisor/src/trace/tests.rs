@@ -10,7 +10,7 @@ use vibrissa_protocol::Name;
 use super::*;
 use crate::ending::Ending;
 
-/// Keeps what it is given.
+/// Collects the exported spans.
 #[derive(Debug, Clone, Default)]
 struct Kept(Arc<Mutex<Vec<SpanData>>>);
 
@@ -34,7 +34,7 @@ fn kept() -> (Traces, Kept) {
     (traces, kept)
 }
 
-/// The names of the spans that were told so far.
+/// Names of the spans exported so far.
 fn told(traces: &Traces, kept: &Kept) -> Vec<String> {
     traces.0.processor.force_flush().unwrap();
     kept.0.lock().unwrap().iter().map(|span| span.name.to_string()).collect()

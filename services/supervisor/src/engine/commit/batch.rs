@@ -1,4 +1,5 @@
-//! What one transaction will write, and what goes out after it: rows, journal entries, states, setpoints and receipts.
+//! The open batch of a shard: rows, journal entries and checkpoints of the next transaction, and the publications after
+//! it.
 
 use std::collections::BTreeMap;
 use std::hash::RandomState;
@@ -23,7 +24,7 @@ use crate::outbox::Publication;
 use crate::trace::{Lives, Step, Untold, is_told};
 use vibrissa_store::Batch;
 
-/// How often something suspicious of one kind is logged.
+/// Shortest interval between two warnings with the same reason.
 const WARNED_EVERY: Duration = Duration::from_secs(60);
 
 /// A contacts message with the number of its boot in the database.
@@ -33,65 +34,65 @@ pub(in crate::engine) struct Source<'a> {
     pub(in crate::engine) boot: i64,
 }
 
-/// What has come of a shard's robots since the last transaction was closed.
+/// Open batch of a shard: the effects of its steps since the last transaction was sealed.
 pub(in crate::engine) struct Gathering {
     pub(in crate::engine) fleet: Name,
     pub(in crate::engine) boot_id: BootId,
     pub(in crate::engine) params: Arc<Params>,
     pub(in crate::engine) metrics: FleetMetrics,
-    /// Which contacts are kept one by one.
+    /// Which contacts get a row of their own.
     pub(in crate::engine) keep: Keep,
     /// The allow list of robots.
     pub(in crate::engine) allowed: Allowed,
-    /// Those that were not.
+    /// Robots that are not on the allow list.
     pub(in crate::engine) turned_away: TurnedAway,
-    /// The number of the transaction in the fleet's journal.
+    /// Number of the open transaction in the fleet's journal.
     pub(in crate::engine) number: i64,
     pub(in crate::engine) batch: Batch,
     pub(in crate::engine) journal: Journal,
     pub(in crate::engine) publications: Vec<Publication>,
-    /// A setpoint is among the publications: the transaction is not to wait for more.
+    /// A setpoint is among the publications, so the transaction must not wait.
     pub(in crate::engine) is_urgent: bool,
-    /// The messages behind the gathered rows, in case the database refuses the rows.
+    /// The messages behind the rows, in case the database rejects the rows.
     pub(in crate::engine) messages: Vec<Parcel>,
-    /// The message in hand has changed a robot.
+    /// The current message has changed a robot.
     pub(in crate::engine) has_stepped: bool,
-    /// Times of the contacts messages in the batch.
+    /// Times of the `contacts` messages in the batch.
     pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
-    /// Robots whose states are to be written.
+    /// Robots that need a checkpoint.
     pub(in crate::engine) waiting: Waiting,
-    /// Robots with boots whose contacts are to be receipted.
+    /// Robots with boots whose contacts are due for a receipt.
     pub(in crate::engine) receipts_due: Vec<Name>,
-    /// The setpoint that the message in hand is an answer to.
+    /// The setpoint to which the current message is an answer.
     pub(in crate::engine) answering: Option<fleet_metrics::Answering>,
     pub(in crate::engine) effects: Vec<Effect>,
-    /// Keys of the fingerprints of messages.
+    /// Keys of the hashes of messages.
     pub(in crate::engine) hashers: RandomState,
-    /// When something suspicious of each kind was logged last.
+    /// Time of the last warning of each reason.
     warned: BTreeMap<&'static str, Instant>,
-    /// The contacts of a message that is done with.
+    /// Contacts of a handled message; the allocation is reused.
     pub(in crate::engine) list: Vec<protocol::Contact>,
-    /// The traces of setpoints under way, if there is a collector.
+    /// Traces of setpoints under way, if there is a collector.
     pub(in crate::engine) lives: Option<Lives>,
 }
 
-/// A gathering that is closed, to be committed.
+/// A sealed transaction, ready to be committed.
 #[derive(Default)]
 pub(in crate::engine) struct Sealed {
     pub(in crate::engine) batch: Batch,
     pub(in crate::engine) publications: Vec<Publication>,
-    /// Messages that led to it.
+    /// The messages behind the rows.
     pub(in crate::engine) messages: Vec<Parcel>,
     pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
-    /// By shard.
+    /// Spans of the transaction, by shard.
     pub(in crate::engine) untold: Vec<Untold>,
     /// Actions whose answers are in the batch.
     pub(in crate::engine) answered: Vec<i64>,
-    /// The number of the transaction in the fleet's journal.
+    /// Number of the transaction in the fleet's journal.
     pub(in crate::engine) number: i64,
-    /// The batch as bytes, while these are to be kept.
+    /// The batch as bytes for the intent log; `None` if its rows are to be written.
     pub(in crate::engine) bytes: Option<Vec<u8>>,
-    /// What waited for it has gone out.
+    /// Its publications have gone out.
     pub(in crate::engine) is_out: bool,
 }
 
@@ -124,7 +125,7 @@ impl Gathering {
         }
     }
 
-    /// The core's step, and what comes of it.
+    /// Steps the core, and adds the effects to the batch.
     pub(in crate::engine) fn step(
         &mut self,
         known: &mut Known,
@@ -150,8 +151,8 @@ impl Gathering {
         outcome
     }
 
-    /// Has the step outlast us: as an entry of the journal where the same event leads to the same state and to nothing
-    /// else, or by writing the state.
+    /// Makes the step durable: by a journal entry, if a replay of the event leads to the same state without any
+    /// decision, or else by a checkpoint.
     fn outlast(
         &mut self,
         known: &mut Known,
@@ -164,12 +165,12 @@ impl Gathering {
         if known.stored == Stored::Next {
             return;
         }
-        // Also a message whose time cannot be right is one that the clock's estimate has heard.
+        // A message with an implausible time has changed the estimate of the robot's clock, too.
         let is_taken = matches!(outcome, Outcome::Taken | Outcome::BadTime);
         let is_kept = is_ordinary
             && known.stored != Stored::Before
             && match event {
-                // Also what is not taken can give up a gap.
+                // A contacts message that is not accepted can also give up a gap.
                 Event::Contacts { boot_id, .. } if is_taken || known.robot.has_gap(boot_id) => {
                     self.journal.contacts(known, now, event, source.filter(|_| is_taken));
                     true
@@ -182,7 +183,7 @@ impl Gathering {
                     self.journal.tick(known, now);
                     true
                 }
-                // Nothing has changed.
+                // The state has not changed.
                 _ if !is_taken => return,
                 Event::Contacts { .. }
                 | Event::Status { .. }
@@ -203,17 +204,17 @@ impl Gathering {
         }
     }
 
-    /// Counts what no robot that keeps the contract would send, and warns of it once a minute.
+    /// Counts a message that violates the contract, and warns at most once a minute per reason.
     pub(in crate::engine) fn suspect(&mut self, reason: &'static str, problem: &str, robot: &Name) {
         self.metrics.refuse(reason, problem, robot.as_str());
         let now = Instant::now();
         if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNED_EVERY) {
             self.warned.insert(reason, now);
-            warn!(%robot, reason, "{problem}; more of it is only counted for a minute");
+            warn!(%robot, reason, "{problem} (further ones are only counted for a minute)");
         }
     }
 
-    /// The robot's state is written by the next transaction.
+    /// Makes the open batch write a checkpoint of the robot.
     pub(in crate::engine) fn store_next(&mut self, known: &mut Known) {
         if known.stored != Stored::Next {
             known.stored = Stored::Next;
@@ -221,7 +222,8 @@ impl Gathering {
         }
     }
 
-    /// Closes it: adds its rows to those of other shards; says how many contacts its journal entries have.
+    /// Seals the open batch by appending it to those of other shards. Returns the number of contacts in its journal
+    /// entries.
     pub(in crate::engine) fn seal_into(&mut self, sealed: &mut Sealed, entries: &mut Vec<u8>) -> usize {
         sealed.batch.append(&mut self.batch);
         sealed.publications.append(&mut self.publications);
@@ -238,14 +240,14 @@ impl Gathering {
         contacts
     }
 
-    /// Whether there is anything to commit or to publish.
+    /// Whether there is nothing to commit or to publish.
     pub(in crate::engine) fn is_empty(&self) -> bool {
         self.batch.is_empty() && self.journal.is_empty() && self.publications.is_empty() && self.waiting.is_next_empty()
     }
 }
 
-/// Whether the same effect of the same event can be left out when the event is gone through again: it has become a row or a
-/// request, and nothing follows from it.
+/// Whether an effect can be skipped when the event is replayed: its row or request is done, and it changes no state of
+/// other parts.
 pub(in crate::engine) fn is_ordinary(effect: &Effect) -> bool {
     matches!(effect, Effect::Contact(_) | Effect::Response(_) | Effect::AskForFactsheet | Effect::BadTime { .. })
 }

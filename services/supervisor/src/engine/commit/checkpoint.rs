@@ -1,4 +1,5 @@
-//! Robots' states as rows: at once where something is decided, and otherwise now and then, so that the journal stays short.
+//! Checkpoints, which are rows with a robot's state: written at once after a decision, and otherwise from time to time,
+//! so that the journal stays short.
 
 use std::collections::VecDeque;
 
@@ -13,26 +14,26 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Batch;
 use vibrissa_store::batch::{Interval, RobotRow, WhiskerRow};
 
-/// A state is written this long after the first entry of the journal that it does not contain, or later if there are many.
+/// Age of a robot's first journal entry at which its checkpoint is due; it may be later if many are due.
 const AFTER: Micros = Micros(2_000_000);
-/// Whiskers whose states are written in a second, beside those where something was decided ...
+/// Rate of whiskers' checkpoints without a decision, per second,
 const WHISKERS_PER_S: f64 = 2_000.0;
-/// ... and as many more for each contact that waits in the journal, so that it cannot outgrow what is gone through again in
-/// some seconds.
+/// and increase of the rate per contact in the journal, so that a replay of the journal never takes more than some
+/// seconds.
 const WHISKERS_PER_S_A_CONTACT: f64 = 2e-3;
-/// The most at once.
+/// Largest number of whiskers at once.
 const BURST: f64 = 1024.0;
-/// Whiskers whose states are written when a fleet is given up: in less than a second.
+/// Limit of whiskers in the checkpoints at the end of supervision: less than a second of work.
 const WHISKERS_AT_THE_END: f64 = 10_000.0;
 
-/// Robots whose states are to be written.
+/// Robots that need a checkpoint.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct Waiting {
-    /// By the next transaction.
+    /// Robots whose checkpoint the next transaction must write.
     next: Vec<Name>,
-    /// Their whiskers, of which those are written that have changed.
+    /// Number of their whiskers; only changed ones are written.
     next_whiskers: usize,
-    /// The others, by the number of the first entry of the journal that their states do not contain, and since when.
+    /// The other robots, by the number and time of the first journal entry that their checkpoint does not contain.
     queue: VecDeque<(i64, Micros, Name)>,
 }
 
@@ -42,7 +43,7 @@ impl Waiting {
         self.next_whiskers += whiskers;
     }
 
-    /// A robot of the next transaction has got its whiskers.
+    /// Counts the whiskers of a robot of the next transaction that has a new layout.
     pub(in crate::engine) fn laid_out(&mut self, whiskers: usize) {
         self.next_whiskers += whiskers;
     }
@@ -55,13 +56,13 @@ impl Waiting {
         self.next.is_empty()
     }
 
-    /// Whiskers whose states the next transaction writes, at the most.
+    /// Largest number of whiskers in the checkpoints that the next transaction must write.
     pub(in crate::engine) fn next_whiskers(&self) -> usize {
         self.next_whiskers
     }
 }
 
-/// How many whiskers' states may be written now.
+/// Limits the rate of whiskers' checkpoints.
 #[derive(Debug)]
 pub(in crate::engine) struct Pace {
     tokens: f64,
@@ -73,12 +74,12 @@ impl Pace {
         Self { tokens: BURST, at: now }
     }
 
-    /// For the last transaction.
+    /// The limit for the last transaction.
     pub(in crate::engine) fn at_the_end(now: Micros) -> Self {
         Self { tokens: WHISKERS_AT_THE_END, at: now }
     }
 
-    /// Time has passed, and so many contacts wait in the journal.
+    /// Adds the tokens of the time that has passed.
     pub(in crate::engine) fn go_on(&mut self, now: Micros, contacts_in_journal: usize) {
         let rate = WHISKERS_PER_S + WHISKERS_PER_S_A_CONTACT * contacts_in_journal as f64;
         self.tokens = (self.tokens + rate * now.since(self.at).as_s()).min(self.tokens.max(BURST));
@@ -95,19 +96,20 @@ impl Pace {
 }
 
 impl Shard {
-    /// Whether a state waits to be written that may be.
+    /// Whether a checkpoint without a decision is due.
     pub(in crate::engine) fn is_state_due(&mut self, now: Micros) -> bool {
         self.oldest_waiting().is_some_and(|(_, since)| now.since(since) >= AFTER)
     }
 
-    /// States that wait are due.
+    /// Makes all waiting checkpoints due.
     pub(in crate::engine) fn no_longer_wait(&mut self) {
         for (_, since, _) in &mut self.gathering.waiting.queue {
             *since = Micros::default();
         }
     }
 
-    /// The first entry of the journal that is needed to take this shard's robots up, and since when; none if none is.
+    /// Number and time of the first journal entry that a recovery of this shard's robots needs; `None` if it needs
+    /// none.
     pub(in crate::engine) fn oldest_waiting(&mut self) -> Option<(i64, Micros)> {
         let queue = &mut self.gathering.waiting.queue;
         while let Some((number, since, name)) = queue.front() {
@@ -119,7 +121,7 @@ impl Shard {
         None
     }
 
-    /// The states that the transaction must write, because something was decided.
+    /// Adds the checkpoints that the transaction must contain because of decisions.
     pub(in crate::engine) fn snapshot_decided(&mut self, pace: &mut Pace) {
         self.gathering.waiting.next_whiskers = 0;
         for name in std::mem::take(&mut self.gathering.waiting.next) {
@@ -129,7 +131,7 @@ impl Shard {
         }
     }
 
-    /// Those that it may write, because they have waited.
+    /// Adds checkpoints that are due, as far as the rate allows.
     pub(in crate::engine) fn snapshot_waiting(&mut self, now: Micros, pace: &mut Pace) {
         while pace.has_any() && self.is_state_due(now) {
             let Some((_, _, name)) = self.gathering.waiting.queue.pop_front() else { break };
@@ -140,7 +142,7 @@ impl Shard {
     }
 }
 
-/// Writes what has changed of a robot; says how many whiskers.
+/// Adds the changed parts of a robot's checkpoint, and returns the number of whiskers.
 fn write(known: &mut Known, number: i64, batch: &mut Batch) -> usize {
     known.stored = Stored::State;
     let mut changed = Vec::new();
@@ -150,7 +152,7 @@ fn write(known: &mut Known, number: i64, batch: &mut Batch) -> usize {
         return 0;
     }
     let Some(state) = known.robot.to_bytes() else {
-        error!(robot = %known.name, "its state cannot be stored; the one stored before stays");
+        error!(robot = %known.name, "cannot encode the state, keeping the last checkpoint");
         return 0;
     };
     let (boot_id, link) = known.robot.connection_state();
@@ -173,7 +175,7 @@ fn whisker_row(known: &Known, index: usize) -> Option<WhiskerRow> {
     let view = known.robot.whisker(index)?;
     let whisker_id = *known.whisker_ids.get(index)?;
     let Some(state) = known.robot.whisker_to_bytes(index) else {
-        error!(robot = %known.name, whisker = index, "its state cannot be stored; the one stored before stays");
+        error!(robot = %known.name, whisker = index, "cannot encode the state, keeping the last checkpoint");
         return None;
     };
     Some(WhiskerRow {

@@ -1,5 +1,5 @@
-//! The writing half: one transaction at a time, while the engine gathers for the next one. A database that is away is waited
-//! for; a fleet that is somebody else's is not.
+//! Writes one transaction at a time, while the engine fills the next batch. Retries while the database is unreachable,
+//! and gives up when the lease is lost.
 
 use tokio::time::{Duration, Instant};
 use tracing::{error, info, warn};
@@ -14,10 +14,10 @@ use vibrissa_store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, 
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::ROWS_AT_A_TIME;
 
-/// The part of readiness that is kept here.
+/// Name of this part in the service's readiness.
 const PART: &str = "database";
 
-/// Whoever writes for a fleet.
+/// Writes the transactions of a fleet.
 pub(in crate::engine) struct Committer {
     pub(in crate::engine) fleet: Name,
     pub(in crate::engine) lease: Lease,
@@ -27,43 +27,43 @@ pub(in crate::engine) struct Committer {
     pub(in crate::engine) readiness: Readiness,
 }
 
-/// What is known of a commit.
+/// Result of a commit.
 pub(in crate::engine) struct Committed {
-    /// How long it took, with all attempts.
+    /// Duration with all attempts.
     pub(in crate::engine) took: Duration,
-    /// Whether the database was away.
+    /// Whether the database was unreachable.
     pub(in crate::engine) was_away: bool,
-    /// Robots whose rows the database refuses for good: these rows were left out.
+    /// Robots whose rows the database rejects permanently: these rows were left out.
     pub(in crate::engine) offenders: Vec<Offender>,
 }
 
-/// A robot whose rows the database refuses, as it was committed last.
+/// A robot whose rows the database rejects, as of its last commit.
 pub(in crate::engine) struct Offender {
     pub(in crate::engine) robot_id: i64,
     pub(in crate::engine) rejection: Rejection,
     pub(in crate::engine) stored: Option<StoredRobot>,
-    /// Rows of the journal with its entries, with their numbers, in order.
+    /// Its journal entries, by rows with their numbers, in order.
     pub(in crate::engine) journal: Vec<(i64, Vec<u8>)>,
 }
 
-/// The database refuses bytes for good.
+/// The database rejects an intent permanently.
 #[derive(Debug)]
 pub(in crate::engine) struct BytesRefused;
 
-/// An outage of the database, if there is one.
+/// State of an outage of the database, if there is one.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct Outage {
     since: Option<Instant>,
     backoff: Backoff,
 }
 
-/// The fleet is somebody else's.
+/// Another supervisor owns the fleet.
 #[derive(Debug)]
 pub(in crate::engine) struct LeaseLost;
 
 impl Committer {
-    /// Writes a batch; a database that is away is waited for, while the inbox fills and then sheds. If the database refuses
-    /// rows for good, the batch is written without the rows of the robots that they belong to.
+    /// Writes the rows of a batch. Retries while the database is unreachable; meanwhile the inbox fills and then sheds.
+    /// If the database rejects rows permanently, the batch is written without the rows of the robots concerned.
     pub(in crate::engine) async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
@@ -81,7 +81,7 @@ impl Committer {
                     break;
                 }
                 Err(problem) if !is_apart && problem.rejection().is_some() => {
-                    error!(%problem, fleet = %self.fleet, "the database refuses rows: writing robot by robot");
+                    error!(%problem, fleet = %self.fleet, "database rejects rows, writing robot by robot");
                     is_apart = true;
                 }
                 Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
@@ -92,8 +92,8 @@ impl Committer {
         Ok(Committed { took: first.elapsed(), was_away, offenders })
     }
 
-    /// Writes a batch's bytes under its number, which commits it; only its rows are still to be written. Waits until the
-    /// database is available.
+    /// Writes a batch's bytes to the intent log, which commits the transaction; its rows are written later. Retries
+    /// while the database is unreachable.
     pub(in crate::engine) async fn keep(
         &mut self,
         number: i64,
@@ -109,7 +109,7 @@ impl Committer {
                     break;
                 }
                 Err(problem) if problem.rejection().is_some() => {
-                    error!(%problem, fleet = %self.fleet, "the database refuses a transaction's bytes: writing its rows first");
+                    error!(%problem, fleet = %self.fleet, "database rejects an intent, writing the rows first");
                     return Ok(Err(BytesRefused));
                 }
                 Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
@@ -119,17 +119,17 @@ impl Committer {
         Ok(Ok(Committed { took: first.elapsed(), was_away, offenders: Vec::new() }))
     }
 
-    /// The robots whose rows were refused, as they were committed last.
+    /// Loads the robots whose rows were rejected, as of their last commit.
     async fn offenders(&mut self, outage: &mut Outage, refused: Vec<Refused>) -> Result<Vec<Offender>, LeaseLost> {
         let mut offenders = Vec::new();
         for Refused { owner, rejection } in refused {
             let (code, text) = (&rejection.code, &rejection.text);
-            error!(fleet = %self.fleet, ?owner, code, text, "the database refuses these rows for good: they are left out");
+            error!(fleet = %self.fleet, ?owner, code, text, "database rejects these rows for good, leaving them out");
             let Owner::Robot(robot_id) = owner else { continue };
             let (stored, journal) = loop {
                 match self.load(robot_id).await {
                     Ok(loaded) => break loaded,
-                    Err(problem) => self.wait_out(outage, problem, "a robot cannot be loaded").await?,
+                    Err(problem) => self.wait_out(outage, problem, "cannot load a robot").await?,
                 }
             };
             offenders.push(Offender { robot_id, rejection, stored, journal });
@@ -152,7 +152,7 @@ impl Committer {
         }
     }
 
-    /// Waits before the next attempt, and says why; a lost lease is not waited for.
+    /// Reports a problem, and waits before the next attempt. A lost lease is an error.
     pub(in crate::engine) async fn wait_out(
         &mut self,
         outage: &mut Outage,
@@ -160,21 +160,21 @@ impl Committer {
         so: &str,
     ) -> Result<(), LeaseLost> {
         if let StoreError::LeaseLost { .. } = problem {
-            warn!(%problem, "nothing more is written");
+            warn!(%problem, "lease lost, writing stops");
             return Err(LeaseLost);
         }
         self.program.database_failed();
-        error!(%problem, fleet = %self.fleet, "{so}; trying again");
+        error!(%problem, fleet = %self.fleet, "{so}, retrying");
         self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {}", problem.told())));
         outage.since.get_or_insert_with(Instant::now);
         outage.backoff.wait().await;
         Ok(())
     }
 
-    /// The database answers again; true if it did not before.
+    /// Ends an outage; returns true if there was one.
     pub(in crate::engine) fn end_of(&self, outage: &Outage) -> bool {
         let Some(since) = outage.since else { return false };
-        info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "the database takes what is written again");
+        info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "database available again");
         self.readiness.set_of(&self.fleet, PART, None);
         true
     }

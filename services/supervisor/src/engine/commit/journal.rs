@@ -1,8 +1,9 @@
-//! The journal: what ordinary events said, in few bytes, written with the rows that came of them. A robot's state need not
-//! be written with each contact then: after a crash it is what was written last, given again what happened since.
+//! The journal: an input log of ordinary events in compact form, written with the rows of their effects. With it, not
+//! every contact needs a checkpoint: after a crash, a robot's last checkpoint is loaded, and the later events are
+//! replayed.
 //!
-//! The same events give the same state (the core has no clock and no randomness), so nothing is stored but the events. Only
-//! those are kept here that lead to nothing but contact rows; where anything is decided, the state is written at once.
+//! The same events lead to the same state, because the core has no clock and no randomness; so only events are stored.
+//! Only events that lead to contact rows and nothing else are journalled; a decision needs a checkpoint.
 
 use std::collections::BTreeMap;
 
@@ -17,23 +18,23 @@ use crate::engine::commit::batch::Source;
 use crate::engine::shard::Known;
 use vibrissa_store::batch::ContactRow;
 
-/// Version of the entries' layout. A negative number is the version of the entries after it; entries begin with a robot's
-/// number, which is positive. Version 1 had the same layout and no such number.
+/// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
+/// id, which is positive. Version 1 had the same layout and no version number.
 const VERSION: i64 = 2;
-/// Stands for an array that is not on the robot.
+/// Index of an array that the robot does not have.
 const NO_ARRAY: u16 = u16::MAX;
 
-/// The number of [`Told::Contacts`].
+/// Borsh tag of [`Told::Contacts`].
 const CONTACTS: u8 = 1;
 
-/// Entries of the transaction that is gathered for.
+/// Journal entries of the open transaction.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct Journal {
     bytes: Vec<u8>,
     contacts: usize,
 }
 
-/// What happened to one robot.
+/// An event of one robot.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::engine) struct Entry {
     pub(in crate::engine) robot_id: i64,
@@ -41,7 +42,7 @@ pub(in crate::engine) struct Entry {
     pub(in crate::engine) told: Told,
 }
 
-/// What it was.
+/// Kind and content of a journalled event.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::engine) enum Told {
     Tick,
@@ -49,7 +50,7 @@ pub(in crate::engine) enum Told {
     Status { boot: i64, robot_time: Micros, whiskers: Vec<KeptStatus> },
 }
 
-/// A contact.
+/// A journalled contact.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::engine) struct KeptContact {
     array: u16,
@@ -59,11 +60,11 @@ pub(in crate::engine) struct KeptContact {
     deflection_mm: f64,
     strain: f64,
     pressure_mpa: f64,
-    /// Nothing is decided by it; minutes have its mean.
+    /// Not used by the core; only the aggregates contain its mean.
     temperature_c: f64,
 }
 
-/// A line of a status.
+/// A journalled line of a status.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::engine) struct KeptStatus {
     array: u16,
@@ -79,12 +80,12 @@ impl Journal {
         self.bytes.is_empty()
     }
 
-    /// Their size.
+    /// Size of the entries in bytes.
     pub(in crate::engine) fn bytes(&self) -> usize {
         self.bytes.len()
     }
 
-    /// The entries, and how many contacts are in them.
+    /// Takes the entries, and the number of contacts in them.
     pub(in crate::engine) fn take(&mut self) -> (Vec<u8>, usize) {
         let contacts = std::mem::take(&mut self.contacts);
         let kept = Vec::with_capacity(self.bytes.len());
@@ -107,7 +108,7 @@ impl Journal {
         self.write(&Entry { robot_id: known.robot_id, now, told: Told::Tick });
     }
 
-    /// A contacts message with what it was made from; the contacts of one that was not taken do not matter.
+    /// Adds a `contacts` message, with its source if it was accepted; otherwise its contacts are omitted.
     pub(in crate::engine) fn contacts(
         &mut self,
         known: &Known,
@@ -119,7 +120,7 @@ impl Journal {
         let temperatures = taken.map_or(&[][..], |source| &source.told.contacts);
         let contacts = if taken.is_some() { contacts } else { &[][..] };
         self.contacts += contacts.len();
-        // As an entry of its own would be written, without making one.
+        // Encoded like an `Entry`, without allocating one.
         let head = (known.robot_id, now, CONTACTS, known.boot(boot_id), *seq, contacts.len() as u32);
         self.write(&head);
         for (position, one) in contacts.iter().enumerate() {
@@ -139,7 +140,7 @@ impl Journal {
         if self.bytes.is_empty() {
             self.bytes.extend(version_mark());
         }
-        // Writing into memory cannot fail.
+        // Writing to memory cannot fail.
         let _ = entry.serialize(&mut self.bytes);
     }
 }
@@ -148,7 +149,7 @@ fn version_mark() -> [u8; 8] {
     (-VERSION).to_le_bytes()
 }
 
-/// Skips the versions before an entry.
+/// Skips the version numbers before an entry.
 ///
 /// # Errors
 /// The entries are of a version that this program cannot read.
@@ -184,7 +185,7 @@ pub(in crate::engine) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io:
     })
 }
 
-/// The entries of one row by robot, as bytes with their version, each robot's in their order. Unreadable entries are left out.
+/// Entries of one row by robot, as bytes with their version number, in order. Entries that cannot be read are left out.
 pub(in crate::engine) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
     while skip_versions(&mut bytes).is_ok() && !bytes.is_empty() {
@@ -218,7 +219,7 @@ impl KeptContact {
         }
     }
 
-    /// Its row, as it was written; `boot` and `seq` are the message's.
+    /// The contact's row as it was written; `boot` and `seq` are those of the message.
     pub(in crate::engine) fn row(
         &self,
         record: &ContactRecord,
@@ -245,7 +246,8 @@ impl KeptContact {
         }
     }
 
-    /// As it was, on a robot with these arrays; none if it is not in the core's ranges, which it was when it was written.
+    /// The contact, on a robot with these arrays; `None` if a value is outside the core's ranges, which cannot be the
+    /// case for written entries.
     pub(in crate::engine) fn contact<'a>(&self, arrays: &'a [String]) -> Option<Contact<'a>> {
         Some(Contact {
             array: array_name(arrays, self.array),
@@ -271,7 +273,7 @@ impl KeptStatus {
         }
     }
 
-    /// As it was, on a robot with these arrays.
+    /// The line of a status, on a robot with these arrays; `None` if a value is outside the core's ranges.
     pub(in crate::engine) fn status<'a>(&self, arrays: &'a [String]) -> Option<WhiskerStatus<'a>> {
         Some(WhiskerStatus {
             array: array_name(arrays, self.array),
@@ -293,8 +295,8 @@ mod tests {
 
     use super::*;
 
-    /// The bytes of each version, as the program of that version wrote them. If this fails because the bytes change: raise the
-    /// version, keep a reader of the old one, and add a file for the new one.
+    /// Bytes of each version, as written by the program of that version. If this fails because the bytes have changed:
+    /// raise the version, keep a reader for the old one, and add a file for the new one.
     #[test]
     fn golden_entries_of_version_1_are_read_and_become_version_2() {
         let of_version_1 = include_bytes!("../../../../../tests/data/formats/journal-1.bin");
@@ -351,8 +353,8 @@ mod tests {
         assert_eq!(entries, [entry(100, told(&[21.0, 22.0])), entry(200, Told::Tick), entry(300, told(&[]))]);
         let Told::Contacts { contacts, .. } = &entries[0].told else { panic!("contacts") };
         let arrays = ["a".to_owned()];
-        assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an array that is not there");
-        // Rows that were put together, and rows of version 1, have the same entries.
+        assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an unknown array");
+        // Concatenated rows, and rows of version 1, have the same entries.
         let parts: Vec<u8> = by_robot(&bytes).into_iter().flat_map(|(_, entries)| entries).collect();
         for row in [[&parts[..], &bytes].concat(), [&bytes[8..], &bytes[8..]].concat()] {
             assert!(read(&row).map(Result::unwrap).eq(entries.iter().chain(&entries).cloned()));

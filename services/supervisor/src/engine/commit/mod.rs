@@ -1,12 +1,12 @@
 //! The write path, from the effects of a step to committed rows and back after a restart.
 //!
-//! - [`batch`]: the rows that the steps of a shard have led to since the last commit.
-//! - [`journal`]: an input log. A step that decides nothing writes its *event* here, and the robot's checkpoint may wait.
-//! - [`checkpoint`]: robots' states as rows, at once where something is decided, otherwise about two seconds later.
+//! - [`batch`]: the effects of a shard's steps since the last transaction was sealed.
+//! - [`journal`]: an input log. A step without a decision writes its *event* here, and the robot's checkpoint may wait.
+//! - [`checkpoint`]: robots' states as rows, written at once after a decision, otherwise about two seconds later.
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`pipeline`]: sealed transactions, one after the other, and the publications that wait for them.
-//! - [`committer`]: one transaction in the database, tried again while the database is away.
-//! - [`recovery`]: intents become rows, checkpoints are loaded, and the journal is stepped through the core again.
+//! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
+//! - [`recovery`]: intents become rows, checkpoints are loaded, and the journal is replayed through the core.
 //!
 //! A transaction:
 //!
@@ -24,12 +24,12 @@
 //! State ──────ordinary message──────▶ Journal(n) ──ordinary message──▶ Journal(n)
 //! State, Journal(n), Before ──any other step──▶ Next ──checkpoint in this transaction──▶ State
 //! Journal(n) ──two seconds later, a checkpoint──▶ State
-//! take-up ──▶ Before: the checkpoint is older than the take-up, so that no entry may be added to it
+//! takeover ──▶ Before: the checkpoint is older than the takeover, so that no entry may be added to it
 //! ```
 //!
-//! Each transaction advances the counter of commits in the lease's row, where owner, epoch and counter are those that this
-//! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, makes a repeated attempt
-//! write nothing twice, and renews the lease.
+//! Each transaction advances the counter of commits in the lease's row, if owner, epoch and counter are those that this
+//! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, keeps a repeated
+//! attempt from writing anything twice, and renews the lease.
 
 pub(super) mod batch;
 pub(super) mod checkpoint;

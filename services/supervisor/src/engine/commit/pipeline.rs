@@ -1,8 +1,8 @@
-//! What was gathered becomes transactions, one after the other; what waits for them goes out.
+//! Open batches become transactions, one after the other, and their publications go out.
 //!
-//! Ordinary transactions are written at once. One with a setpoint is first kept as it is, in one short row, and what waits
-//! for it goes out; its rows follow as soon as nothing else is to be kept. All rows are written in the order in which their
-//! transactions were sealed.
+//! An ordinary transaction is written as rows at once. One with a setpoint is first committed as one row of the intent
+//! log, and its publications go out; its rows follow as soon as no other intent must be written. The rows of all
+//! transactions are written in the order of sealing.
 
 use std::future::pending;
 use std::time::SystemTime;
@@ -17,34 +17,35 @@ use crate::outbox::Publication;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::batch::JournalRow;
 
-/// Transactions that may be kept before the rows of the first must be written.
+/// Largest number of intents whose rows are not written yet.
 const KEPT_MAX: usize = 16;
-/// Contacts and states of whiskers in a transaction that holds nothing up.
+/// Number of contacts and whiskers' checkpoints up to which a transaction is written in the engine's own thread.
 const SMALL: usize = 200;
-/// With more contacts a transaction is not worth writing twice, in bytes and in rows.
+/// With more contacts, a transaction is not written twice, as an intent and as rows.
 const KEPT_CONTACTS_MAX: usize = 2000;
 
-/// Contacts kept in the journal at most for robots whose rows the database has refused: some 20 MB.
+/// Limit of the contacts kept in the journal for robots whose rows the database has rejected: about 20 MB.
 const HELD_FOR_SUSPECTS_MAX: usize = 200_000;
-/// Robots that are sent receipts at a time, ten times a second: of more each one's comes a bit less often.
+/// Number of robots that get receipts at a time, ten times a second. If more are due, each robot's receipts are less
+/// frequent.
 const RECEIPTS_AT_ONCE: usize = 500;
-/// How often receipts may come with the next one instead, one after the other.
+/// Number of consecutive transactions that may leave due receipts to the next one.
 const PASSED_OVER_MAX: u32 = 8;
 
-/// What is being written of a transaction.
+/// The part of a transaction that is being written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) enum Part {
-    /// Its bytes: what waits for it goes out then, and its rows follow.
+    /// The intent: after it the publications go out, and the rows follow.
     Bytes,
-    /// Its rows: what still waits for it goes out then.
+    /// The rows: after them the publications go out, if they have not yet.
     Rows,
 }
 
-/// What the commit under way gives back.
+/// Result of the commit task.
 pub(in crate::engine) type Done = (Committer, Sealed, Part, Result<Committed, LeaseLost>);
 
 impl Engine {
-    /// Closes what was gathered, or takes the next one whose rows are to be written, and has it committed while more is gathered.
+    /// Seals the open batches, or takes the oldest transaction without rows, and starts its commit.
     pub(in crate::engine) fn begin_commit(&mut self) {
         let Some(mut committer) = self.committer.take() else { return };
         let Some((mut sealed, mut part)) = self.next_commit() else {
@@ -52,7 +53,7 @@ impl Engine {
             return;
         };
         let rows = sealed.batch.contacts.len() + sealed.batch.whiskers.len();
-        // What is small is written in this thread, without waking another.
+        // A small transaction is written in this thread, which avoids waking another.
         let is_small = sealed.bytes.is_some() || rows <= SMALL;
         let commit = async move {
             let kept = match &sealed.bytes {
@@ -73,7 +74,8 @@ impl Engine {
         self.committing = Some(if is_small { tokio::spawn(commit) } else { self.workers.spawn(commit) });
     }
 
-    /// What is to be written now: what has a setpoint before the rows of what was kept, these before all else.
+    /// The next part to write: the intent of a batch with a setpoint, before the rows of earlier intents, before all
+    /// else.
     fn next_commit(&mut self) -> Option<(Sealed, Part)> {
         let is_kept = self.is_kept();
         if !is_kept && let Some(sealed) = self.kept.pop_front() {
@@ -88,17 +90,17 @@ impl Engine {
             sealed.bytes = Some(bytes);
             return Some((sealed, Part::Bytes));
         }
-        // Behind what was kept before, if there is any after all.
+        // After the rows of earlier intents, if there are any.
         self.kept.push_back(sealed);
         self.kept.pop_front().map(|sealed| (sealed, Part::Rows))
     }
 
-    /// Whether a setpoint waits for what is gathered.
+    /// Whether a setpoint waits for the open batches.
     pub(in crate::engine) fn is_urgent(&self) -> bool {
         self.shards.iter().any(|shard| shard.gathering.is_urgent)
     }
 
-    /// Whether what is gathered is kept first, because a setpoint waits for it.
+    /// Whether the open batches are to be committed as an intent first, because a setpoint waits for them.
     fn is_kept(&self) -> bool {
         let contacts = || self.shards.iter().map(|shard| shard.gathering.batch.contacts.len()).sum::<usize>();
         self.is_urgent()
@@ -107,9 +109,9 @@ impl Engine {
             && contacts() < KEPT_CONTACTS_MAX
     }
 
-    /// Takes what was gathered out of the shards, with the states that are to be written.
+    /// Seals the open batches of all shards, with the checkpoints that are due.
     ///
-    /// What is kept first is short: receipts, and states that may wait, come with the next one.
+    /// An intent is short: it leaves receipts, and checkpoints that may wait, to the next transaction.
     fn seal(&mut self, is_kept: bool) -> Sealed {
         let now = wall_clock();
         let receipts = self.rounds.begin(is_kept, Instant::now());
@@ -137,15 +139,15 @@ impl Engine {
         sealed
     }
 
-    /// Entries that are in all states are not needed any more; `is_round` says whether to tell the database so.
+    /// Drops journal entries that all checkpoints contain; `is_round` says whether the database is to delete them, too.
     fn forget_journal(&mut self, is_round: bool, sealed: &mut Sealed) {
         let oldest = self.shards.iter_mut().filter_map(|shard| shard.oldest_waiting()).map(|(number, _)| number).min();
         let needed_from = oldest.unwrap_or(self.number + 1);
-        // What is written with the states of all whom it is about need not be written.
+        // Entries need not be written if the same transaction writes the checkpoints of all their robots.
         if needed_from > self.number && sealed.batch.journal.take().is_some() {
             self.journal_contacts -= self.journal.pop_back().map_or(0, |(_, contacts)| contacts);
         }
-        // A suspect's state may be refused, and then its entries are needed longer than its state says.
+        // A suspect's checkpoint may be rejected, so its entries are needed for longer.
         let is_held = !self.suspects.is_empty() && self.journal_contacts < HELD_FOR_SUSPECTS_MAX;
         while let Some((number, contacts)) =
             self.journal.front().copied().filter(|(number, _)| is_round && !is_held && *number < needed_from)
@@ -156,14 +158,14 @@ impl Engine {
         }
     }
 
-    /// Tells the shards which transaction they gather for from now on.
+    /// Tells the shards the number of the open transaction.
     pub(in crate::engine) fn number_gatherings(&mut self) {
         for shard in &mut self.shards {
             shard.gathering.number = self.number + 1;
         }
     }
 
-    /// Waits until nothing is being written, nor waits for its rows.
+    /// Waits until no transaction is being written, and the rows of all are written.
     pub(in crate::engine) async fn settle(&mut self) -> Result<(), LeaseLost> {
         loop {
             if self.committing.is_some() {
@@ -177,7 +179,7 @@ impl Engine {
         }
     }
 
-    /// A commit has ended: now what waited for it goes out.
+    /// Handles the end of a commit: the publications go out.
     pub(in crate::engine) fn committed(
         &mut self,
         (committer, mut sealed, part, committed): Done,
@@ -208,7 +210,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What waited for a transaction goes out, and it is told of.
+    /// Publishes after the commit, and updates traces and metrics.
     fn go_out(&mut self, sealed: &mut Sealed, committed: &Committed) {
         self.time_taken(&sealed.taken);
         let mut untold = std::mem::take(&mut sealed.untold);
@@ -217,7 +219,7 @@ impl Engine {
                 lives.committed(untold, committed.took);
             }
         }
-        // Taken before: a robot's answer can be there before this is through.
+        // Taken before publishing, because a robot may answer before `publish` returns.
         let now = SystemTime::now();
         let all = self.publish(std::mem::take(&mut sealed.publications));
         for (shard, untold) in self.shards.iter_mut().zip(untold) {
@@ -227,8 +229,9 @@ impl Engine {
         }
     }
 
-    /// Sends what waited for the commit. Nothing is lost if the broker is away: setpoints are sent again
-    /// until answered, receipts with the next message. Nor if the fleet may be somebody else's by now.
+    /// Publishes after a commit; returns false if messages were dropped. Nothing is lost if the broker is unreachable
+    /// or the lease may have expired: setpoints are sent again until they are answered, and receipts with the next
+    /// message.
     pub(in crate::engine) fn publish(&self, publications: Vec<Publication>) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
@@ -240,11 +243,11 @@ impl Engine {
     }
 }
 
-/// What the commit under way gives back, when it has ended; never if there is none.
+/// Waits for the end of the running commit; forever if there is none.
 pub(in crate::engine) async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
     let Some(task) = committing else { return pending().await };
     let done = task.await;
     *committing = None;
-    // It is never aborted: if it has no result, it has panicked.
+    // The task is never aborted, so an error means that it has panicked.
     done.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()))
 }

@@ -1,4 +1,4 @@
-//! Taking up a fleet: every robot as its state was written last, given again what the journal says happened since.
+//! Recovery of a fleet: intents become rows, checkpoints are loaded, and the journal is replayed.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -16,35 +16,35 @@ use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
 
-/// Rows of the journal that are read at a time.
+/// Number of journal rows read at a time.
 pub(in crate::engine) const ROWS_AT_A_TIME: i64 = 256;
 
-/// What going through the journal needs to know of a robot.
+/// Facts about a robot that the replay needs.
 struct Follower {
     name: Name,
     shard: usize,
-    /// Entries up to this number are in its state.
+    /// Entries up to this number are contained in its checkpoint.
     journal_number: i64,
     arrays: Vec<String>,
     boots: BTreeMap<i64, String>,
     has_gone_on: bool,
 }
 
-/// Writes the rows of what was kept and no more. What cannot be read is said, and given up.
+/// Writes the rows of the transactions in the intent log. An unreadable one is logged and dropped.
 async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
     while let Some((number, bytes)) = writer.kept(lease).await? {
         let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
             let (fleet, bytes) = (lease.fleet(), bytes.len());
-            error!(%fleet, number, bytes, %problem, "a transaction that was kept cannot be read: what it says is lost");
+            error!(%fleet, number, bytes, %problem, "cannot read a transaction of the intent log, its rows are lost");
             Batch::default()
         });
         write_rows(writer, lease, Batch { redo_done: Some(number), ..batch }).await?;
-        info!(fleet = %lease.fleet(), number, "wrote the rows of a transaction that was kept");
+        info!(fleet = %lease.fleet(), number, "wrote the rows of a transaction of the intent log");
     }
     Ok(())
 }
 
-/// Writes a batch. Logs and drops rows that the database refuses for good, so that the take-up of the fleet goes on.
+/// Writes a batch. Rows that the database rejects permanently are logged and dropped, so that the recovery continues.
 async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Result<(), StoreError> {
     match writer.commit(lease, &batch).await {
         Err(problem) if problem.rejection().is_some() => {}
@@ -54,12 +54,12 @@ async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Res
     writer.commit_apart(lease, &mut batch, by_robot, &mut refused).await?;
     for Refused { owner, rejection } in refused {
         let (code, text) = (rejection.code, rejection.text);
-        error!(fleet = %lease.fleet(), ?owner, code, text, "the database refuses rows of a transaction that was kept: they are lost");
+        error!(fleet = %lease.fleet(), ?owner, code, text, "database rejects rows of the intent log, they are lost");
     }
     Ok(())
 }
 
-/// The robots of a fleet, each in its shard, and the number of the last entry of its journal.
+/// Loads the robots of a fleet into their shards. Returns the number of the last journal entry.
 pub(in crate::engine) async fn take_up(
     writer: &mut Writer,
     lease: &Lease,
@@ -87,19 +87,19 @@ pub(in crate::engine) async fn take_up(
     journey.arrive(lease.epoch(), shards);
     if entries > 0 {
         let seconds = begun.elapsed().as_secs_f64();
-        info!(fleet = %lease.fleet(), entries, seconds, "went through the journal");
+        info!(fleet = %lease.fleet(), entries, seconds, "journal replayed");
     }
     Ok(last)
 }
 
-/// From the states that are stored to the last commit.
+/// Replay of the journal, from the checkpoints to the last commit.
 #[derive(Default)]
 pub(in crate::engine) struct Journey {
     followers: BTreeMap<i64, Follower>,
 }
 
 impl Journey {
-    /// Puts a robot into its shard; whoever has whiskers can be given what is in the journal.
+    /// Puts a robot into its shard. The journal is replayed for robots that have whiskers.
     pub(in crate::engine) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
         // It has only announced itself, to an earlier version of the program: see `announced`.
         if stored.boots.is_empty() && stored.whisker_ids.is_empty() && !stored.held {
@@ -124,14 +124,14 @@ impl Journey {
         shard.robots.insert(name, known);
     }
 
-    /// Gives the robots what one row says; says how many entries were for them.
+    /// Replays one row of the journal. Returns the number of its entries that were replayed.
     pub(in crate::engine) fn go_through(&mut self, number: i64, bytes: &[u8], shards: &mut [Shard]) -> usize {
         let mut count = 0;
         for entry in read(bytes) {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(problem) => {
-                    error!(number, %problem, "the journal cannot be read: what follows in its row is lost");
+                    error!(number, %problem, "cannot read the journal, the rest of its row is lost");
                     break;
                 }
             };
@@ -143,7 +143,8 @@ impl Journey {
         count
     }
 
-    /// All are as they were at the last commit: they are taken up from here, and what came from the journal is written.
+    /// Starts the new epoch for all robots, which are now as of the last commit, and schedules checkpoints of those
+    /// that were replayed.
     fn arrive(&self, epoch: u64, shards: &mut [Shard]) {
         for Shard { robots, gathering, .. } in shards {
             for known in robots.values_mut() {
@@ -152,7 +153,7 @@ impl Journey {
         }
     }
 
-    /// The same for one robot.
+    /// Does the same for one robot.
     pub(in crate::engine) fn arrive_at(&self, known: &mut Known, epoch: u64, gathering: &mut Gathering) {
         known.begin(epoch, &gathering.params);
         if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
@@ -184,8 +185,8 @@ impl Follower {
 }
 
 impl Gathering {
-    /// An event that the robot was given before. Its rows are there, and only the minutes and hours that are not over want
-    /// it; should something else come of it, because the parameters are others now, then that is new.
+    /// Replays an event. Its rows are already written, so only the open minutes and hours need its effects. Effects
+    /// other than ordinary ones are new, because parameters have changed, and are recorded.
     fn go_again(&mut self, known: &mut Known, entry: &Entry, event: &Event<'_>) {
         let mut effects = Vec::new();
         known.robot.step(&self.params, entry.now, event, &mut effects);

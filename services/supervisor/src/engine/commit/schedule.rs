@@ -1,45 +1,46 @@
-//! When what was gathered is committed, and receipts with it: what few messages bring in rounds, what has a setpoint at once, and all
-//! else as soon as it comes of more than a few messages and of some milliseconds, or with the next receipts. Each commit waits for the disk, each receipt wakes a robot, and each wake-up of a fleet that
-//! does little finds everything cold.
+//! Group commit: when the open batches, and receipts with them, become a transaction. Few messages are committed in
+//! rounds of 500 ms; a setpoint is committed at once; more messages are committed after 20 ms or with the next
+//! receipts. Batching matters because each commit waits for the disk, each receipt wakes a robot, and in a quiet fleet
+//! each wake-up finds cold caches.
 
 use std::time::Duration;
 
 use tokio::time::Instant;
 
-/// How often time is told to the core.
+/// Interval of the core's ticks.
 pub(in crate::engine) const TICK: Duration = Duration::from_millis(250);
-/// How often receipts are looked at if there are more than a few messages.
+/// Interval of receipts at a high message rate.
 pub(in crate::engine) const RECEIPTS: Duration = Duration::from_millis(100);
-/// How long messages are gathered for one commit, once they are more than a few.
+/// How long a batch collects messages at a high message rate.
 const GATHER: Duration = Duration::from_millis(20);
-/// Up to so many from one tick to the next are few.
+/// Number of messages between two ticks up to which the rate is low.
 const FEW: usize = 40;
-/// Ticks of a round: half of what a robot waits before it sends again.
+/// Ticks per round: half of the time after which a robot sends again.
 const TICKS_A_ROUND: u32 = 2;
 
-/// Decides on the commits of one fleet.
+/// Schedule of one fleet's commits.
 #[derive(Debug)]
 pub(in crate::engine) struct Rounds {
-    /// When what is gathered must be committed.
+    /// When the open batches must be committed.
     due: Option<Instant>,
-    /// Since when there is anything.
+    /// Since when there is anything to commit.
     since: Option<Instant>,
-    /// Messages since the last commit was begun.
+    /// Number of messages since the last commit began.
     gathered: usize,
-    /// Messages since the last tick, and between the last two.
+    /// Number of messages since the last tick, and between the last two ticks.
     messages: [usize; 2],
-    /// Ticks so far.
+    /// Number of ticks so far.
     ticks: u32,
-    /// Receipts, and states that have waited, go with the next commit.
+    /// Receipts and waiting checkpoints go with the next commit.
     receipts_due: bool,
-    /// How often they have been passed over since.
+    /// Number of consecutive commits that have left them to the next one.
     passed_over: u32,
-    /// Commits begun, and times that nothing had been gathered.
+    /// Number of the current round.
     number: u64,
 }
 
 impl Rounds {
-    /// The first commit is due at once.
+    /// A schedule whose first commit is due at once.
     pub(in crate::engine) fn new(now: Instant) -> Self {
         Self {
             due: Some(now),
@@ -53,7 +54,8 @@ impl Rounds {
         }
     }
 
-    /// The round that is gathered for: another one with each commit, and each time that there is nothing to commit.
+    /// Number of the current round: a new one begins with each commit, and with each call while there is nothing to
+    /// commit.
     pub(in crate::engine) fn number(&mut self) -> u64 {
         if self.due.is_none() {
             self.number += 1;
@@ -61,7 +63,7 @@ impl Rounds {
         self.number
     }
 
-    /// So many messages were handled.
+    /// Counts handled messages.
     pub(in crate::engine) fn heard(&mut self, messages: usize) {
         self.messages[0] += messages;
         self.gathered += messages;
@@ -74,8 +76,7 @@ impl Rounds {
         }
     }
 
-    /// There is something to commit: at the next round, or as soon as it comes of more messages than are few, after some
-    /// milliseconds.
+    /// Schedules a commit of the open batches: with the round at a low message rate, otherwise after 20 ms.
     pub(in crate::engine) fn has_gathered(&mut self, now: Instant) {
         let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
         let window = if are_few { TICK * TICKS_A_ROUND } else { GATHER };
@@ -83,7 +84,7 @@ impl Rounds {
         self.due_by(since + window);
     }
 
-    /// What is gathered is committed by then.
+    /// Makes a commit due at `due` at the latest.
     pub(in crate::engine) fn due_by(&mut self, due: Instant) {
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
     }
@@ -93,12 +94,12 @@ impl Rounds {
         self.due
     }
 
-    /// Whether few messages come, so that they wait for the next round.
+    /// Whether the message rate is low, so that messages wait for the next round.
     pub(in crate::engine) fn are_few(&self) -> bool {
         self.messages.iter().all(|&messages| messages <= FEW)
     }
 
-    /// A tick: its number, and whether receipts are to be looked at now.
+    /// Counts a tick. Returns its number, and whether receipts are to be checked now.
     pub(in crate::engine) fn tick(&mut self) -> (u32, bool) {
         let number = self.ticks;
         let is_round = number.is_multiple_of(TICKS_A_ROUND) || !self.are_few();
@@ -107,19 +108,19 @@ impl Rounds {
         (number, is_round)
     }
 
-    /// Receipts go with the next commit, which is due now.
+    /// Makes receipts part of the next commit, which is due at `now`.
     pub(in crate::engine) fn receipts_are_due(&mut self, now: Instant) {
         self.receipts_due = true;
         self.due_by(now);
     }
 
-    /// How often receipts were passed over, one time after the other.
+    /// Number of consecutive commits without the receipts that were due.
     pub(in crate::engine) fn passed_over(&self) -> u32 {
         self.passed_over
     }
 
-    /// What was gathered is committed now: says whether receipts go with it. What `passes_over` them leaves them to the next commit,
-    /// which is due at once.
+    /// Begins a commit. Returns whether it includes receipts. A commit that `passes_over` due receipts leaves them to
+    /// the next one, which is then due at once.
     pub(in crate::engine) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
         (self.due, self.since, self.gathered) = (None, None, 0);
         self.number += 1;
@@ -139,14 +140,15 @@ mod tests {
 
     const MS: Duration = Duration::from_millis(1);
 
-    /// Nothing is left of the start.
+    /// A schedule after its first commit.
     fn begun(now: Instant) -> Rounds {
         let mut rounds = Rounds::new(now);
         rounds.begin(false, now);
         rounds
     }
 
-    /// So many messages at a time, `gap_ms` apart, for ten seconds; gives how many commits that makes, and the longest wait, ms.
+    /// Handles `messages` messages every `gap_ms` for ten seconds. Returns the number of commits, and the longest wait,
+    /// ms.
     fn commits(messages: usize, gap_ms: u64) -> (u32, u64) {
         let begin = Instant::now();
         let mut rounds = begun(begin);
@@ -197,7 +199,7 @@ mod tests {
         rounds.due_by(now + 2 * MS);
         assert_eq!(rounds.due(), Some(now + 2 * MS));
         rounds.begin(false, now + 2 * MS);
-        assert_eq!(rounds.due(), None, "the next one gathers anew");
+        assert_eq!(rounds.due(), None, "the next batch starts empty");
     }
 
     #[test]
@@ -217,7 +219,7 @@ mod tests {
         let now = Instant::now();
         let mut rounds = begun(now);
         let first = rounds.number();
-        assert!(rounds.number() > first, "nothing is gathered");
+        assert!(rounds.number() > first, "a new round while there is nothing to commit");
         rounds.heard(1);
         rounds.has_gathered(now);
         let gathered_for = rounds.number();
@@ -234,11 +236,11 @@ mod tests {
         let mut rounds = begun(now);
         rounds.receipts_are_due(now);
         for passed_over in 1..=3 {
-            assert!(!rounds.begin(true, now), "not with this one");
+            assert!(!rounds.begin(true, now), "passed over");
             assert_eq!((rounds.due(), rounds.passed_over()), (Some(now), passed_over));
         }
         assert!(rounds.begin(false, now));
         assert_eq!((rounds.due(), rounds.passed_over()), (None, 0));
-        assert!(!rounds.begin(false, now), "once");
+        assert!(!rounds.begin(false, now), "receipts are included only once");
     }
 }

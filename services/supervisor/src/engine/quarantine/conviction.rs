@@ -1,4 +1,5 @@
-//! The database has refused a robot's rows: the robot goes back to its last committed state, and becomes a suspect.
+//! Handling of a robot whose rows the database has rejected: it is restored to its last committed state, and becomes a
+//! suspect.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -18,13 +19,14 @@ use crate::outbox::Publication;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::batch::{Owner, Owners, QuarantineRow, Record};
 
-/// More suspects at once than this, and than a quarter of the robots: then the database is at fault rather than messages.
+/// If there are more suspects than this, and more than a quarter of the robots, the database is at fault rather than
+/// messages.
 const SUSPECTS_FEW: usize = 8;
 /// Name of this part in the service's readiness.
 const PART: &str = "quarantine";
 
 impl Engine {
-    /// Robots whose rows were left out of a transaction.
+    /// Handles robots whose rows were left out of a transaction.
     pub(in crate::engine) fn convict(&mut self, offenders: Vec<Offender>, sealed: &mut Sealed) {
         for offender in offenders {
             let found = self.shards.iter().flat_map(|shard| shard.robots.values());
@@ -37,7 +39,10 @@ impl Engine {
             messages.retain(|parcel| parcel.robot == name);
             let verdict = suspect.refused(now, messages, &offender.rejection, widespread);
             let rests = suspect.rests(now);
-            warn!(fleet = %self.fleet, robot = %name, code = offender.rejection.code, rests, "going back to its last committed state");
+            warn!(
+                fleet = %self.fleet, robot = %name, code = offender.rejection.code, rests,
+                "restoring the robot's last committed state"
+            );
             self.restore(&name, offender, rests);
             if let Verdict::Quarantine(row) = verdict {
                 self.quarantine(*row);
@@ -51,12 +56,12 @@ impl Engine {
         let robots: usize = self.shards.iter().map(|shard| shard.robots.len()).sum();
         let suspects = self.suspects.len();
         let is = suspects > SUSPECTS_FEW && suspects > robots / 4;
-        let problem = || format!("the database refuses rows of {suspects} of {robots} robots: see the log");
+        let problem = || format!("the database rejects rows of {suspects} of {robots} robots: see the log");
         self.readiness.set_of(&self.fleet, PART, is.then(problem));
         is
     }
 
-    /// Removes the effects of a robot's messages since the last commit. Returns these messages in their order.
+    /// Removes the effects of a robot's messages since the last commit, and returns these messages in order.
     fn disown(&mut self, name: &Name, robot_id: i64, sealed: &mut Sealed) -> Vec<Parcel> {
         let at = shard_of(name, self.shards.len());
         let whiskers: HashMap<i64, i64> = self.shards[at]
@@ -78,7 +83,7 @@ impl Engine {
                     .filter(|(other, _)| *other != robot_id);
                 journal.entries = others.flat_map(|(_, entries)| entries).collect();
             }
-            // Its entries before may be needed after all.
+            // The robot's earlier entries may be needed again.
             kept.batch.journal_done = None;
             kept.publications.retain(is_other);
             messages.extend(take_of(&mut kept.messages, name));
@@ -91,7 +96,7 @@ impl Engine {
         let gathering = &mut self.shards[at].gathering;
         gathering.journal.remove(robot_id);
         messages.extend(take_of(&mut gathering.messages, name));
-        // An action whose answer was left out waits again.
+        // An action whose answer was left out is pending again.
         let answers = |records: &[Record]| {
             let mut ids = BTreeSet::new();
             for record in records {
@@ -109,7 +114,7 @@ impl Engine {
         messages
     }
 
-    /// Puts a robot back to its last committed state. Numbers that were given are not given again.
+    /// Restores a robot's last committed state. Numbers already used are not used again.
     fn restore(&mut self, name: &Name, offender: Offender, rests: bool) {
         let at = shard_of(name, self.shards.len());
         let epoch = self.lease.epoch();
@@ -123,7 +128,7 @@ impl Engine {
                     journey.go_through(*number, entries, &mut self.shards);
                 }
             }
-            None => error!(fleet = %self.fleet, robot = %name, "the robot is not in the database any more"),
+            None => error!(fleet = %self.fleet, robot = %name, "robot no longer in the database"),
         }
         let shard = &mut self.shards[at];
         let Some(known) = shard.robots.get_mut(name) else { return };
@@ -131,13 +136,13 @@ impl Engine {
         known.robot.go_on_numbering_after(&later);
         (known.seqs, known.rests) = (seqs, rests);
         if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
-            // Nothing of it was ever committed, not even its birth, which came before it became known.
+            // Nothing of it was ever committed. Its birth came before it became known, and must be repeated.
             let birth = Event::Connection { boot_id, link };
             shard.gathering.step(known, wall_clock(), &birth, None);
         }
     }
 
-    /// Writes a message that the database refuses into the table for people to look at.
+    /// Writes a message that the database rejects into the quarantine table, for inspection by people.
     pub(in crate::engine) fn quarantine(&mut self, row: QuarantineRow) {
         self.metrics.messages_quarantined.count([row.cause]);
         let (robot, topic, seq, cause, code) = (&row.robot, row.topic, row.seq, row.cause, &row.code);
@@ -146,7 +151,7 @@ impl Engine {
         self.rounds.due_by(Instant::now());
     }
 
-    /// The message, unless it must wait because its robot is a suspect.
+    /// Returns the message, unless it must wait because its robot is a suspect.
     pub(in crate::engine) fn unless_suspect(&mut self, parcel: Parcel) -> Option<Parcel> {
         if self.suspects.is_empty() {
             return Some(parcel);
@@ -154,8 +159,7 @@ impl Engine {
         let Some(suspect) = self.suspects.get_mut(&parcel.robot) else { return Some(parcel) };
         let robot = parcel.robot.clone();
         if !suspect.wait(parcel) {
-            let problem =
-                "the database has refused this robot's rows: its messages wait, and there are too many of them";
+            let problem = "the database has rejected this robot's rows, and too many of its messages wait";
             self.metrics.refuse("suspect", problem, robot.as_str());
         }
         None
@@ -182,7 +186,7 @@ impl Engine {
         let before = self.suspects.len();
         self.suspects.retain(|_, suspect| !suspect.is_cleared(now));
         if self.suspects.len() < before {
-            info!(fleet = %self.fleet, suspects = self.suspects.len(), "a robot's rows are taken again");
+            info!(fleet = %self.fleet, suspects = self.suspects.len(), "robot no longer a suspect");
             self.metrics.robots_suspect.set(self.suspects.len() as i64);
             self.is_widespread();
         }
@@ -193,7 +197,7 @@ impl Engine {
         let shard = shard_of(name, self.shards.len());
         let count = turns.len();
         for turn in turns {
-            // A transaction that was closed meanwhile may have been refused: then they all wait again.
+            // A transaction sealed meanwhile may have been rejected: then all turns wait again.
             if !self.suspects.get(name).is_some_and(Suspect::is_under_way) {
                 return Ok(());
             }
@@ -205,7 +209,7 @@ impl Engine {
                 Turn::Message(parcel) => self.shards[shard].handle(&parcel),
             }
         }
-        // They are the suspect's, and not the transaction's.
+        // The suspect keeps these messages, not the transaction.
         self.shards[shard].gathering.messages.retain(|parcel| parcel.robot != *name);
         let number = self.number + 1;
         if let Some(suspect) = self.suspects.get_mut(name) {
@@ -214,13 +218,13 @@ impl Engine {
         self.gathered(count);
         self.rounds.due_by(Instant::now());
         if self.shards.iter().all(|shard| shard.gathering.is_empty()) && self.committing.is_none() {
-            // Nothing came of them.
+            // The messages had no effects.
             self.suspects_committed(number);
         }
         Ok(())
     }
 
-    /// The rows of a transaction are written, and so are those of suspects' messages that were stepped before it was closed.
+    /// Confirms the suspects' messages that were stepped before a transaction was sealed, after its rows are written.
     pub(in crate::engine) fn suspects_committed(&mut self, number: i64) {
         for suspect in self.suspects.values_mut() {
             suspect.committed(number);
@@ -233,7 +237,7 @@ fn level_of(robot: &Name, fleet: &Name) -> String {
     topic.strip_suffix(RobotTopic::Receipt.as_str()).unwrap_or(&topic).to_owned()
 }
 
-/// Takes a robot's messages out of others.
+/// Takes one robot's messages out of a list.
 fn take_of(messages: &mut Vec<Parcel>, name: &Name) -> Vec<Parcel> {
     messages.extract_if(.., |parcel| parcel.robot == *name).collect()
 }

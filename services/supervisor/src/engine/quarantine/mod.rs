@@ -1,4 +1,4 @@
-//! Robots whose rows the database refuses: finding the message to blame, and leaving it out.
+//! Robots whose rows the database rejects: the message to blame is found and left out.
 
 pub(super) mod conviction;
 pub(super) mod suspects;

@@ -1,7 +1,8 @@
-//! Robots whose rows the database has refused. Nothing of theirs holds up the other robots, and the message to blame is found.
+//! Robots whose rows the database has rejected. They do not hold up the other robots, and the message to blame is
+//! found.
 //!
 //! ```text
-//!                        rows refused                             all went well for a minute
+//!                        rows refused                             no rejection for a minute
 //!  ordinary robot ───────────────────────▶ suspect ──────────────────────────────────────────▶ ordinary robot
 //!                    state as it was        │   ▲
 //!                    committed last         ▼   │ rows refused: half as many messages; of one message: quarantine
@@ -9,10 +10,10 @@
 //!                                     the core, few at a time
 //! ```
 //!
-//! A suspect's messages wait in a queue of its own. Some at a time are stepped and committed; if the database refuses their
-//! rows, the robot goes back to its last committed state and half as many are tried. A single message that is refused is
-//! put into quarantine, and receipted. After each refusal the suspect rests, longer and longer, so that a robot that sends
-//! nothing but such messages costs the database a few transactions a minute.
+//! A suspect's messages wait in a queue of its own. A few at a time are stepped and committed. If the database rejects
+//! their rows, the robot is restored to its last committed state, and half as many are tried. A single message that is
+//! rejected is put into quarantine, and receipted. After each rejection the suspect rests for longer, so that a robot
+//! that sends only such messages costs the database a few transactions per minute.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -25,25 +26,26 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Rejection;
 use vibrissa_store::batch::QuarantineRow;
 
-/// A suspect whose rows were taken for so long is an ordinary robot again.
+/// A suspect without rejected rows for this time is an ordinary robot again.
 const PROBATION: Duration = Duration::from_secs(60);
-/// Refusals after which a suspect rests, each time twice as long.
+/// Number of rejections without a rest; each later one doubles the rest.
 const FREE_REFUSALS: u32 = 3;
 /// The first rest.
 const REST: Duration = Duration::from_millis(250);
 /// The longest rest.
 const REST_MAX: Duration = Duration::from_secs(60);
-/// Messages waiting at most. Robots resend contacts without a receipt.
+/// Limit of waiting messages. Contacts beyond it are lost here, and robots send them again, because they have no
+/// receipt.
 const WAITING_MAX: usize = 2048;
-/// Bytes waiting at most.
+/// Limit of waiting bytes.
 const WAITING_BYTES_MAX: usize = 4 * 1024 * 1024;
 
-/// One step of a suspect's queue.
+/// A step of a suspect.
 #[derive(Debug, Clone)]
 pub(in crate::engine) enum Turn {
-    /// A message as it came.
+    /// A message as received.
     Message(Parcel),
-    /// A message in quarantine: only its number is taken, so that it is receipted.
+    /// A message in quarantine: only its number is admitted, so that it is receipted.
     Receipt(Parcel),
 }
 
@@ -55,32 +57,32 @@ impl Turn {
     }
 }
 
-/// A robot whose rows the database has refused.
+/// A robot whose rows the database has rejected.
 #[derive(Debug)]
 pub(in crate::engine) struct Suspect {
     waiting: VecDeque<Turn>,
-    /// Those that are stepped, and are not known as committed.
+    /// Turns that are stepped, but not known as committed.
     under_way: Vec<Turn>,
-    /// The transaction with whose commit they are, once all are stepped.
+    /// Number of the transaction that commits them, once all are stepped.
     number: Option<i64>,
-    /// How many may be under way at once.
+    /// Largest number of turns under way.
     most: usize,
     refusals: u32,
     rests_until: Instant,
     refused_last: Instant,
 }
 
-/// The consequence of a refusal.
+/// The consequence of a rejection.
 #[derive(Debug)]
 pub(in crate::engine) enum Verdict {
-    /// It is not known yet which message is to blame.
+    /// The message to blame is not known yet.
     TryFewer,
-    /// This message is.
+    /// This message is to blame.
     Quarantine(Box<QuarantineRow>),
 }
 
 impl Suspect {
-    /// A robot whose rows were refused for the first time.
+    /// A robot whose rows were rejected for the first time.
     pub(in crate::engine) fn new(now: Instant) -> Self {
         Self {
             waiting: VecDeque::new(),
@@ -93,8 +95,8 @@ impl Suspect {
         }
     }
 
-    /// The database has refused the rows of the messages under way, or of `messages`, which came before those waiting.
-    /// If the fault is `widespread`, no message is blamed: then the database is the likely cause.
+    /// Handles the rejection of the rows of the messages under way, or of `messages`, which came before those waiting.
+    /// If the problem is `widespread`, no message is blamed, because the database is the likely cause.
     pub(in crate::engine) fn refused(
         &mut self,
         now: Instant,
@@ -120,7 +122,7 @@ impl Suspect {
             return Verdict::Quarantine(Box::new(row));
         }
         if blamed.len() <= 1 {
-            // Not a message's doing, or not only.
+            // No message is to blame, or not only messages.
             self.rest(now);
         }
         self.most = (blamed.len() / 2).max(1);
@@ -136,7 +138,7 @@ impl Suspect {
         self.rests_until = now + REST.saturating_mul(1 << doublings.min(16)).min(REST_MAX);
     }
 
-    /// Adds a message; false, and the message is lost, if there is no room.
+    /// Adds a message; returns false and drops the message if the queue is full.
     pub(in crate::engine) fn wait(&mut self, parcel: Parcel) -> bool {
         let bytes: usize = self.waiting.iter().map(Turn::bytes).sum();
         if self.waiting.len() >= WAITING_MAX || bytes + parcel.payload.len() > WAITING_BYTES_MAX {
@@ -151,7 +153,7 @@ impl Suspect {
         now < self.rests_until
     }
 
-    /// Begins with the next messages, and gives them; none while others are under way, or while it rests.
+    /// Begins and returns the next turns; none while others are under way, or while the suspect rests.
     pub(in crate::engine) fn begin(&mut self, now: Instant) -> Vec<Turn> {
         if !self.under_way.is_empty() || self.rests(now) {
             return Vec::new();
@@ -161,17 +163,17 @@ impl Suspect {
         self.under_way.clone()
     }
 
-    /// Whether the messages that were begun with are not refused.
+    /// Whether the turns that were begun have not been rejected.
     pub(in crate::engine) fn is_under_way(&self) -> bool {
         !self.under_way.is_empty()
     }
 
-    /// All of them were stepped, and will be committed by the transaction of this number.
+    /// Records that all turns are stepped, and belong to the transaction of this number.
     pub(in crate::engine) fn stepped(&mut self, number: i64) {
         self.number = Some(number);
     }
 
-    /// The rows of a transaction were written.
+    /// Records that the rows of a transaction are written.
     pub(in crate::engine) fn committed(&mut self, number: i64) {
         if self.number.is_some_and(|last| number >= last) {
             (self.under_way, self.number) = (Vec::new(), None);
@@ -179,7 +181,7 @@ impl Suspect {
         }
     }
 
-    /// Whether it is an ordinary robot again.
+    /// Whether the suspect is an ordinary robot again.
     pub(in crate::engine) fn is_cleared(&self, now: Instant) -> bool {
         self.waiting.is_empty()
             && self.under_way.is_empty()
@@ -187,7 +189,7 @@ impl Suspect {
     }
 }
 
-/// The row of a message that the database refuses.
+/// The quarantine row of a message that the database rejects.
 pub(in crate::engine) fn quarantined(parcel: &Parcel, rejection: &Rejection) -> QuarantineRow {
     let envelope = envelope(&parcel.payload);
     let kept = parcel.payload.len().min(QuarantineRow::PAYLOAD_BYTES_MAX);
@@ -231,8 +233,8 @@ mod tests {
         Rejection { cause: RejectionCause::Data, code: "22021".to_owned(), text: "no".to_owned() }
     }
 
-    /// Goes through messages of which the database refuses some; gives those that were taken and those in quarantine, in their
-    /// order, and how many transactions that took.
+    /// Processes messages of which the database rejects some. Returns those accepted and those in quarantine, in order,
+    /// and the number of transactions.
     fn go_through(count: usize, refused: &BTreeSet<i64>) -> (Vec<i64>, Vec<i64>, usize) {
         let (mut taken, mut quarantined, mut transactions) = (Vec::new(), Vec::new(), 0);
         let mut now = Instant::now();

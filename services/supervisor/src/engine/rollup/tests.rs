@@ -1,6 +1,6 @@
 use super::*;
 
-/// Numbers without order, the same in each run (SplitMix64).
+/// Pseudorandom numbers with a fixed seed (SplitMix64).
 struct Noise(u64);
 
 impl Noise {
@@ -39,7 +39,7 @@ fn sample(noise: &mut Noise) -> Sample {
     }
 }
 
-/// Contacts with times in order, over some hours and with pauses.
+/// Contacts in order of time, over some hours and with pauses.
 fn contacts(seed: u64) -> Vec<(Micros, Sample)> {
     let mut noise = Noise(seed);
     let mut at = START + noise.below(3600 * SECOND);
@@ -51,7 +51,7 @@ fn contacts(seed: u64) -> Vec<(Micros, Sample)> {
     (0..800).map(next).collect()
 }
 
-/// A span's row from its contacts, all at once.
+/// The row of a span, computed from all its contacts at once.
 fn brute_force(resolution: Resolution, start: u64, of: &[&Sample]) -> Rollup {
     let count = |used| of.iter().filter(|one| one.used == used).count() as u32;
     let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
@@ -119,7 +119,7 @@ fn brute_force_rows_are_those_of_all_contacts_at_once() {
         let (mut open, mut closed) = (Open::default(), Vec::new());
         for (at, sample) in &contacts {
             open.add(*at, sample, &mut closed);
-            // Stored and read back at any moment, it goes on as if nothing had been.
+            // Storing and reading it back at any time must change nothing.
             open = Open::from_bytes(Some(&open.to_bytes().unwrap()), *at);
         }
         open.end(&mut closed);
@@ -147,7 +147,7 @@ fn the_stored_form_is_small() {
     open.state(Micros(START), 0.2, &mut closed);
     let bytes = open.to_bytes().unwrap();
     assert!(bytes.len() <= 200, "{}", bytes.len());
-    assert_eq!(size_of::<Open>(), 208, "docs/sizing.md says so");
+    assert_eq!(size_of::<Open>(), 208, "docs/sizing.md states this size");
     assert_eq!(Open::from_bytes(Some(&bytes), Micros(START)), open);
 }
 
@@ -171,7 +171,7 @@ fn property_no_span_is_written_twice_whatever_the_clock_does() {
         let mut noise = Noise(seed);
         let (mut open, mut closed, mut sent) = (Open::default(), Vec::new(), 0);
         for _ in 0..400 {
-            // Anywhere in four hours, back and forth.
+            // Random times within four hours, forward and backward.
             let at = Micros(START + noise.below(4 * 3600 * SECOND));
             match noise.below(6) {
                 0 => drop(open.close(at, &mut closed)),

@@ -4,7 +4,7 @@ use bytes::Bytes;
 
 use super::*;
 
-/// Numbers without a pattern, the same each time.
+/// Pseudorandom numbers with a fixed seed.
 struct Random(u64);
 
 impl Random {
@@ -24,7 +24,7 @@ fn message(robot: usize, kind: &str, number: u64, bytes: usize) -> Incoming {
     Incoming { topic: topic(robot, kind), payload: Bytes::from(vec![b'x'; bytes]), received: Micros(number) }
 }
 
-/// Takes a message in; false if it is left out.
+/// Adds a message; false if it is shed.
 fn put(fair: &mut Fair, message: Incoming) -> bool {
     let place = fair.reserve(&message.topic, &message.payload, &BOUNDS);
     place.map(|at| fair.push(at, message)).is_ok()
@@ -47,13 +47,14 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
         let mut random = Random(seed);
         let robots = 2 + random.below(10);
         let mut fair = Fair::default();
-        // By robot: what waits, as (number, bytes given by each other robot since it came to the front).
+        // By robot: the waiting messages' numbers, and the bytes given by each other robot since the first of them came
+        // to the front.
         let mut waiting: BTreeMap<usize, VecDeque<u64>> = BTreeMap::new();
         let mut since_front: BTreeMap<usize, BTreeMap<usize, usize>> = BTreeMap::new();
         let (mut number, mut cost_max) = (0, 0);
         for _ in 0..400 {
             for _ in 0..random.below(30) {
-                // Robot 0 sends most of it.
+                // Robot 0 sends most messages.
                 let from = if random.below(10) < 7 { 0 } else { random.below(robots) };
                 let kind = KINDS[random.below(if from == 0 { 4 } else { 2 })];
                 let one = message(from, kind, number, random.below(20_000));
@@ -65,7 +66,7 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
                 }
             }
             for _ in 0..random.below(25) {
-                // Each message has a round of its own: this test does not check what a round leaves for the next one.
+                // Each message has a round of its own: this test does not check the limit per round.
                 fair.begin_round(fair.round + 1);
                 let Some(one) = given(&mut fair, 1).pop() else { break };
                 let from = robot(&one);
@@ -77,7 +78,7 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
                 }
                 since_front.insert(from, BTreeMap::new());
                 for (other, given) in &since_front {
-                    // A front message may cost several turns; the others have as many meanwhile.
+                    // A message at the front may cost several turns; meanwhile the others have as many.
                     let turns = 1 + cost_max.div_ceil(TURN_BYTES);
                     for (&by, &bytes) in given {
                         assert!(
@@ -127,9 +128,9 @@ fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
     let most = ROUND_BYTES / 3_000 + 1;
     assert!((most / 2..=most).contains(&count(&first, 0)), "{}", count(&first, 0));
     assert_eq!(count(&first, 1), 1);
-    assert!(given(&mut fair, 1_000).is_empty(), "the rest is for another round");
+    assert!(given(&mut fair, 1_000).is_empty(), "the rest waits for another round");
     assert!(!fair.is_empty() && fair.is_throttling());
-    assert_eq!(fair.oldest(), None, "what waits for its own robot does not hold the time back");
+    assert_eq!(fair.oldest(), None, "throttled messages do not count");
     put(&mut fair, message(2, "status", 2_000, 10));
     assert_eq!(fair.oldest(), Some(Micros(2_000)));
     assert_eq!(given(&mut fair, 1_000).len(), 1);
@@ -162,7 +163,7 @@ fn a_message_that_is_larger_than_all_limits_of_a_turn_goes_through() {
     put(&mut fair, message(0, "contacts", 1, 10));
     put(&mut fair, message(1, "contacts", 2, 10));
     let order: Vec<u64> = given(&mut fair, 10).iter().map(|one| one.received.0).collect();
-    assert_eq!(order, [2, 0], "the small one first; what follows the large one waits for another round");
+    assert_eq!(order, [2, 0], "the small one first; the message after the large one waits for another round");
     fair.begin_round(1);
     assert_eq!(given(&mut fair, 10).len(), 1);
 }

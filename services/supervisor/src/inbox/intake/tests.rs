@@ -12,13 +12,13 @@ fn topic(kind: &str) -> Bytes {
     Bytes::from(format!("whisker/v1/f/r/{kind}"))
 }
 
-/// Takes in `count` messages; gives the most bytes that ever waited.
+/// Receives `count` messages, and returns the largest number of bytes that ever waited.
 fn flood(intake: &mut Intake, kind: &str, payload_bytes: usize, count: usize) -> usize {
     let payload = Bytes::from(vec![b'x'; payload_bytes]);
     let mut most = 0;
     for number in 0..count {
         intake.take(topic(kind), payload.clone());
-        // As they come: by sevens here.
+        // In groups of seven, as messages arrive together.
         if number % 7 == 6 || number == count - 1 {
             intake.hand_over();
         }
@@ -27,7 +27,7 @@ fn flood(intake: &mut Intake, kind: &str, payload_bytes: usize, count: usize) ->
     most
 }
 
-/// Takes in messages of many robots until one more does not fit.
+/// Receives messages of many robots until the inbox is full.
 fn fill(intake: &mut Intake, kind: &str) {
     for robot in 0..=SMALL.messages {
         intake.take(Bytes::from(format!("whisker/v1/f/r{robot}/{kind}")), Bytes::from_static(b"x"));
@@ -65,7 +65,7 @@ async fn floods_of_any_kind_stay_within_both_bounds_and_are_counted() {
         }
         assert!((1..=SMALL.messages as u64).contains(&taken), "{kind}: {taken}");
         let (shed, refused) = left_out(&metrics);
-        assert_eq!(shed + refused + taken, 5_000, "{kind}: none disappears uncounted");
+        assert_eq!(shed + refused + taken, 5_000, "{kind}: every message is received or counted as shed");
         assert_eq!(shed == 0, kind != "contacts");
         assert_eq!(inbox.filling(), Filling { messages: 0, bytes: 0 });
     }
@@ -86,13 +86,13 @@ async fn contacts_leave_room_for_everything_else() {
 async fn what_is_retained_is_asked_for_again_once_there_is_room() {
     let (mut intake, mut inbox) = bounded(SMALL, counted());
     fill(&mut intake, "factsheet");
-    assert!(!intake.take_missed(), "there is no room yet");
+    assert!(!intake.take_missed(), "the inbox is still full");
     drain(&mut inbox).await;
     assert!(intake.take_missed());
-    assert!(!intake.take_missed(), "once");
+    assert!(!intake.take_missed(), "only once");
     fill(&mut intake, "status");
     drain(&mut inbox).await;
-    assert!(!intake.take_missed(), "the broker keeps no status");
+    assert!(!intake.take_missed(), "the broker does not retain status");
 }
 
 #[tokio::test]
@@ -101,7 +101,7 @@ async fn a_message_does_not_keep_the_buffer_alive_that_it_came_in() {
     let buffer = Bytes::from(vec![b'x'; 1_000_000]);
     intake.take(topic("status"), buffer.slice(..10));
     intake.hand_over();
-    assert!(buffer.is_unique(), "only we hold it");
+    assert!(buffer.is_unique(), "the inbox must not keep the buffer alive");
     assert_eq!(inbox.recv().await.unwrap().payload.len(), 10);
 }
 
@@ -112,7 +112,7 @@ async fn what_came_together_is_given_in_order_and_as_it_came() {
     for number in 0..200 {
         intake.take(topic(&number.to_string()), payload(number));
     }
-    assert!(inbox.is_empty(), "not yet");
+    assert!(inbox.is_empty(), "empty before the hand-over");
     intake.hand_over();
     let (mut all, mut counts) = (Vec::new(), Vec::new());
     drop(intake);
@@ -132,7 +132,7 @@ async fn what_came_together_is_given_in_order_and_as_it_came() {
 async fn regress_a_message_that_waits_for_long_keeps_no_other_alive() {
     let (mut intake, mut inbox) = bounded(BOUNDS, counted());
     let payload = Bytes::from(vec![b'x'; 1_000]);
-    // One robot has sent more than it may in a round; each look brings one message more of it, and many of others.
+    // One robot has sent more than it may in a round; each hand-over adds one of its messages, and many of others.
     for _ in 0..300 {
         intake.take(topic("contacts"), payload.clone());
     }
@@ -152,7 +152,7 @@ async fn regress_a_message_that_waits_for_long_keeps_no_other_alive() {
     let mut left = Vec::new();
     inbox.recv_many(&mut left, 1_000).await;
     assert!(left.len() > 180, "{}", left.len());
-    // The first of them came together.
+    // The first ones were received together.
     for message in left.drain(..).skip(150) {
         drop(message.topic);
         let alone = message.payload.try_into_mut().unwrap_or_else(|_| panic!("it shares an allocation"));
