@@ -68,7 +68,7 @@ of_fleet! {
     /// Robots of which the database refused rows within the last minute. Their messages are committed in small
     /// batches.
     robots_suspect: IntGauge = "vibrissa_robots_suspect",
-        "Robots of which the database refused rows within the last minute; their messages are committed in small batches.";
+        "Robots of which the database refused rows within the last minute; their messages are committed few at a time.";
     /// Contacts of accepted messages, by use.
     contacts: Counters = "vibrissa_contacts_total", "Contacts of accepted messages, by use.", labels::USED;
     /// Receipts sent to robots.
@@ -85,7 +85,7 @@ of_fleet! {
     /// Time of receipt of the last committed contacts message, or else of the acquisition of the fleet, s since 1970
     /// UTC; 0 if the fleet is supervised elsewhere.
     last_contact_timestamp_seconds: Gauge = "vibrissa_last_contact_timestamp_seconds",
-        "Time of receipt of the last contacts message, or else of the acquisition of the fleet; 0 if it is supervised elsewhere.";
+        "Time of receipt of the last contacts message, or else of the lease's acquisition; 0 if supervised elsewhere.";
     /// Waiting messages, by queue.
     queue_messages: Gauges = "vibrissa_queue_messages", "Waiting messages, by queue.", labels::QUEUE;
     /// Capacity in messages, by queue.
@@ -99,7 +99,8 @@ of_fleet! {
     /// Robots, by connection state.
     robots: Gauges = "vibrissa_robots", "Robots, by connection state.", labels::CONNECTION;
     /// Whiskers, by fault, or by condition if they have no fault.
-    whiskers: Gauges = "vibrissa_whiskers", "Whiskers, by fault, or by condition if they have no fault.", labels::HEALTH;
+    whiskers: Gauges = "vibrissa_whiskers",
+        "Whiskers, by fault, or by condition if they have no fault.", labels::HEALTH;
     /// Number of detected trims.
     trims: IntCounter = "vibrissa_trims_total", "Detected trims.";
     /// Contacts of a whisker from the most likely moment of a cut to its detection.
@@ -123,7 +124,8 @@ of_fleet! {
         "Largest of the newest measured errors (Eq. 35) of the compensations in force.", labels::CASE;
     /// Mean of the newest measured errors with the published gains applied, by case, as a ratio.
     compensation_error_with_gain_mean_ratio: Quantities = "vibrissa_compensation_error_with_gain_mean_ratio",
-        "Mean of the newest measured errors of the compensations in force, with the published gains applied.", labels::CASE;
+        "Mean of the newest measured errors of the compensations in force, with the published gains applied.",
+        labels::CASE;
     /// Mean predicted error of the compensations in force, by case, as a ratio.
     compensation_predicted_error_mean_ratio: Quantities = "vibrissa_compensation_predicted_error_mean_ratio",
         "Mean predicted error of the compensations in force, as of their decisions.", labels::CASE;
@@ -165,7 +167,8 @@ of_fleet! {
     actions: Counters<2> = "vibrissa_actions_total", "Actions of operators, by kind and final state.", labels::ACTION;
 
     /// Duration of a commit, s.
-    database_commit_seconds: Histogram = "vibrissa_database_commit_seconds", "Duration of a commit to the database.", COMMIT_SECONDS;
+    database_commit_seconds: Histogram = "vibrissa_database_commit_seconds",
+        "Duration of a commit to the database.", COMMIT_SECONDS;
     /// 1 while the fleet's messages are received from the broker, else 0.
     broker_connected: IntGauge = "vibrissa_broker_connected",
         "1 while the fleet's messages are received from the broker, as verified by probes.";
@@ -177,7 +180,7 @@ of_fleet! {
         "Connections that the broker closed because another client connected with the same client id.";
     /// Connections that the broker closed without a reason while the fleet's other connection stayed open.
     mqtt_connections_closed: IntCounter = "vibrissa_mqtt_connections_closed_total",
-        "Connections that the broker closed without a reason while the fleet's other one stayed open; some brokers do so after a takeover.";
+        "Connections that the broker closed without a reason while the fleet's other one stayed open.";
     /// Probes that did not return in time, by topic.
     mqtt_probe_failures: Counters = "vibrissa_mqtt_probe_failures_total",
         "Probes from the supervisor to itself that did not return in time, by topic.", labels::TOPIC;
@@ -195,11 +198,12 @@ of_fleet! {
     /// 1 for the mode of the policy in force, 0 for the others.
     policy_mode: Gauges = "vibrissa_policy_mode", "1 for the mode of the policy in force.", labels::MODE;
     /// Version of the policy in force; 0 for the policy of the configuration.
-    policy_version: IntGauge = "vibrissa_policy_version", "Version of the policy in force; 0 for the policy of the configuration.";
+    policy_version: IntGauge = "vibrissa_policy_version",
+        "Version of the policy in force; 0 for the policy of the configuration.";
     /// Mean number of contacts of a healthy whisker between false alarms of the detector (ARL0), by the parameters in
     /// force.
     detector_arl_contacts: Gauge = "vibrissa_detector_arl_contacts",
-        "Mean number of contacts of a healthy whisker between false alarms of the detector (ARL0), by the parameters in force.";
+        "Mean number of contacts of a healthy whisker between false alarms of the detector in force (ARL0).";
 }
 
 impl FleetMetrics {

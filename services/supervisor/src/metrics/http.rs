@@ -36,7 +36,7 @@ const REFUSED: [Word; 2] = ["ADDRESS", "TOTAL"];
 /// Metrics of the connections of one listener.
 #[derive(Debug, Clone)]
 pub struct ConnectionMetrics {
-    /// Open connections.
+    /// Connections that are open now.
     pub open: IntGauge,
     /// Failed attempts to accept a connection, for example because there are no free file descriptors.
     pub accept_errors: IntCounter,
@@ -80,8 +80,8 @@ impl HttpMetrics {
         let open = IntGaugeVec::new(open, &["listener"])?;
         let closed = Opts::new(
             "vibrissa_http_connections_closed_total",
-            "Connections closed by the server because another one needed the place, no request came, an answer was not read, or a \
-             request stalled.",
+            "Connections closed by the server because another one needed the place, no request came, an answer was not \
+             read, or a request stalled.",
         );
         let closed = IntCounterVec::new(closed, &["listener", "reason"])?;
         let refused = Opts::new(

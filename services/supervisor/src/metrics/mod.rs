@@ -73,7 +73,7 @@ impl Metrics {
             IntGauge::new("vibrissa_database_up", "1 while the last attempt to use the database succeeded.")?;
         let upkeep_timestamp_seconds = Gauge::new(
             "vibrissa_upkeep_timestamp_seconds",
-            "Time of the last successful upkeep, when all partitions existed and no row was too old, since 1970 UTC; 0 before.",
+            "Time at which all partitions existed and no row was too old, since 1970 UTC; 0 before the first.",
         )?;
         let upkeep_errors = IntCounter::new(
             "vibrissa_upkeep_errors_total",

@@ -22,7 +22,7 @@ pub struct RobotSample {
     pub robot: String,
     /// Time of its last message, s since 1970 UTC; `None` before the first.
     pub heard_s: Option<f64>,
-    /// Its whiskers.
+    /// Whiskers on the robot.
     pub whiskers: Vec<WhiskerSample>,
 }
 

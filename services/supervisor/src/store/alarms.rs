@@ -32,12 +32,12 @@ readings! {
     }
 }
 
-/// What an operator does about an alarm.
+/// An operator's decision about an alarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Said {
-    /// Acknowledges it.
+    /// Acknowledges the alarm.
     Acknowledged,
-    /// Shelves it, and all alarms of its kind about its whisker, for a while.
+    /// Shelves the alarm, and all alarms of its kind about its whisker, for a while.
     Shelved {
         /// End of the shelving, µs since 1970 UTC by the supervisor's clock.
         until_us: i64,

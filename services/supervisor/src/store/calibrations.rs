@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub struct NewCalibration {
     /// Name of the whisker model, as factsheets use it.
     pub model: String,
-    /// Uploaded measurements.
+    /// Measurements as uploaded.
     pub measurements: String,
     /// Result of the fit: parameters with intervals, and residuals.
     pub fit: String,

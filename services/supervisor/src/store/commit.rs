@@ -115,7 +115,7 @@ async fn write_rows(tx: &mut Tx<'_>, rows: &Rows<'_>) -> Result<(), StoreError> 
         .map_err(failed("write whiskers"))?;
     }
     if !rows.rollups.is_empty() {
-        write_rollups(tx, rows.rollups).await.map_err(failed("append minutes and hours"))?;
+        write_rollups(tx, rows.rollups).await.map_err(failed("write aggregates of minutes and hours"))?;
     }
     Ok(())
 }

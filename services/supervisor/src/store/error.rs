@@ -11,7 +11,7 @@ pub enum StoreError {
     NoFolder {
         /// The SQLite file.
         path: PathBuf,
-        /// Its folder.
+        /// Folder of the file.
         folder: PathBuf,
     },
     /// Another supervisor has locked the file.
@@ -156,7 +156,7 @@ pub enum RejectionCause {
 }
 
 impl RejectionCause {
-    /// All classes.
+    /// All classes of errors.
     pub const ALL: [Self; 3] = [Self::Data, Self::Constraint, Self::Size];
 
     /// Word of the table `quarantine`, of the REST API and of the metrics.

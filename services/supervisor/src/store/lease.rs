@@ -68,7 +68,7 @@ impl Lease {
         self.time_to_live
     }
 
-    /// Renews the lease: the database has confirmed it in answer to a query begun at `asked`.
+    /// Extends the lease by a time to live from `asked`: the database has confirmed it in answer to a query begun then.
     pub(super) fn confirmed(&self, asked: Instant) {
         if let Some(until) = &self.fresh_until {
             let mut until = until.lock().unwrap_or_else(PoisonError::into_inner);
@@ -139,7 +139,7 @@ impl Lease {
             .bind(micros(self.time_to_live))
     }
 
-    /// Advances the commit counter. `asked`, the moment before the query, also renews the lease; it is `None` if an
+    /// Counts a committed transaction. `asked`, the moment before its query, also extends the lease; it is `None` if an
     /// earlier attempt had committed the transaction.
     pub(super) fn committed(&self, asked: Option<Instant>) {
         self.commits.fetch_add(1, Ordering::Relaxed);

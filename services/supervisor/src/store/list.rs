@@ -55,11 +55,11 @@ impl Way {
 /// Type of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Text.
+    /// Values are texts.
     Text,
-    /// Integer.
+    /// Values are integers.
     Whole,
-    /// Floating-point number.
+    /// Values are floating-point numbers.
     Real,
 }
 
@@ -67,13 +67,13 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// Integer.
+    /// An integer value.
     Whole(i64),
-    /// Floating-point number.
+    /// A floating-point number.
     Real(f64),
-    /// Boolean.
+    /// A boolean value.
     Flag(bool),
-    /// Text.
+    /// A text value.
     Text(String),
 }
 
@@ -99,7 +99,7 @@ impl Value {
 pub enum Filter {
     /// The column equals the value.
     Is(&'static str, Value),
-    /// The column equals one of the values; no row matches if there are none.
+    /// The column equals one of the values; no row matches an empty list.
     IsOneOf(&'static str, Vec<String>),
     /// The column is at least the value.
     AtLeast(&'static str, Value),

@@ -140,7 +140,7 @@ impl Writer {
     /// # Errors
     /// The database cannot be written, or the lease is lost.
     pub async fn robot_id(&mut self, lease: &Lease, robot: &str, now_us: i64) -> Result<i64, StoreError> {
-        const WHAT: &str = "number a robot";
+        const WHAT: &str = "assign a number to a robot";
         // Sets the time, too, so that the robot is not deleted as merely announced before its first boot is inserted.
         const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us) VALUES ($1, $2, $3) \
              ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us RETURNING robot_id";
@@ -164,7 +164,7 @@ impl Writer {
     /// # Errors
     /// The database cannot be written, or the lease is lost.
     pub async fn boot(&mut self, lease: &Lease, robot_id: i64, boot_id: &str, now_us: i64) -> Result<i64, StoreError> {
-        const WHAT: &str = "number a boot";
+        const WHAT: &str = "assign a number to a boot";
         const SQL: &str = "INSERT INTO boots (robot_id, boot_id, first_seen_us) VALUES ($1, $2, $3) \
              ON CONFLICT (robot_id, boot_id) DO UPDATE SET boot_id = excluded.boot_id RETURNING boot";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
@@ -196,7 +196,7 @@ impl Writer {
         robot_id: i64,
         robot: &Robot,
     ) -> Result<Vec<NumberedWhisker>, StoreError> {
-        const WHAT: &str = "number the whiskers";
+        const WHAT: &str = "assign numbers to whiskers";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let ids = number_whiskers(&mut tx, robot_id, robot).await.map_err(failed(WHAT))?;

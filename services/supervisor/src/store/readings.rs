@@ -71,7 +71,7 @@ readings! {
         pub length_mm: f64,
         /// Standard deviation of the estimated length, mm.
         pub length_sd_mm: f64,
-        /// Pressure, MPa.
+        /// Pressure of the chamber, MPa.
         pub pressure_mpa: f64,
     }
 

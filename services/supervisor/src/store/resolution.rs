@@ -6,9 +6,9 @@ use vibrissa_core::units::Micros;
 /// Length of the spans of time over which contacts are aggregated, by the supervisor's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
 pub enum Resolution {
-    /// One minute.
+    /// Spans of one minute.
     Minute,
-    /// One hour.
+    /// Spans of one hour.
     Hour,
 }
 

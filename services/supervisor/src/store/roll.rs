@@ -58,7 +58,7 @@ pub struct Present {
     pub supervisor: String,
     /// Fleets that it may own.
     pub fleets: Vec<Name>,
-    /// Which fleets it receives messages of.
+    /// Its report on the fleets that it hears.
     pub hearing: FleetsHeard,
 }
 

@@ -16,11 +16,11 @@ readings! {
         pub contacts: i64,
         /// Contact ratio, 0 at the base, 1 at the tip.
         pub ratio: f64,
-        /// Deflection, mm.
+        /// Deflection at the contact, mm.
         pub deflection_mm: f64,
-        /// Strain, m/m.
+        /// Measured strain, m/m.
         pub strain: f64,
-        /// Pressure, MPa.
+        /// Pressure of the chamber, MPa.
         pub pressure_mpa: f64,
         /// Sensitivity, strain per mm of deflection; `None` without deflection.
         pub sensitivity_per_mm: Option<f64>,

@@ -134,7 +134,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
     Ok(())
 }
 
-/// Inserts contacts.
+/// Inserts single contacts.
 pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
     for contacts in pieces(contacts) {
         let mut insert = QueryBuilder::<Sqlite>::new(

@@ -24,7 +24,7 @@ readings! {
         pub secret_hash: Vec<u8>,
         /// Time of its creation, µs since 1970 UTC.
         pub created_us: i64,
-        /// Person who created it.
+        /// Creator, as in the audit log: `command line`.
         pub created_by: String,
         /// Time of its expiry, µs since 1970 UTC.
         pub expires_us: i64,
@@ -89,7 +89,7 @@ impl Store {
         tx.commit().await.map_err(failed(WHAT))
     }
 
-    /// The token with this public half; `None` if there is none.
+    /// The token with this public half; `None` if it is unknown.
     ///
     /// # Errors
     /// The database cannot be read.

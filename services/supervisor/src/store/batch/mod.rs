@@ -167,7 +167,7 @@ pub struct WhiskerRow {
     /// Condition, such as `HEALTHY`.
     #[borsh(deserialize_with = "words::word")]
     pub condition: &'static str,
-    /// Fault, such as `LEAK`; `None` if there is none.
+    /// Fault, such as `LEAK`; `None` without a fault.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub fault: Option<&'static str>,
     /// Pressure as last measured, MPa.
@@ -240,13 +240,13 @@ pub struct ContactRow {
     pub received_us: i64,
     /// Contact ratio, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection, mm.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Measured strain, m/m.
     pub strain: f64,
-    /// Pressure, MPa.
+    /// Pressure of the chamber, MPa.
     pub pressure_mpa: f64,
-    /// Temperature, °C.
+    /// Temperature of the whisker, °C.
     pub temperature_c: f64,
     /// Use of the contact: `USED`, `LEARNING`, or why it was not used.
     #[borsh(deserialize_with = "words::word")]
@@ -268,7 +268,7 @@ pub struct ResponseRow {
     pub t_us: i64,
     /// Contact ratio, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection, mm.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
     /// Measured strain of the compensator at its new pressure, m/m.
     pub after_strain: f64,
@@ -287,7 +287,7 @@ pub struct ResponseRow {
 /// An estimate with its 95 % interval.
 #[derive(Debug, Clone, Copy, BorshSerialize, BorshDeserialize)]
 pub struct Interval {
-    /// Estimate.
+    /// The estimated value.
     pub mean: f64,
     /// Lower bound of the interval.
     pub low: f64,

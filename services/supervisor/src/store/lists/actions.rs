@@ -38,7 +38,7 @@ readings! {
         pub actor: String,
         /// Role in which the action was requested: `VIEWER`, `OPERATOR`, `ENGINEER` or `ADMIN`.
         pub role: String,
-        /// Identifier of the HTTP request that carried the action.
+        /// Identifier of the HTTP request that carried the action; `command line` for commands.
         pub request_id: String,
         /// Time of the request, by the supervisor's clock.
         pub asked_at: Time,

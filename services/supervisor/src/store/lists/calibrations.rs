@@ -23,8 +23,8 @@ readings! {
         pub uploaded_at: Time,
         /// Person or token that uploaded it.
         pub uploaded_by: String,
-        /// Names of the fleets in which it is active, of those that you may see, separated by commas; null if there
-        /// are none.
+        /// Names of the fleets in which it is active, among those visible to you, separated by commas; null if there
+        /// is no such fleet.
         pub active_in: Option<String>,
     }
 

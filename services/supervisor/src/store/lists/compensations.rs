@@ -206,7 +206,7 @@ sorts! {
     pub enum CompensationSort {
         /// By time of the decision.
         DecidedAt = "decided_at" Whole Down,
-        /// By number.
+        /// By number of the compensation.
         CompensationId = "compensation_id" Whole Up,
     }
 }

@@ -61,7 +61,7 @@ sorts! {
     pub enum FleetSort {
         /// By number of things that need attention.
         Attention = "attention" Whole Down,
-        /// By name.
+        /// By name of the fleet.
         Fleet = "fleet" Text Up,
     }
 }

@@ -93,7 +93,7 @@ readings! {
         pub acknowledged_at: Option<Time>,
         /// Person or token that acknowledged it; null if it was not acknowledged.
         pub acknowledged_by: Option<String>,
-        /// Comment given with the acknowledgement; null if there is none.
+        /// Comment given with the acknowledgement; null without a comment.
         pub acknowledged_reason: Option<String>,
         /// Time until which alarms of this kind about this whisker are shelved; null if they are not shelved.
         pub shelved_until: Option<Time>,
@@ -131,7 +131,7 @@ sorts! {
     pub enum AlarmSort {
         /// By the time at which they were raised.
         RaisedAt = "raised_at" Whole Down,
-        /// By kind.
+        /// By kind of alarm.
         Kind = "kind" Text Up,
     }
 }

@@ -57,7 +57,7 @@ readings! {
 sorts! {
     /// Sort keys of minutes and hours.
     pub enum RollupSort {
-        /// By start.
+        /// By start of the span.
         StartAt = "start_at" Whole Down,
     }
 }

@@ -100,7 +100,7 @@ sorts! {
     pub enum RobotSort {
         /// By number of things that need attention.
         Attention = "attention" Whole Down,
-        /// By name.
+        /// By name of the robot.
         Robot = "robot" Text Up,
         /// By the order in which they became known.
         RobotId = "robot_id" Whole Up,

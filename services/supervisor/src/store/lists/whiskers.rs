@@ -38,7 +38,7 @@ readings! {
         pub length_high_mm: f64,
         /// Mechanical condition: `LEARNING`, `HEALTHY`, `SUSPECTED`, `TRIMMED`, `ERODING` or `SENSITIVITY_LOSS`.
         pub condition: String,
-        /// Fault, such as `LEAK` or `STALE`; null if there is none.
+        /// Fault, such as `LEAK` or `STALE`; null without a fault.
         pub fault: Option<String>,
         /// Pressure as last measured, MPa; null before the first measurement.
         pub pressure_mpa: Option<f64>,
@@ -75,9 +75,10 @@ readings! {
         pub contacts_left_high: Option<f64>,
         /// Whether an operator holds the whisker or its robot: no automatic setpoint is sent to a held whisker.
         pub held: bool,
-        /// Number of the compensation in force for this whisker; null if there is none.
+        /// Number of the compensation in force for this whisker; null if no whisker compensates for it.
         pub compensated_by: Option<i64>,
-        /// Number of the compensation in force in which this whisker is the compensator; null if there is none.
+        /// Number of the compensation in force in which this whisker is the compensator; null if it compensates for no
+        /// whisker.
         pub serves_in: Option<i64>,
     }
 }

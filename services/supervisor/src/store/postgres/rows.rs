@@ -103,7 +103,7 @@ pub(in super::super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[
     bind_whiskers(alone(WHISKERS), whiskers).execute(tx).await.map(drop)
 }
 
-/// Inserts contacts.
+/// Inserts single contacts.
 pub(super) const CONTACTS: &str = "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
          pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) \
          SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::bigint[], $5::bigint[], $6::bigint[], \
