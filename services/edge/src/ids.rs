@@ -1,4 +1,4 @@
-//! Identifiers that several parts must derive alike.
+//! Identifiers that several modules must derive in the same way.
 
 use uuid::Uuid;
 use vibrissa_core::robot::effect::CommandKey;
@@ -6,34 +6,35 @@ use vibrissa_protocol::Name;
 
 use crate::clock::wall_clock;
 
-/// Names of setpoints are made from this and (fleet, robot, epoch, version): the same setpoint has the same
-/// name whenever and wherever it is sent again.
+/// Namespace of the identifiers of setpoints, which are derived from fleet, robot, epoch and version: a setpoint that
+/// is sent again, by whichever supervisor, has the same identifier.
 const COMMAND_NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_6c0e_41b0_5d83_9a1e_7769_6272_6973);
 
-/// The name of a setpoint.
+/// Identifier of a setpoint, as text.
 #[must_use]
 pub fn command_id(fleet: &Name, robot: &Name, key: CommandKey) -> String {
     command_uuid(fleet, robot, key).to_string()
 }
 
-/// The same as a number, which its trace has, too.
+/// Identifier of a setpoint; its trace has the same one.
 pub fn command_uuid(fleet: &Name, robot: &Name, key: CommandKey) -> Uuid {
     let name = format!("{fleet}/{robot}/{}/{}", key.epoch, key.version);
     Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
 }
 
-/// The name of the trace of a decision from which no setpoint follows at once.
+/// Identifier of the trace of a decision that is not followed by a setpoint at once.
 pub fn compensation_uuid(fleet: &Name, robot: &Name, number: u32) -> Uuid {
     let name = format!("{fleet}/{robot}/compensation/{number}");
     Uuid::new_v5(&COMMAND_NAMESPACE, name.as_bytes())
 }
 
-/// Numbers of a robot's trims and compensations are unique in the database: robot, then count.
+/// Number of a robot's trim or compensation in the database: the robot's number in the upper 32 bits, a count in the
+/// lower.
 pub fn wide_id(robot_id: i64, number: u32) -> i64 {
     (robot_id << 32) | i64::from(number)
 }
 
-/// Bytes that differ at each start of a program: the time, the process, and random bytes of the kernel.
+/// Bytes that differ at each start of a program: time, process number, and a random UUID of the kernel.
 pub fn start_seed() -> Vec<u8> {
     let mut seed = wall_clock().0.to_le_bytes().to_vec();
     seed.extend(std::process::id().to_le_bytes());

@@ -1,8 +1,8 @@
-//! What operators ask: a mailbox to the fleets' owners, which is the record of it at the same time.
+//! The `actions` table: requests of operators to the owners of fleets, which is also the audit log.
 //!
-//! [`Store::ask`] puts an action in, for whichever supervisor owns the fleet; its engine reads [`Writer::pending`], and its
-//! answer is in the transaction that has the effects, so that an action is carried out once or not at all. What needs no
-//! engine is recorded as done by `record_done`, in the transaction that does it.
+//! [`Store::ask`] inserts an action for the supervisor that owns the fleet. The fleet's engine reads it with
+//! [`Writer::pending`] and writes the answer in the transaction of its effects, so an action is carried out at most
+//! once. An action that needs no engine is recorded as done by `record_done`, in the transaction of its effects.
 
 use serde::Serialize;
 use tokio::time::Duration;
@@ -12,147 +12,147 @@ use super::database::{Tx, on};
 use super::readings::readings;
 use super::{Lease, Store, StoreError, Writer, failed};
 
-/// How long reading what is pending may take.
+/// Time limit for reading the pending actions.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 const COLUMNS: &str = "action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, \
      actor, role, request_id, idempotency_key, asked_us, expires_us, state, problem, done_us";
 
-/// What somebody asks for.
+/// An action that a person requests.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewAction {
-    /// The fleet; none where no fleet is concerned.
+    /// Name of the fleet; `None` if the action concerns no fleet.
     pub fleet: Option<String>,
-    /// The robot, by name; none for a whole fleet.
+    /// Name of the robot; `None` for a whole fleet.
     pub robot: Option<String>,
-    /// The whisker's array; with `whisker` or not at all.
+    /// Name of the whisker's array; `Some` exactly if `whisker` is.
     pub array: Option<String>,
-    /// The whisker's number.
+    /// Number of the whisker in its array.
     pub whisker: Option<i64>,
-    /// The compensation, by its number in the database.
+    /// Number of the compensation in the database.
     pub compensation_id: Option<i64>,
-    /// The alarm.
+    /// Number of the alarm in the database.
     pub alarm_id: Option<i64>,
-    /// What, in the words of [`vibrissa_edge::actions`], or another word if no engine is needed.
+    /// Kind of action: a word of [`vibrissa_edge::actions`], or another word if no engine is needed.
     pub kind: String,
-    /// A JSON object.
+    /// Parameters of the action: a JSON object.
     pub parameters: String,
-    /// Why, in the person's words.
+    /// Reason that the person gave, as free text.
     pub reason: Option<String>,
-    /// Who asks.
+    /// Person or token that requests the action.
     pub actor: String,
-    /// In which role.
+    /// Role in which the action is requested.
     pub role: String,
-    /// The request that it came with.
+    /// Identifier of the HTTP request that carried the action.
     pub request_id: String,
-    /// Names the action, for an actor that may send it again.
+    /// Key by which an actor may repeat the request without repeating the action.
     pub idempotency_key: Option<String>,
-    /// When, by the clock of the supervisor that was asked: microseconds since 1970 UTC.
+    /// Time of the request, µs since 1970 UTC by the clock of the supervisor that received it.
     pub asked_us: i64,
-    /// Not to be done from then on, by the clock of the supervisor that would do it.
+    /// Time from which on the action must not be carried out any more, µs since 1970 UTC by the owner's clock.
     pub expires_us: i64,
 }
 
-/// What became of asking.
+/// Result of inserting an action.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Asked {
-    /// It is there now, under this number.
+    /// Inserted, with this number.
     New(i64),
-    /// It was there already: the same actor has asked the same under the same key.
+    /// The same actor has requested the same action with the same idempotency key before.
     Again(Action),
-    /// The key names something else that the actor asked: nothing was asked now.
+    /// The same actor has used the key for a different action. Nothing was inserted.
     Different(Action),
 }
 
 readings! {
-    /// An action as it is recorded.
+    /// A row of the `actions` table.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
     pub struct Action {
-        /// Number, in the order of asking.
+        /// Number of the action; later requests have higher numbers.
         pub action_id: i64,
-        /// The fleet; none where no fleet is concerned.
+        /// Name of the fleet; `None` if the action concerns no fleet.
         pub fleet: Option<String>,
-        /// The robot.
+        /// Name of the robot; `None` for a whole fleet.
         pub robot: Option<String>,
-        /// The whisker's array.
+        /// Name of the whisker's array.
         pub array: Option<String>,
-        /// The whisker's number.
+        /// Number of the whisker in its array.
         pub whisker: Option<i64>,
-        /// The compensation.
+        /// Number of the compensation.
         pub compensation_id: Option<i64>,
-        /// The alarm.
+        /// Number of the alarm.
         pub alarm_id: Option<i64>,
-        /// What.
+        /// Kind of action: a word of [`vibrissa_edge::actions`], or another word if no engine was needed.
         pub kind: String,
-        /// A JSON object.
+        /// Parameters of the action: a JSON object.
         pub parameters: String,
-        /// Why, in the person's words.
+        /// Reason that the person gave, as free text.
         pub reason: Option<String>,
-        /// Who asked.
+        /// Person or token that requested the action.
         pub actor: String,
-        /// In which role.
+        /// Role in which the action was requested.
         pub role: String,
-        /// The request that it came with.
+        /// Identifier of the HTTP request that carried the action.
         pub request_id: String,
-        /// Its name among the actor's.
+        /// Idempotency key that the actor gave.
         pub idempotency_key: Option<String>,
-        /// When it was asked.
+        /// Time of the request, µs since 1970 UTC by the clock of the supervisor that received it.
         pub asked_us: i64,
-        /// Not to be done from then on.
+        /// Time from which on the action must not be carried out any more, µs since 1970 UTC.
         pub expires_us: i64,
-        /// `PENDING`, `DONE`, `REFUSED` or `EXPIRED`.
+        /// State: `PENDING`, `DONE`, `REFUSED` or `EXPIRED`.
         pub state: String,
-        /// Why it was refused: a word, a colon, and a text for people.
+        /// Why it was refused: a code, a colon, and an explanation.
         pub problem: Option<String>,
-        /// When it was answered.
+        /// Time of the answer, µs since 1970 UTC; `None` while the action is pending.
         pub done_us: Option<i64>,
     }
 
-    /// The policy in force that an operator has set.
+    /// The newest policy that an operator has set for a fleet.
     #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct PolicyReading {
-        /// The fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Number, from 1.
+        /// Version of the fleet's policy, from 1.
         pub version: i64,
-        /// `AUTOMATIC` or `ADVISE`.
+        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
         pub mode: String,
-        /// `TIP` or `MEAN`.
+        /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
         pub objective: String,
-        /// `NEVER`, `LAST_RESORT` or `ALLOWED`.
+        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
         pub longer_for_shorter: String,
-        /// Highest mean predicted error, as a ratio.
+        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
         pub predicted_error_max: f64,
-        /// Cost of a neighbour's own role, in units of mean error.
+        /// Cost of a neighbour that gives up its own role, in units of mean error.
         pub own_role_cost: f64,
-        /// Gain that a change must have, in units of mean error.
+        /// Least gain for which an assignment in force is changed, in units of mean error.
         pub change_margin: f64,
-        /// Since when.
+        /// Time at which this version was set, µs since 1970 UTC.
         pub changed_us: i64,
-        /// Who set it.
+        /// Person or token that set this version.
         pub changed_by: String,
-        /// Why.
+        /// Reason that the person gave.
         pub reason: Option<String>,
-        /// The action that asked for it.
+        /// Number of the action that set this version.
         pub action_id: i64,
     }
 }
 
 impl Action {
-    /// Whether it waits for an answer.
+    /// Whether the action waits for an answer.
     #[must_use]
     pub fn is_pending(&self) -> bool {
         self.state == "PENDING"
     }
 
-    /// Why it was refused: the word for programs, and the text for people.
+    /// Why the action was refused: the code for programs, and the explanation for people.
     #[must_use]
     pub fn refusal(&self) -> Option<(&str, &str)> {
         let problem = self.problem.as_deref()?;
         Some(problem.split_once(": ").unwrap_or((problem, problem)))
     }
 
-    /// Whether that is the same, whenever and in whichever request it is asked.
+    /// Whether a request asks for the same action; time, expiry, actor and request are not compared.
     fn is(&self, asked: &NewAction) -> bool {
         self.fleet == asked.fleet
             && self.robot == asked.robot
@@ -167,19 +167,19 @@ impl Action {
 }
 
 impl Store {
-    /// Asks for something: it waits for the fleet's owner, at this supervisor or another one.
+    /// Requests an action. It stays pending until the fleet's owner, here or at another supervisor, answers it.
     ///
     /// # Errors
     /// The database cannot be written.
     pub async fn ask(&self, action: &NewAction) -> Result<Asked, StoreError> {
-        const WHAT: &str = "ask for an action";
+        const WHAT: &str = "request an action";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = insert(&mut tx, action, "PENDING", None).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)
     }
 
-    /// An action, answered or not; none of that number.
+    /// The action of this number, in whatever state; `None` if there is no such action.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -189,7 +189,7 @@ impl Store {
             .map_err(failed("read an action"))
     }
 
-    /// The policy in force of a fleet; none if it is the configuration's.
+    /// The newest policy that an operator has set for a fleet; `None` if the policy of the configuration is in force.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -203,13 +203,13 @@ const POLICY: &str = "SELECT fleet, version, mode, objective, longer_for_shorter
      change_margin, changed_us, changed_by, reason, action_id FROM policies WHERE fleet = $1 ORDER BY version DESC LIMIT 1";
 
 impl Writer {
-    /// What waits for the fleet's owner, in order, at most so many.
+    /// At most `most` pending actions of the lease's fleet, in the order of their requests.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Vec<Action>, StoreError> {
-        const WHAT: &str = "read what operators ask";
-        // Not as a parameter: on its account SQLite would read the statement anew each time.
+        const WHAT: &str = "read pending actions";
+        // The limit is not a parameter: with a parameter there, SQLite would prepare the statement anew each time.
         let sql = format!(
             "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' ORDER BY action_id LIMIT {most}"
         );
@@ -221,7 +221,8 @@ impl Writer {
         .await
     }
 
-    /// The policy in force of the lease's fleet; none if it is the configuration's.
+    /// The newest policy that an operator has set for the lease's fleet; `None` if the policy of the configuration is
+    /// in force.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -235,8 +236,8 @@ impl Writer {
     }
 }
 
-/// Records an action that needs no engine as done, in the transaction that does it: unless it is [`Asked::New`], it was
-/// done before, and nothing must be done now.
+/// Records an action that needs no engine as done, in the transaction of its effects. Unless the result is
+/// [`Asked::New`], the action was done before, and the caller must not repeat its effects.
 pub(super) async fn record_done(tx: &mut Tx<'_>, action: &NewAction, done_us: i64) -> Result<Asked, StoreError> {
     insert(tx, action, "DONE", Some(done_us)).await.map_err(failed("record an action"))
 }
@@ -278,7 +279,7 @@ async fn insert(tx: &mut Tx<'_>, action: &NewAction, state: &str, done_us: Optio
     Ok(if known.is(action) { Asked::Again(known) } else { Asked::Different(known) })
 }
 
-/// What became of an action.
+/// Writes the answer of an action.
 pub(super) async fn write_answer(
     tx: &mut Tx<'_>,
     (action_id, state, problem): (i64, &str, Option<&str>),
@@ -294,7 +295,7 @@ pub(super) async fn write_answer(
         .map(drop))
 }
 
-/// A policy that is in force from now on.
+/// Writes a policy, which is in force from now on.
 pub(super) async fn write_policy(tx: &mut Tx<'_>, policy: &PolicyRow) -> sqlx::Result<()> {
     on!(tx, |tx| {
         sqlx::query(
@@ -361,7 +362,7 @@ mod tests {
         drop(tx);
         store.close().await;
         for end in ["", "-wal", "-shm", ".lock"] {
-            // Some of them may be gone already.
+            // Some of these files may not exist.
             let _ = std::fs::remove_file(format!("{}{end}", file.display()));
         }
     }

@@ -1,4 +1,4 @@
-//! Which database.
+//! Address of the database: an SQLite file or a PostgreSQL server.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -7,38 +7,38 @@ use sqlx::postgres::{PgConnectOptions, PgSslMode};
 
 use crate::secret::Secret;
 
-/// Where the database is.
+/// Address of the database.
 #[derive(Clone)]
 pub enum DatabaseAddress {
-    /// A file, for one supervisor.
+    /// An SQLite file, for one supervisor.
     Sqlite(PathBuf),
     /// A PostgreSQL server, which several supervisors may share.
     Postgres(PostgresAddress),
 }
 
-/// Where a PostgreSQL server is, and whom to be there.
+/// Address of a PostgreSQL server, with user and password.
 #[derive(Clone)]
 pub struct PostgresAddress {
     options: Box<PgConnectOptions>,
-    /// In place of the URL's.
+    /// Password that replaces the one of the URL.
     password: Option<Secret>,
 }
 
 impl PostgresAddress {
-    /// The same server, with a password that may come from a file.
+    /// The same server with a password that may come from a file.
     #[must_use]
     pub fn with_password(self, password: Secret) -> Self {
         let options = Box::new(self.options.password(password.reveal()));
         Self { options, password: Some(password) }
     }
 
-    /// The same server, with that name of ours in its list of sessions.
+    /// The same server with an application name, which PostgreSQL shows in its list of sessions.
     pub(super) fn named(self, application: &str) -> Self {
         Self { options: Box::new(self.options.application_name(application)), ..self }
     }
 
-    /// The same server, with the current password of the file. If the file is unusable, the password read before stays in use:
-    /// the server reports it if that one is wrong.
+    /// The same server with the current password of the file. If the file is unusable, the password read before stays
+    /// in use; if that one is wrong, the server reports it.
     pub(super) fn with_password_read_again(&self) -> Self {
         let renewed = self.password.as_ref().and_then(|password| password.read_again().ok());
         renewed.map_or_else(|| self.clone(), |password| self.clone().with_password(password))
@@ -59,35 +59,40 @@ impl Deref for PostgresAddress {
     }
 }
 
-/// The text is no address of a database.
+/// The text is not the address of a database.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("not a database's address ({0}): write sqlite:FILE or postgres://USER@HOST:5432/DATABASE")]
+#[error("not an address of a database ({0}): write sqlite:FILE or postgres://USER@HOST:5432/DATABASE")]
 pub struct BadDatabaseUrl(String);
 
 impl std::str::FromStr for DatabaseAddress {
     type Err = BadDatabaseUrl;
 
-    /// The text may hold a password: no part of it comes back in the error.
+    /// The text may hold a password: the error quotes no part of it.
     fn from_str(text: &str) -> Result<Self, BadDatabaseUrl> {
         let bad = |why: &str| BadDatabaseUrl(why.to_owned());
         if let Some(path) = text.strip_prefix("sqlite:") {
             let path = path.strip_prefix("//").unwrap_or(path);
-            return if path.is_empty() { Err(bad("no file")) } else { Ok(Self::Sqlite(PathBuf::from(path))) };
+            return if path.is_empty() {
+                Err(bad("the file is missing"))
+            } else {
+                Ok(Self::Sqlite(PathBuf::from(path)))
+            };
         }
         let url = url::Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
         if !matches!(url.scheme(), "postgres" | "postgresql") {
-            return Err(bad("neither sqlite: nor postgres:"));
+            return Err(bad("it begins with neither sqlite: nor postgres:"));
         }
         if url.path().trim_matches('/').is_empty() {
-            return Err(bad("no database's name"));
+            return Err(bad("the name of the database is missing"));
         }
-        let options: PgConnectOptions = text.parse().map_err(|_| bad("a part that PostgreSQL does not know"))?;
+        let options: PgConnectOptions =
+            text.parse().map_err(|_| bad("it has an option that PostgreSQL does not know"))?;
         Ok(Self::Postgres(PostgresAddress { options: Box::new(options), password: None }))
     }
 }
 
 impl std::fmt::Display for DatabaseAddress {
-    /// For people; without the password.
+    /// Without the password.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Sqlite(path) => write!(f, "sqlite:{}", path.display()),
@@ -110,7 +115,8 @@ impl std::fmt::Debug for DatabaseAddress {
 }
 
 impl DatabaseAddress {
-    /// Whether somebody on the way to the server could read what is said, or answer in its place.
+    /// Whether an attacker on the network could read the traffic to the server or impersonate it: the server is on
+    /// another host and its certificate is not verified.
     #[must_use]
     pub fn is_exposed(&self) -> bool {
         match self {

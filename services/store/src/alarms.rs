@@ -1,4 +1,4 @@
-//! What people say to alarms: seen, quiet for a while, loud again. Each with its entry in the audit log, in one transaction.
+//! Acknowledging and shelving of alarms, each with its entry in the audit log in one transaction.
 
 use super::actions::{Asked, NewAction, record_done};
 use super::changes::{self, NewChange};
@@ -6,47 +6,48 @@ use super::database::{Tx, on};
 use super::readings::readings;
 use super::{Store, StoreError, failed};
 
-const WHAT: &str = "write what is said to an alarm";
+const WHAT: &str = "update an alarm";
 
 readings! {
-    /// What an alarm is about.
+    /// The whisker and kind of an alarm, and what operators have done about it.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AlarmSubject {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         pub whisker: i64,
-        /// The whisker, in the database.
+        /// Number of the whisker in the database.
         pub whisker_id: i64,
-        /// Kind.
+        /// Kind of alarm, such as `UNCOMPENSATED`.
         pub kind: String,
-        /// Who has seen it.
+        /// Person or token that acknowledged it; `None` if it was not acknowledged.
         pub acknowledged_by: Option<String>,
-        /// Until when alarms of this kind about this whisker are quiet.
+        /// Time until which alarms of this kind about this whisker are shelved, µs since 1970 UTC. It may be in the
+        /// past.
         pub shelved_until_us: Option<i64>,
     }
 }
 
-/// What is said.
+/// An operator's decision about an alarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Said {
-    /// It was seen.
+    /// Acknowledges the alarm.
     Acknowledged,
-    /// It, and its like, shall be quiet until then.
+    /// Shelves the alarm, and all alarms of its kind about its whisker, for a while.
     Shelved {
-        /// By the supervisor's clock, microseconds since 1970 UTC.
+        /// End of the shelving, µs since 1970 UTC by the supervisor's clock.
         until_us: i64,
     },
-    /// They shall be loud again.
+    /// Ends the shelving.
     Unshelved,
 }
 
 impl Store {
-    /// What an alarm is about; none of that number.
+    /// Whisker and kind of the alarm of this number; `None` if there is no such alarm.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -61,10 +62,10 @@ impl Store {
         .bind(alarm_id)
         .fetch_optional(pool)
         .await)
-        .map_err(failed("look an alarm up"))
+        .map_err(failed("read an alarm"))
     }
 
-    /// Writes what is said to an alarm, once, with its entry in the audit log.
+    /// Acknowledges, shelves or unshelves an alarm at most once, and records the action in the audit log.
     ///
     /// # Errors
     /// The database cannot be written.

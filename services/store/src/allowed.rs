@@ -1,4 +1,4 @@
-//! Allow lists of robots that people have set, and the robots turned away.
+//! Lists of allowed robots that operators have set, and the robots that were turned away.
 
 use tokio::time::Duration;
 use vibrissa_protocol::Name;
@@ -8,42 +8,42 @@ use super::database::on;
 use super::readings::readings;
 use super::{Lease, Store, StoreError, Writer, failed};
 
-/// How long reading or writing of an engine may take.
+/// Time limit for a query or transaction of an engine.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Versions of a fleet's list to keep.
+/// Number of versions of a fleet's list that are stored.
 const VERSIONS_KEPT: i64 = 20;
 
 readings! {
-    /// The list in force of a fleet.
+    /// The list of allowed robots that is in force in a fleet.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AllowedReading {
-        /// Number, from 1.
+        /// Version of the fleet's list, from 1.
         pub version: i64,
-        /// Names, one on each line; none if everybody is allowed.
+        /// Names of the allowed robots, one on each line; `None` if all robots are allowed.
         pub robots: Option<String>,
-        /// When this version was set, in microseconds since 1970 UTC.
+        /// Time at which this version was set, µs since 1970 UTC.
         pub changed_us: i64,
-        /// The actor who set it, as the audit log names them.
+        /// Person or token that set it, as in the audit log.
         pub changed_by: String,
-        /// The reason that they gave.
+        /// Reason that the person gave.
         pub reason: Option<String>,
     }
 
-    /// A robot that is not allowed, and has tried.
+    /// A robot that is not allowed, and has sent messages.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct TurnedAwayReading {
-        /// The robot's name.
+        /// Name of the robot.
         pub robot: String,
-        /// Messages of it.
+        /// Number of its messages that were refused.
         pub tries: i64,
-        /// When it tried first.
+        /// Time of its first message, µs since 1970 UTC.
         pub first_us: i64,
-        /// When it tried last.
+        /// Time of its last message, µs since 1970 UTC.
         pub last_us: i64,
     }
 }
 
-/// The names in a stored list.
+/// The valid names in a stored list.
 pub fn names_of(robots: &str) -> impl Iterator<Item = Name> {
     robots.lines().filter_map(|line| Name::robot(line).ok())
 }
@@ -52,16 +52,16 @@ const NEWEST: &str = "SELECT version, robots, changed_us, changed_by, reason FRO
      WHERE fleet = $1 AND version > $2 ORDER BY version DESC LIMIT 1";
 
 impl Store {
-    /// The list in force of a fleet; none if there never was one.
+    /// The list in force in a fleet; `None` if none was ever set.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn allowed_robots(&self, fleet: &str) -> Result<Option<AllowedReading>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_as(NEWEST).bind(fleet).bind(0_i64).fetch_optional(pool).await)
-            .map_err(failed("read which robots are allowed"))
+            .map_err(failed("read the list of allowed robots"))
     }
 
-    /// The robots turned away, the last to try first.
+    /// The robots that were turned away, those with the newest messages first.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -69,11 +69,11 @@ impl Store {
         const SQL: &str =
             "SELECT robot, tries, first_us, last_us FROM turned_away WHERE fleet = $1 ORDER BY last_us DESC, robot";
         on!(&self.pool, |pool| sqlx::query_as(SQL).bind(fleet).fetch_all(pool).await)
-            .map_err(failed("read who was turned away"))
+            .map_err(failed("read the robots that were turned away"))
     }
 
-    /// Sets another list, in place of the version that was read, with its entry in the audit log; none if another one is in
-    /// force meanwhile.
+    /// Sets a new list in place of version `version_before`, and records the action in the audit log. `None`, and no
+    /// change, if another version is in force meanwhile.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -84,7 +84,7 @@ impl Store {
         robots: Option<&str>,
         action: &NewAction,
     ) -> Result<Option<Asked>, StoreError> {
-        const WHAT: &str = "set which robots are allowed";
+        const WHAT: &str = "set the list of allowed robots";
         const INSERT: &str = "INSERT INTO allowed_robots (fleet, version, robots, changed_us, changed_by, reason, action_id) \
              SELECT $1, $2 + 1, $3, $4, $5, $6, $7 \
              WHERE (SELECT coalesce(max(version), 0) FROM allowed_robots WHERE fleet = $1) = $2 ON CONFLICT DO NOTHING";
@@ -122,12 +122,12 @@ impl Store {
 }
 
 impl Writer {
-    /// The list in force of the lease's fleet, if it is newer than that version.
+    /// The list in force in the lease's fleet; `None` if it is not newer than version `after`.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn allowed_robots(&mut self, lease: &Lease, after: i64) -> Result<Option<AllowedReading>, StoreError> {
-        const WHAT: &str = "read which robots are allowed";
+        const WHAT: &str = "read the list of allowed robots";
         let fleet = lease.fleet().as_str();
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_as(NEWEST).bind(fleet).bind(after).fetch_optional(link).await)
@@ -136,12 +136,12 @@ impl Writer {
         .await
     }
 
-    /// Writes who was turned away, in place of those who are there.
+    /// Replaces the fleet's rows of robots that were turned away.
     ///
     /// # Errors
-    /// The database cannot be written, or the fleet is not ours any more.
+    /// The database cannot be written, or the lease is lost.
     pub async fn write_turned_away(&mut self, lease: &Lease, rows: &[TurnedAwayReading]) -> Result<(), StoreError> {
-        const WHAT: &str = "write who was turned away";
+        const WHAT: &str = "write the robots that were turned away";
         const INSERT: &str =
             "INSERT INTO turned_away (fleet, robot, tries, first_us, last_us) VALUES ($1, $2, $3, $4, $5)";
         let fleet = lease.fleet().as_str();

@@ -1,12 +1,12 @@
-//! Writes a batch robot by robot, after the database has refused it as a whole: the rows of the robots whose rows it takes are
-//! committed in one transaction, and the others are named.
+//! Writes a batch robot by robot after the database has refused it as a whole. The rows of all robots that the
+//! database accepts are committed in one transaction; the other robots are named.
 //!
 //! ```text
 //! whole batch refused ──▶ all robots ──refused──▶ first half ──taken──▶ (stays in the transaction)
 //!                                            └──▶ second half ──refused──▶ ... ──▶ one robot ──refused──▶ named, left out
 //! ```
-//!
-//! Each attempt is a savepoint of one transaction, so that a half that is taken need not be written again, and it also finds
+//! Each attempt is a savepoint of one transaction: a half that was accepted need not be written again, and rows of
+//! two robots that conflict with each other are found as well.
 //! two robots whose rows conflict with each other.
 
 use std::collections::{HashMap, HashSet};
@@ -18,26 +18,27 @@ use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
 use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed};
 
-/// How long one attempt may take, in all.
+/// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
-/// Numbers in the list of one question.
+/// Most numbers in the list of one query.
 const NUMBERS_A_QUESTION: usize = 500;
 
-/// Rows of one owner that the database refuses.
+/// Rows of one owner that the database refused.
 #[derive(Debug, Clone)]
 pub struct Refused {
     /// Owner of the rows that were left out.
     pub owner: Owner,
-    /// The database's reason.
+    /// Error of the database.
     pub rejection: Rejection,
 }
 
 impl Writer {
-    /// Writes a batch without the rows that the database refuses, and names their owners. Afterwards the batch has the rows that
-    /// were written. `refused` remembers them between attempts: one that is committed although its answer was lost is known then.
+    /// Writes a batch without the rows that the database refuses, and names their owners in `refused`. Afterwards the
+    /// batch contains the rows that were written. Pass the same `refused` to each attempt: if an attempt was
+    /// committed but its answer was lost, the next one finds the owners there.
     ///
     /// # Errors
-    /// The database cannot take it now, or the fleet is not ours any more; the batch is as it was.
+    /// The database cannot be written now, or the lease is lost; the batch is unchanged.
     pub async fn commit_apart(
         &mut self,
         lease: &Lease,
@@ -46,7 +47,7 @@ impl Writer {
         refused: &mut Vec<Refused>,
     ) -> Result<(), StoreError> {
         let ids = Sought::of(batch);
-        let owners = self.attempt("find out whose rows they are", PATIENCE, async |link| ids.find(link).await).await?;
+        let owners = self.attempt("find the owners of rows", PATIENCE, async |link| ids.find(link).await).await?;
         let parts = Parts::of(std::mem::take(batch), &owners, split_journal);
         let written = self.attempt("commit", PATIENCE, async |link| write(link, lease, &parts, refused).await).await;
         let left_out: HashSet<Owner> = match &written {
@@ -72,7 +73,7 @@ async fn write(
         return Ok(());
     }
     refused.clear();
-    // The halves that are still to be tried, the first one last.
+    // Ranges of owners that remain to be tried; the first range is the last element.
     let mut waiting = Vec::from([Range { start: 0, end: parts.len() }]);
     while let Some(range) = waiting.pop() {
         if range.is_empty() {
@@ -121,13 +122,13 @@ async fn write_range(
         }
     }
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("tell of changes"))
+    changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("write the changes"))
 }
 
-/// Adds entries to a row of the journal, which other robots' entries may have made before.
+/// Appends entries to a row of the journal; other robots' entries may have created that row before.
 async fn append_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> Result<(), StoreError> {
     let sql = match tx {
-        // In SQLite the operator makes a text of two blobs, byte by byte.
+        // SQLite's || makes a text of two blobs, hence the cast; the bytes are unchanged.
         Either::Sqlite(_) => {
             "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT (fleet, number) \
              DO UPDATE SET entries = CAST(journal.entries || excluded.entries AS BLOB)"
@@ -141,7 +142,7 @@ async fn append_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> Resul
         .map_err(failed("write the journal"))
 }
 
-/// Numbers in a batch whose robots only the database knows.
+/// Rows of a batch whose robots only the database knows.
 struct Sought {
     whiskers: Vec<i64>,
     actions: Vec<i64>,
@@ -181,12 +182,12 @@ impl Sought {
 async fn pairs(link: &mut Link, sql: &str, numbers: &[i64]) -> Result<HashMap<i64, i64>, StoreError> {
     let mut found = HashMap::with_capacity(numbers.len());
     for numbers in numbers.chunks(NUMBERS_A_QUESTION) {
-        // Numbers only: nothing of it comes from outside as text.
+        // The statement contains only numbers, no text from outside.
         let list: Vec<String> = numbers.iter().map(i64::to_string).collect();
         let sql = sqlx::AssertSqlSafe(format!("{sql}({})", list.join(", ")));
         let rows: Vec<(i64, i64)> =
             on!(&mut *link, |link| sqlx::query_as(sql).persistent(false).fetch_all(&mut *link).await)
-                .map_err(failed("find out whose rows they are"))?;
+                .map_err(failed("find the owners of rows"))?;
         found.extend(rows);
     }
     Ok(found)
@@ -198,7 +199,7 @@ async fn commands(link: &mut Link, commands: &[String]) -> Result<HashMap<String
     for command_id in commands {
         let robot_id: Option<i64> =
             on!(&mut *link, |link| sqlx::query_scalar(SQL).bind(command_id).fetch_optional(&mut *link).await)
-                .map_err(failed("find out whose setpoint it is"))?;
+                .map_err(failed("find the robot of a setpoint"))?;
         if let Some(robot_id) = robot_id {
             found.insert(command_id.clone(), robot_id);
         }

@@ -1,4 +1,4 @@
-//! A copy of a SQLite database, complete by itself, while a supervisor works with it.
+//! Back-up of a SQLite database into a single file, while a supervisor uses the database.
 
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions};
@@ -10,60 +10,60 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{ConnectOptions, Connection};
 use tokio::time::{Instant, interval_at};
 
-/// How often progress is told.
+/// Interval between reports of progress.
 const PROGRESS: Duration = Duration::from_secs(2);
 
-/// For its owner only: it holds the hashes of tokens.
+/// Mode of the copy: readable by its owner only, because it contains the hashes of tokens.
 const MODE: u32 = 0o600;
 
-/// Why there is no back-up.
+/// Reason why no back-up was made.
 #[derive(Debug, thiserror::Error)]
 pub enum BackupError {
-    /// There is nothing to copy.
-    #[error("there is no database {0}: name the one to copy with --database-url sqlite:FILE")]
+    /// The database does not exist.
+    #[error("there is no database {0}: name the file to copy with --database-url sqlite:FILE")]
     NoDatabase(PathBuf),
-    /// Something is there already.
-    #[error("{0} is there already, and a back-up overwrites nothing: choose another name, or move it away")]
+    /// The file of the back-up exists already.
+    #[error("{0} exists already, and a back-up overwrites nothing: choose another name, or move that file away")]
     Exists(PathBuf),
-    /// A file cannot be made or kept.
+    /// The file of the back-up cannot be created, synchronised or renamed.
     #[error("cannot write the back-up {path}: {source}")]
     File {
-        /// Which.
+        /// File of the back-up.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The database cannot be read, or its copy not be written.
+    /// The database cannot be read, or its copy cannot be written.
     #[error("cannot copy {from} into {to}: {source}")]
     Copy {
-        /// The database.
+        /// File of the database.
         from: PathBuf,
-        /// Its copy.
+        /// File of the copy.
         to: PathBuf,
-        /// Why.
+        /// Error of SQLite.
         source: sqlx::Error,
     },
-    /// The copy is no good.
-    #[error("the copy of {from} is damaged, and was removed: {findings}. The database itself may be damaged, too")]
+    /// SQLite's integrity check has found errors in the copy.
+    #[error("the copy of {from} is damaged and was removed: {findings}. The database itself may be damaged, too")]
     Damaged {
-        /// The database.
+        /// File of the database.
         from: PathBuf,
-        /// What SQLite's check says.
+        /// Errors that the integrity check has found.
         findings: String,
     },
 }
 
-/// Copies a database as it is at this moment, checks the copy, and makes it last: when this returns, it is on the disk.
-/// `progress` is told bytes written, and how many it can be at the most. Gives the bytes of the copy.
+/// Copies the present state of a database, checks the copy, and synchronises it to the disk. `progress` gets the
+/// bytes written so far and the most that the copy can have. Returns the size of the copy in bytes.
 ///
 /// # Errors
-/// There is no such database, the copy's name is taken, or it cannot be written; then nothing is left behind. Nor is it if
-/// the copy is not waited for to the end.
+/// The database does not exist, a file with the copy's name exists, or the copy cannot be written. Then, or if the
+/// future is dropped before its end, no file is left behind.
 pub async fn copy(from: &Path, to: &Path, progress: impl FnMut(u64, u64)) -> Result<u64, BackupError> {
     if !from.exists() {
         return Err(BackupError::NoDatabase(from.to_owned()));
     }
-    // Under another name until it is whole, so that what has the name is a back-up.
+    // The copy has another name until it is complete, so a file with the final name is always a back-up.
     let part = beside(to, ".part");
     for taken in [to, &part] {
         if taken.exists() {
@@ -72,18 +72,18 @@ pub async fn copy(from: &Path, to: &Path, progress: impl FnMut(u64, u64)) -> Res
     }
     let in_file = |source| BackupError::File { path: to.to_owned(), source };
     OpenOptions::new().write(true).create_new(true).mode(MODE).open(&part).map_err(in_file)?;
-    // Also if it is not waited for to the end.
+    // Removes the incomplete copy even if this future is dropped.
     let part = Part(part);
     write(from, &part.0, progress).await?;
     keep(&part.0, to).map_err(in_file)
 }
 
-/// A copy that is not whole yet: of no use to anybody.
+/// An incomplete copy, which is removed when this is dropped.
 struct Part(PathBuf);
 
 impl Drop for Part {
     fn drop(&mut self) {
-        // There is none if all went well; otherwise what went wrong is told.
+        // After success the file was renamed and does not exist; after a failure the caller gets the original error.
         let _ = std::fs::remove_file(&self.0);
     }
 }
@@ -96,7 +96,7 @@ async fn write(from: &Path, part: &Path, mut progress: impl FnMut(u64, u64)) -> 
         .await
         .map_err(failed)?;
     {
-        // One read transaction: writers go on beside it.
+        // A single read transaction: writers are not blocked.
         let copying = sqlx::query("VACUUM INTO $1").bind(part.to_string_lossy().into_owned()).execute(&mut link);
         tokio::pin!(copying);
         let mut ticks = interval_at(Instant::now() + PROGRESS, PROGRESS);
@@ -120,7 +120,7 @@ async fn open(path: &Path) -> sqlx::Result<SqliteConnection> {
     SqliteConnectOptions::new().filename(path).create_if_missing(false).connect().await
 }
 
-/// What SQLite finds wrong with a file; `ok` if it is nothing.
+/// Findings of SQLite's integrity check; `ok` alone if there are no errors.
 async fn check(path: &Path) -> sqlx::Result<Vec<String>> {
     let mut link = SqliteConnectOptions::new().filename(path).read_only(true).connect().await?;
     let findings = sqlx::query_scalar("PRAGMA integrity_check(10)").fetch_all(&mut link).await?;
@@ -128,12 +128,12 @@ async fn check(path: &Path) -> sqlx::Result<Vec<String>> {
     Ok(findings)
 }
 
-/// Makes the file last under its name.
+/// Gives the file its final name, and synchronises it and its folder to the disk. Returns its size in bytes.
 fn keep(part: &Path, to: &Path) -> std::io::Result<u64> {
     let file = File::open(part)?;
     file.sync_all()?;
     let bytes = file.metadata()?.len();
-    // Fails if somebody has taken the name meanwhile.
+    // Unlike a rename, this fails if a file with that name has been created meanwhile.
     std::fs::hard_link(part, to)?;
     std::fs::remove_file(part)?;
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! Calibrations that were uploaded, and those that fleets work with.
+//! Uploaded calibrations, and those that are active in fleets.
 
 use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
@@ -7,60 +7,60 @@ use super::{Lease, Store, StoreError, Writer, failed};
 use borsh::{BorshDeserialize, BorshSerialize};
 use tokio::time::Duration;
 
-/// How long reading them may take.
+/// Time limit for reading the active calibrations.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A calibration to keep; all but the name is JSON.
+/// A calibration to store; all fields but the name are JSON.
 #[derive(Debug, Clone)]
 pub struct NewCalibration {
-    /// The name that factsheets use for the model.
+    /// Name of the whisker model, as factsheets use it.
     pub model: String,
-    /// What was measured.
+    /// Measurements as uploaded.
     pub measurements: String,
-    /// What came of it.
+    /// Result of the fit: parameters with intervals, and residuals.
     pub fit: String,
-    /// The numbers, as in a calibration file.
+    /// Calibration in the form of a calibration file.
     pub calibration: String,
 }
 
 readings! {
-    /// A calibration in force.
+    /// A calibration that is active in a fleet.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct ActiveCalibration {
-        /// Number.
+        /// Number of the calibration.
         pub calibration_id: i64,
-        /// The numbers, as in a calibration file, in JSON.
+        /// Calibration in the form of a calibration file, as JSON.
         pub calibration: String,
     }
 }
 
-/// A calibration that is in force in a fleet from now on.
+/// The activation of a calibration in a fleet.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct ActivationRow {
-    /// Fleet.
+    /// Name of the fleet.
     pub fleet: String,
-    /// Model.
+    /// Name of the whisker model.
     pub model: String,
-    /// Which.
+    /// Number of the calibration.
     pub calibration_id: i64,
-    /// Since when.
+    /// Time of the activation, µs since 1970 UTC by the supervisor's clock.
     pub activated_us: i64,
-    /// Who asked for it.
+    /// Person or token that requested it.
     pub activated_by: String,
 }
 
 impl Store {
-    /// The calibrations in force in a fleet.
+    /// The calibrations that are active in a fleet.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn active_calibrations(&self, fleet: &str) -> Result<Vec<ActiveCalibration>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(pool).await)
-            .map_err(failed("read the calibrations in force"))
+            .map_err(failed("read the active calibrations"))
     }
 
-    /// Keeps a calibration under the model's next version, with its entry in the audit log; its number. One that was kept
-    /// under the same idempotency key before has the number that it got then.
+    /// Stores a calibration under the model's next version, and records the action in the audit log. Returns its
+    /// number; `None` if the same idempotency key was used before, and nothing was stored.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -69,7 +69,7 @@ impl Store {
         new: &NewCalibration,
         action: &NewAction,
     ) -> Result<(Asked, Option<i64>), StoreError> {
-        const WHAT: &str = "keep a calibration";
+        const WHAT: &str = "store a calibration";
         const SQL: &str = "INSERT INTO calibrations (model, version, measurements, fit, calibration, uploaded_us, uploaded_by) \
              SELECT $1, COALESCE(max(version), 0) + 1, $2, $3, $4, $5, $6 FROM calibrations WHERE model = $1 \
              RETURNING calibration_id";
@@ -94,17 +94,17 @@ impl Store {
     }
 }
 
-/// The calibrations in force in a fleet.
+/// The calibrations that are active in a fleet.
 const ACTIVE: &str = "SELECT a.calibration_id, calibration FROM active_calibrations a \
      JOIN calibrations USING (calibration_id) WHERE fleet = $1 ORDER BY a.model";
 
 impl Writer {
-    /// The calibrations in force in the lease's fleet.
+    /// The calibrations that are active in the lease's fleet.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn calibrations(&mut self, lease: &Lease) -> Result<Vec<ActiveCalibration>, StoreError> {
-        const WHAT: &str = "read the calibrations in force";
+        const WHAT: &str = "read the active calibrations";
         let fleet = lease.fleet().as_str();
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
@@ -113,7 +113,7 @@ impl Writer {
     }
 }
 
-/// A calibration that is in force from now on.
+/// Activates a calibration in a fleet, in place of the one of the same model.
 pub(super) async fn write_activation(tx: &mut Tx<'_>, row: &ActivationRow) -> sqlx::Result<()> {
     on!(tx, |tx| sqlx::query(
         "INSERT INTO active_calibrations (fleet, model, calibration_id, activated_us, activated_by) \

@@ -1,7 +1,7 @@
-//! What happened, in the order in which it was committed: what live pages follow.
+//! The feed of changes that live pages follow, in the order of commits.
 //!
-//! Rows are written in the transaction of what they tell of. A reader asks for what comes after a [`Mark`]; it never
-//! misses one, also where several supervisors write at once.
+//! Each change is written in the same transaction as the rows that it announces. A reader asks for the changes after
+//! a [`Mark`] and never misses one, even if several supervisors write at once.
 
 use serde::Serialize;
 use sqlx::{Database, Encode, QueryBuilder, Type};
@@ -13,15 +13,15 @@ use super::readings::readings;
 use super::time::Time;
 use super::{Store, StoreError, failed};
 
-/// Rows that are read at a time.
+/// Most changes that one query returns.
 pub const CHANGES_MAX: i64 = 500;
 
-/// Where a reader stands.
+/// Position of a reader in the feed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Mark {
-    /// The transaction.
+    /// Number of the transaction.
     pub tx: i64,
-    /// The row.
+    /// Number of the change.
     pub change_id: i64,
 }
 
@@ -41,43 +41,43 @@ impl std::str::FromStr for Mark {
 }
 
 readings! {
-    /// Something that happened.
+    /// A change of a fleet's data.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct Change {
-        /// Transaction.
+        /// Number of the transaction.
         #[serde(skip)]
         pub tx: i64,
-        /// Number.
+        /// Number of the change.
         #[serde(skip)]
         pub change_id: i64,
-        /// What: `HEALTH`, `TRIM`, `COMPENSATION`, `SETPOINT`, `ERROR`, `ALARM`, `ACTION` or `POLICY`.
+        /// Kind of change: `HEALTH`, `TRIM`, `COMPENSATION`, `SETPOINT`, `ERROR`, `ALARM`, `ACTION` or `POLICY`.
         pub kind: String,
-        /// When.
+        /// Time of the change, by the supervisor's clock.
         pub at: Time,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot; null for a whole fleet.
+        /// Name of the robot; null if the change concerns the whole fleet.
         pub robot: Option<String>,
-        /// Array; null for a whole robot.
+        /// Name of the array; null if the change concerns a whole robot or fleet.
         pub array: Option<String>,
-        /// Number in the array.
+        /// Number of the whisker in its array; null if the change concerns no single whisker.
         pub whisker: Option<i64>,
-        /// Number of the trim, compensation or action.
+        /// Number of the trim, compensation or action; null for other changes.
         pub number: Option<i64>,
-        /// The setpoint.
+        /// Identifier of the setpoint; null for other changes.
         pub command_id: Option<String>,
     }
 }
 
 impl Change {
-    /// Where it stands.
+    /// Position of this change in the feed.
     #[must_use]
     pub fn mark(&self) -> Mark {
         Mark { tx: self.tx, change_id: self.change_id }
     }
 }
 
-/// A change that is about to be written.
+/// A change to write; a time of 0 stands for now.
 #[derive(Debug, Default)]
 pub(super) struct NewChange<'a> {
     pub(super) recorded_us: i64,
@@ -89,7 +89,7 @@ pub(super) struct NewChange<'a> {
 }
 
 impl<'a> NewChange<'a> {
-    /// What a record changes.
+    /// The change that a record causes.
     pub(super) fn of(record: &'a Record) -> Self {
         let whisker =
             |kind, whisker_id, recorded_us| Self { kind, recorded_us, whisker_id: Some(whisker_id), ..Self::default() };
@@ -128,15 +128,15 @@ impl<'a> NewChange<'a> {
     }
 }
 
-/// Tells of the records of a fleet's batch.
+/// Writes the changes of a batch's records.
 pub(super) async fn write_of(tx: &mut Tx<'_>, fleet: &str, records: &[Record], now_us: i64) -> sqlx::Result<()> {
     let changes: Vec<NewChange<'_>> = records.iter().map(NewChange::of).collect();
     write(tx, fleet, &changes, now_us).await
 }
 
-/// Tells of changes; one without a time is of now.
+/// Writes changes of a fleet; those without a time get `now_us`.
 pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, changes: &[NewChange<'_>], now_us: i64) -> sqlx::Result<()> {
-    /// Rows of one statement: 7 values each, SQLite takes 32,766.
+    /// Most rows of one statement: each binds 7 values, and SQLite accepts 32,766.
     const ROWS_A_STATEMENT: usize = 1000;
     for changes in changes.chunks(ROWS_A_STATEMENT) {
         match &mut *tx {
@@ -172,7 +172,7 @@ where
     insert
 }
 
-/// A change with the names of what it is about.
+/// Query of changes with the names of their robot, array and whisker.
 macro_rules! named_changes {
     ($order:literal) => {
         concat!(
@@ -191,12 +191,13 @@ macro_rules! named_changes {
 }
 
 impl Store {
-    /// What happened after a mark, the first of it, in order; transactions that are under way are waited for.
+    /// The oldest [`CHANGES_MAX`] changes after a mark, in order. Changes younger than a transaction that has not
+    /// ended are left to the next query: an older change may still appear before them.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn changes_after(&self, mark: Mark) -> Result<Vec<Change>, StoreError> {
-        const WHAT: &str = "read what has changed";
+        const WHAT: &str = "read the changes";
         match &self.pool {
             Either::Sqlite(pool) => {
                 let sql = named_changes!(" ORDER BY c.tx, c.change_id LIMIT $3");
@@ -213,13 +214,13 @@ impl Store {
         .map_err(failed(WHAT))
     }
 
-    /// The first and the last mark that there are; none if nothing has happened for a day. What is under way comes after
-    /// the last.
+    /// The first and the last mark of the feed; `None` if it is empty. Changes of transactions that have not ended
+    /// come after the last mark.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn marks(&self) -> Result<Option<(Mark, Mark)>, StoreError> {
-        const WHAT: &str = "read where changes stand";
+        const WHAT: &str = "read the marks of the changes";
         let end = match &self.pool {
             Either::Sqlite(pool) => {
                 let sql = "SELECT tx, change_id FROM changes ORDER BY tx DESC, change_id DESC LIMIT 1";
@@ -242,7 +243,7 @@ impl Store {
         Ok(begin.map(mark).zip(end.map(mark)))
     }
 
-    /// Forgets changes of before a moment.
+    /// Deletes the changes that were recorded before a time, µs since 1970 UTC.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -252,7 +253,7 @@ impl Store {
             .execute(pool)
             .await
             .map(drop))
-        .map_err(failed("forget old changes"))
+        .map_err(failed("delete old changes"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Writes a batch: one transaction, all or nothing, once.
+//! Writes a batch in one transaction, exactly once.
 
 use tokio::time::Instant;
 use tracing::warn;
@@ -10,7 +10,8 @@ use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo, 
 use crate::Resolution;
 use crate::fault::{self, Fault};
 
-/// Writes a batch in one transaction, unless it was written before although the answer was lost.
+/// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
+/// written.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
     let asked = Instant::now();
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
@@ -27,15 +28,15 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
     Ok(())
 }
 
-/// Writes it with a statement for each kind of row, or for each row; false if it was written before.
+/// Writes a batch with one statement for each kind of row, or for each row. Returns false if it was written before.
 ///
-/// Contacts come before the lease is held: their `COPY` waits for as long as its bytes do, and who freezes in it must not keep
-/// the fleet from others.
+/// Contacts are written before the lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a
+/// supervisor that freezes in it must not block others from acquiring the fleet.
 async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i64) -> Result<bool, StoreError> {
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
     write_contacts(&mut tx, &batch.contacts).await?;
     if !lease.begin(&mut tx).await? {
-        // These contacts, too, were written before.
+        // The contacts of this attempt were written before, too.
         tx.rollback().await.map_err(failed("roll back"))?;
         return Ok(false);
     }
@@ -45,12 +46,12 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
         write_journal(&mut tx, fleet, row).await.map_err(failed("write the journal"))?;
     }
     write_done(&mut tx, fleet, batch, true).await?;
-    changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("tell of changes"))?;
+    changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("write the changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
     Ok(true)
 }
 
-/// Writes the contacts that are stored individually.
+/// Writes the contacts that are stored as single rows.
 pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
     if contacts.is_empty() {
         return Ok(());
@@ -62,7 +63,7 @@ pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> 
     .map_err(failed("append contacts"))
 }
 
-/// Rows of all other tables that belong to robots.
+/// Writes the rows of all other tables that belong to robots.
 pub(super) async fn write_rest(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) -> Result<(), StoreError> {
     for layout in rows.layouts {
         records::write_layout(tx, layout).await.map_err(failed("write a layout"))?;
@@ -89,15 +90,15 @@ pub(super) async fn write_done(
     is_complete: bool,
 ) -> Result<(), StoreError> {
     if let Some(number) = batch.journal_done.filter(|_| is_complete) {
-        forget_journal(tx, fleet, number).await.map_err(failed("write the journal"))?;
+        forget_journal(tx, fleet, number).await.map_err(failed("delete the journal's old rows"))?;
     }
     if let Some(number) = batch.redo_done {
-        redo::forget(tx, fleet, number).await.map_err(failed("write what was kept"))?;
+        redo::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
     }
     Ok(())
 }
 
-/// The many rows of few kinds.
+/// Writes checkpoints and aggregates: many rows of few kinds.
 async fn write_rows(tx: &mut Tx<'_>, rows: &Rows<'_>) -> Result<(), StoreError> {
     if !rows.robots.is_empty() {
         match tx {
@@ -114,7 +115,7 @@ async fn write_rows(tx: &mut Tx<'_>, rows: &Rows<'_>) -> Result<(), StoreError> 
         .map_err(failed("write whiskers"))?;
     }
     if !rows.rollups.is_empty() {
-        write_rollups(tx, rows.rollups).await.map_err(failed("append minutes and hours"))?;
+        write_rollups(tx, rows.rollups).await.map_err(failed("write aggregates of minutes and hours"))?;
     }
     Ok(())
 }
@@ -134,17 +135,18 @@ async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<(
     Ok(())
 }
 
-/// None is ever closed twice; if one is there already nevertheless, say because somebody has put back a single table, the fleet
-/// goes on.
+/// Warns if aggregates existed already. No span is closed twice, but an operator may have restored a single table;
+/// that must not stop the fleet.
 pub(super) fn tell_of_rollups(resolution: Resolution, rows: usize, written: u64) {
     if written < rows as u64 {
-        warn!(?resolution, rows, written, "rows of minutes or hours were there already");
+        warn!(?resolution, rows, written, "skipped aggregates of minutes or hours that exist already");
     }
 }
 
-/// Writes the events since the robots' states were written.
+/// Writes a row of the journal.
 async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::Result<()> {
-    // Two owners at once would write the same numbers, and keep each other from the harm that a test waits for.
+    // Without the fence two owners write the same numbers. The conflict would protect each from the damage that the
+    // test waits for.
     let sql = if fault::is(Fault::NoFence) {
         "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING"
     } else {
@@ -153,7 +155,7 @@ async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::
     on!(tx, |tx| sqlx::query(sql).bind(fleet).bind(row.number).bind(&row.entries).execute(&mut **tx).await.map(drop))
 }
 
-/// Removes the journal's rows that are in robots' states now.
+/// Deletes the journal's rows up to a number, which the checkpoints contain.
 async fn forget_journal(tx: &mut Tx<'_>, fleet: &str, number: i64) -> sqlx::Result<()> {
     on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
         .bind(fleet)

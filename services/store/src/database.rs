@@ -1,7 +1,7 @@
-//! The two databases, behind one face: SQLite, a file, and PostgreSQL, a server that supervisors share.
+//! The common interface of the two databases: SQLite, a file, and PostgreSQL, a server that supervisors share.
 //!
-//! Most statements are the same for both (`$1` is a parameter in either) and stand in [`on!`]; what differs is in
-//! the modules `sqlite` and `postgres`.
+//! Most statements are the same for both (`$1` is a parameter in either) and are used within [`on!`]. Statements that
+//! differ are in the modules `sqlite` and `postgres`.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use super::StoreError;
 use super::address::PostgresAddress;
 use super::lock::FileLock;
 
-/// The same expression on whichever database it is.
+/// Evaluates the same expression for whichever database is in use.
 macro_rules! on {
     ($database:expr, |$name:ident| $body:expr) => {
         match $database {
@@ -27,24 +27,25 @@ macro_rules! on {
 }
 pub(super) use on;
 
-/// One thing of SQLite's, or its like of PostgreSQL's.
+/// A value for SQLite, or its counterpart for PostgreSQL.
 #[derive(Debug, Clone)]
 pub(super) enum Either<S, P> {
     Sqlite(S),
     Postgres(P),
 }
 
-/// Connections for reading.
+/// Pool of connections for queries and for small, rare transactions.
 pub(super) type Pool = Either<SqlitePool, PgPool>;
-/// A connection of its own, for writing.
+/// A single connection for writing.
 pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
-/// How to connect; to a server, with the connections for reading, which must know of a new password.
+/// Options of new connections. For SQLite with the lock of the file; for PostgreSQL with the pool, which must get a
+/// changed password.
 pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), (PostgresAddress, PgPool)>;
 
 impl Options {
-    /// A connection of its own.
+    /// Opens a connection for writing.
     pub(super) async fn connect(&self) -> sqlx::Result<Link> {
         match self {
             Either::Sqlite((options, _)) => options.connect().await.map(Either::Sqlite),
@@ -60,7 +61,7 @@ impl Options {
 }
 
 impl Pool {
-    /// Begins a transaction that writes, on one of the connections for reading: for what is rare and small.
+    /// Begins a transaction that writes, on a connection of the pool. For rare and small transactions only.
     pub(super) async fn begin(&self) -> sqlx::Result<Tx<'static>> {
         match self {
             Either::Sqlite(pool) => pool.begin_with("BEGIN IMMEDIATE").await.map(Either::Sqlite),
@@ -70,10 +71,10 @@ impl Pool {
 }
 
 impl Link {
-    /// Begins a transaction.
+    /// Begins a transaction that writes.
     pub(super) async fn begin(&mut self) -> sqlx::Result<Tx<'_>> {
         match self {
-            // At once for writing: a transaction that begins by reading can fail when it comes to write.
+            // IMMEDIATE: a transaction that begins with a read can fail at its first write.
             Either::Sqlite(link) => sqlx::Connection::begin_with(link, "BEGIN IMMEDIATE").await.map(Either::Sqlite),
             Either::Postgres(link) => sqlx::Connection::begin(link).await.map(Either::Postgres),
         }
@@ -81,19 +82,19 @@ impl Link {
 }
 
 impl Tx<'_> {
-    /// Leaves everything as it was.
+    /// Undoes the transaction.
     pub(super) async fn rollback(self) -> sqlx::Result<()> {
         on!(self, |tx| tx.rollback().await)
     }
 
-    /// Makes it last.
+    /// Commits the transaction.
     pub(super) async fn commit(self) -> sqlx::Result<()> {
         on!(self, |tx| tx.commit().await)
     }
 }
 
-/// The migrations, part of the program. (The macro that would read them at build time costs a second build of
-/// the whole database library.)
+/// The migrations, which are part of the program. (sqlx's macro that reads them at build time would build the whole
+/// database library a second time.)
 macro_rules! migrations {
     ($folder:literal: $($version:literal $name:literal),+) => {
         Migrator::with_migrations(vec![$(Migration::new(
@@ -107,7 +108,8 @@ macro_rules! migrations {
 }
 
 impl Pool {
-    /// Brings the tables up to date: a transaction for each change, so that whoever stops it loses that one's work only.
+    /// Migrates the tables to the newest version, one transaction for each migration: an interruption undoes only the
+    /// current one.
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
@@ -134,13 +136,14 @@ impl Pool {
         })
     }
 
-    /// One change after the other. Those of a database with something in it may take their time, and are told of.
+    /// Runs the missing migrations one after the other. Migrations of a database with data may take long, so their
+    /// progress is logged.
     async fn change<W>(&self, migrator: &Migrator, run_to: impl Fn(i64) -> W) -> Result<(), MigrateError>
     where
         W: Future<Output = Result<(), MigrateError>>,
     {
         const APPLIED: &str = "SELECT max(version) FROM _sqlx_migrations";
-        // A new database has no such table; one that is away says so again at once.
+        // A new database has no such table. If the database is unreachable, the next statement fails, too.
         let applied: Option<i64> =
             on!(self, |pool| sqlx::query_scalar(APPLIED).fetch_one(pool).await).unwrap_or_default();
         let newest = migrator.iter().map(|migration| migration.version).max().unwrap_or_default();
@@ -153,7 +156,7 @@ impl Pool {
         run_to(newest).await
     }
 
-    /// How many contacts there are, about: most of what a change may have to go through.
+    /// Approximate number of contacts, which make up most of the rows that a migration may rewrite.
     async fn contacts_about(&self) -> sqlx::Result<i64> {
         match self {
             Either::Sqlite(pool) => {
@@ -171,30 +174,30 @@ impl Pool {
     }
 }
 
-/// How often it is told that a change of the tables is still under way.
+/// Interval between log messages about a running migration.
 const PROGRESS: Duration = Duration::from_secs(5);
 
-/// Tells of a change of the tables while it goes on.
+/// Logs the begin, progress and end of a migration.
 async fn watched<T>(
     migration: &str,
     contacts: i64,
     work: impl Future<Output = Result<T, MigrateError>>,
 ) -> Result<T, MigrateError> {
     let begun = Instant::now();
-    info!(migration, contacts, "changing the tables; stopped now, they stay as they were");
+    info!(migration, contacts, "migrating the tables; an interruption undoes this migration");
     tokio::pin!(work);
     let mut ticks = interval_at(begun + PROGRESS, PROGRESS);
     loop {
         let seconds = begun.elapsed().as_secs_f32();
         tokio::select! {
             done = &mut work => {
-                info!(migration, seconds = begun.elapsed().as_secs_f32(), ok = done.is_ok(), "the tables are changed");
+                info!(migration, seconds = begun.elapsed().as_secs_f32(), ok = done.is_ok(), "migration ended");
                 return done;
             }
-            _ = ticks.tick() => info!(migration, seconds, "still changing the tables"),
+            _ = ticks.tick() => info!(migration, seconds, "still migrating the tables"),
         }
     }
 }
 
-/// How long a connection for reading is waited for.
+/// Time limit for getting a connection from the pool.
 pub(super) const ACQUIRE_PATIENCE: Duration = Duration::from_secs(3);

@@ -1,120 +1,120 @@
-//! Why the database cannot be used.
+//! Errors of the database.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Why the database cannot be used. No variant shows a password.
+/// Reason why the database cannot be used. No variant shows a password.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// There is no place for it.
-    #[error("cannot make the database {path}: the folder {folder} does not exist")]
+    /// The folder of the SQLite file does not exist.
+    #[error("cannot create the database {path}: the folder {folder} does not exist")]
     NoFolder {
-        /// Which database.
+        /// The SQLite file.
         path: PathBuf,
-        /// Where it would be.
+        /// Folder of the file.
         folder: PathBuf,
     },
-    /// Another supervisor works with the file.
+    /// Another supervisor has locked the file.
     #[error(
-        "the database {path} belongs to {holder} now: stop that supervisor, give this one a file of its own, or let \
-         them share a PostgreSQL with --database-url postgres://..."
+        "the database {path} is locked by {holder}: stop that supervisor, give this one its own file, or let both \
+         share a PostgreSQL server with --database-url postgres://..."
     )]
     InUse {
-        /// Which database.
+        /// The SQLite file.
         path: PathBuf,
-        /// Who, as it says of itself.
+        /// Name and process of the supervisor that holds the lock.
         holder: String,
     },
-    /// It cannot be opened.
+    /// The database cannot be opened.
     #[error("cannot open the database {database}: {source}")]
     Open {
-        /// Which.
+        /// Address of the database, without its password.
         database: String,
-        /// Why.
+        /// Error of the database.
         source: sqlx::Error,
     },
-    /// Its lock cannot be taken.
+    /// The lock of the SQLite file cannot be acquired.
     #[error("cannot lock the database with the file {path}: {source}")]
     Lock {
-        /// The file.
+        /// The lock file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Its tables cannot be brought up to date.
-    #[error("cannot bring the tables of {database} up to date: {source}")]
+    /// A migration of the tables failed.
+    #[error("cannot migrate the tables of {database}: {source}")]
     Migrate {
-        /// Which.
+        /// Address of the database, without its password.
         database: String,
-        /// Why.
+        /// Error of the migration.
         source: sqlx::migrate::MigrateError,
     },
-    /// A newer version of the program has changed its tables.
+    /// A newer version of the program has migrated the tables.
     #[error(
-        "a newer vibrissa has worked with {database}: this one, {}, does not know the change {version} of its tables. \
-         Start the newer one, or restore the back-up of before the upgrade",
+        "a newer vibrissa has worked with {database}: this one, {}, does not know migration {version}. \
+         Start the newer one, or restore the back-up from before the upgrade",
         env!("CARGO_PKG_VERSION")
     )]
     TooNew {
-        /// Which.
+        /// Address of the database, without its password.
         database: String,
-        /// The first migration that is not known here.
+        /// Number of the first unknown migration.
         version: i64,
     },
-    /// The server is too old.
+    /// The PostgreSQL server is too old.
     #[error("{database} is PostgreSQL {version}: version 15 or newer is needed")]
     TooOld {
-        /// Which.
+        /// Address of the database, without its password.
         database: String,
-        /// Its version.
+        /// Version of the server.
         version: String,
     },
     /// A query failed.
-    #[error("database, while trying to {what}: {source}")]
+    #[error("database error: cannot {what}: {source}")]
     Query {
-        /// What it was for.
+        /// Purpose of the query, as a verb phrase after "cannot".
         what: &'static str,
-        /// Why.
+        /// Error of the database.
         source: sqlx::Error,
     },
-    /// No answer came.
-    #[error("database, while trying to {what}: no answer in {} s", patience.as_secs())]
+    /// The database did not answer in time.
+    #[error("database error: cannot {what}: no answer in {} s", patience.as_secs())]
     NoAnswer {
-        /// What it was for.
+        /// Purpose of the query, as a verb phrase after "cannot".
         what: &'static str,
-        /// How long it was waited for.
+        /// Time limit that was exceeded.
         patience: Duration,
     },
-    /// The fleet is not this supervisor's any more: nothing was written.
-    #[error("fleet {fleet} is not ours any more: its lease of epoch {epoch} was taken over")]
+    /// Another supervisor has acquired the fleet's lease. Nothing was written.
+    #[error("fleet {fleet}: the lease of epoch {epoch} was taken over by another supervisor")]
     LeaseLost {
-        /// Which fleet.
+        /// Name of the fleet.
         fleet: String,
-        /// The epoch that it was ours in.
+        /// Epoch of the lost lease.
         epoch: u64,
     },
 }
 
 impl StoreError {
-    /// The same without a word of the database's own, which may show statements and values: what clients and `/readyz` tell. The
-    /// log has the whole.
+    /// The error without the database's own text, which may show statements and values: for clients and `/readyz`.
+    /// The log has the full text.
     #[must_use]
     pub fn told(&self) -> String {
         match self {
-            Self::Query { what, source } => format!("database, while trying to {what}: {}", outline(source)),
-            Self::Open { source, .. } => format!("the database cannot be opened: {}", outline(source)),
+            Self::Query { what, source } => format!("database error: cannot {what}: {}", outline(source)),
+            Self::Open { source, .. } => format!("cannot open the database: {}", outline(source)),
             Self::NoFolder { .. } | Self::InUse { .. } | Self::Lock { .. } => {
-                "the database's file cannot be used; the log says why".to_owned()
+                "cannot use the database's file; see the log".to_owned()
             }
-            Self::Migrate { .. } => "the database's tables cannot be brought up to date; the log says why".to_owned(),
+            Self::Migrate { .. } => "cannot migrate the database's tables; see the log".to_owned(),
             Self::TooNew { .. } | Self::TooOld { .. } | Self::NoAnswer { .. } | Self::LeaseLost { .. } => {
                 self.to_string()
             }
         }
     }
 
-    /// Whether waiting can help: the server is away, starting, or too busy. The opposite is a person's affair, such
-    /// as a wrong password.
+    /// Whether a later attempt may succeed, because the server is unreachable, starting or overloaded. False if a
+    /// person must act, for example because of a wrong password.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {
@@ -133,33 +133,33 @@ impl StoreError {
     }
 }
 
-/// Why the database refuses rows for good: the same rows are refused again, whenever they come.
+/// A permanent refusal of rows: the database will refuse the same rows whenever they are written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rejection {
-    /// The class of the error.
+    /// Class of the error.
     pub cause: RejectionCause,
-    /// The database's own code: an SQLSTATE, or SQLite's extended result code.
+    /// Error code of the database: an SQLSTATE, or SQLite's extended result code.
     pub code: String,
-    /// The database's own text, for the log. It can quote values that a robot has sent.
+    /// Text of the database, for the log only: it can quote values that a robot has sent.
     pub text: String,
 }
 
-/// The class of an error that rows cause by themselves.
+/// Class of an error that is caused by the rows themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RejectionCause {
-    /// A value has no form in the database: SQLSTATE class 22, SQLite's MISMATCH and RANGE, or it cannot be encoded.
+    /// The database cannot represent a value: SQLSTATE class 22, SQLite's MISMATCH and RANGE, or an encoding error.
     Data,
     /// A constraint or a trigger refuses the row: SQLSTATE classes 23, 44 and P0, SQLite's CONSTRAINT.
     Constraint,
-    /// The row or a value is larger than the database takes: SQLSTATE class 54, SQLite's TOOBIG.
+    /// The row or a value is too large: SQLSTATE class 54, SQLite's TOOBIG.
     Size,
 }
 
 impl RejectionCause {
-    /// All of them.
+    /// All classes of errors.
     pub const ALL: [Self; 3] = [Self::Data, Self::Constraint, Self::Size];
 
-    /// In the words of the table `quarantine`, of REST and of the metric.
+    /// Word of the table `quarantine`, of the REST API and of the metrics.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -190,7 +190,7 @@ impl RejectionCause {
 }
 
 impl StoreError {
-    /// Why these rows can never be written; none if another attempt may succeed.
+    /// The refusal, if the database will never accept these rows; `None` if another attempt may succeed.
     #[must_use]
     pub fn rejection(&self) -> Option<Rejection> {
         let Self::Query { source, .. } = self else { return None };
@@ -206,14 +206,14 @@ impl StoreError {
     }
 }
 
-/// A short description of the kind of problem, without the database's own text.
+/// Short description of an error, without the database's own text.
 fn outline(problem: &sqlx::Error) -> String {
     if let sqlx::Error::Database(told) = problem {
         let code = told.code().unwrap_or_default();
         return match &*code {
             "" => "refused".to_owned(),
             "28P01" | "28000" => format!("password authentication failed (code {code})"),
-            "3D000" => format!("there is no such database (code {code})"),
+            "3D000" => format!("the database does not exist (code {code})"),
             "53300" => format!("too many connections (code {code})"),
             "57P03" => format!("the server is starting or stopping (code {code})"),
             _ => format!("refused with code {code}"),
@@ -223,23 +223,24 @@ fn outline(problem: &sqlx::Error) -> String {
     match problem {
         sqlx::Error::Io(problem) => format!("no connection ({})", problem.kind()),
         sqlx::Error::PoolTimedOut => "no free connection in time".to_owned(),
-        sqlx::Error::PoolClosed => "the service stops".to_owned(),
-        // sqlx may have more kinds tomorrow.
+        sqlx::Error::PoolClosed => "the service is stopping".to_owned(),
+        // sqlx may add variants.
         _ => "no usable answer".to_owned(),
     }
 }
 
-/// Whether a server that gives this answer may give another one soon.
+/// Whether the same statement may succeed later.
 fn passes(problem: &sqlx::Error) -> bool {
     if let sqlx::Error::Database(told) = problem {
-        // Connection trouble, lack of resources, shutting down or starting up, and conflicts.
+        // Connection failures (08), lack of resources (53), shutdown or start (57), serialisation failures (40),
+        // locks (55).
         let code = told.code().unwrap_or_default();
         return ["08", "53", "57", "40", "55"].iter().any(|class| code.starts_with(class));
     }
     matches!(problem, sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_))
 }
 
-/// Names what a query is for, if it fails.
+/// Turns the error of a query into a [`StoreError`] that names its purpose.
 pub(super) fn failed(what: &'static str) -> impl FnOnce(sqlx::Error) -> StoreError {
     move |source| StoreError::Query { what, source }
 }

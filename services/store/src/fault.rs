@@ -1,16 +1,16 @@
-//! Faults that tests plant, to see that their harness finds them. They exist only with the feature `test-faults`,
-//! which no release has.
+//! Faults that tests inject, to verify that they would detect them. They exist only with the feature `test-faults`,
+//! which releases do not enable.
 
-/// What can be made wrong.
+/// A fault that can be injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// Receipts are sent before what they cover is committed.
+    /// Receipts are sent before the messages that they confirm are committed.
     ReceiptBeforeCommit,
-    /// The database does not ask whose the fleet is.
+    /// Transactions do not check the lease (no fencing).
     NoFence,
 }
 
-/// Whether `VIBRISSA_TEST_FAULT` asks for this fault.
+/// Whether the environment variable `VIBRISSA_TEST_FAULT` requests this fault.
 #[cfg(feature = "test-faults")]
 #[must_use]
 pub fn is(fault: Fault) -> bool {
@@ -22,7 +22,7 @@ pub fn is(fault: Fault) -> bool {
     ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
 }
 
-/// Never.
+/// Always false without the feature `test-faults`.
 #[cfg(not(feature = "test-faults"))]
 #[must_use]
 pub const fn is(_: Fault) -> bool {

@@ -1,4 +1,4 @@
-//! Groups of a list's newest rows, for averages.
+//! Aggregates over groups of a list's newest rows.
 
 use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
@@ -8,27 +8,27 @@ use super::database::Either;
 use super::list::{Filter, List, push_filters};
 use super::{Store, StoreError, failed};
 
-/// How rows of a list of errors are grouped.
+/// A grouping of a list of measured errors.
 #[derive(Debug)]
 pub struct Group {
-    /// What is grouped.
+    /// The list whose rows are grouped.
     pub of: &'static List,
-    /// The groups' columns, over `g`.
+    /// Columns of the result, over the selected rows `g`.
     pub columns: &'static str,
-    /// Further tables.
+    /// Further tables to join, or empty.
     pub from: &'static str,
-    /// The columns that make a group.
+    /// Columns that define a group.
     pub by: &'static str,
-    /// In which order the groups come.
+    /// Order of the groups.
     pub order: &'static str,
 }
 
-/// Rows that are grouped at the most, the newest ones.
+/// Most rows that are grouped; if there are more, the newest ones are.
 pub const ROWS_GROUPED_MAX: i64 = 200_000;
-/// Groups of an answer at the most.
+/// Most groups of an answer.
 pub const GROUPS_MAX: i64 = 1000;
 
-/// The statement: of each compensation the newest row in each span of time counts.
+/// The statement. Of each compensation, only the newest row in each span of time counts.
 fn statement<DB: Database>(group: &Group, filters: &[Filter], bucket_us: i64) -> QueryBuilder<DB>
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
@@ -41,7 +41,7 @@ where
     sql.push(group.columns)
         .push(" FROM (SELECT b.*, row_number() OVER (PARTITION BY compensation_id, bucket ORDER BY ");
     sql.push(id).push(" DESC) AS newest FROM (SELECT f.*, recorded_at / bucket_us AS bucket FROM (SELECT q.*, ");
-    // In PostgreSQL a parameter is what it is first used as.
+    // PostgreSQL infers a parameter's type from its first use, hence the cast.
     sql.push("CAST(").push_bind(bucket_us).push(" AS BIGINT) AS bucket_us FROM (");
     sql.push(group.of.select).push(") q WHERE true");
     push_filters(&mut sql, filters);
@@ -52,7 +52,8 @@ where
 }
 
 impl Store {
-    /// The groups of a list's rows: of each compensation the newest row in each span of time counts.
+    /// The groups of the rows that pass the filters. Of each compensation, only the newest row in each span of
+    /// `bucket_us` µs counts.
     ///
     /// # Errors
     /// The database cannot be read.

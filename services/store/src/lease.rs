@@ -1,4 +1,4 @@
-//! Who may write for a fleet: one row for each, by the database's clock.
+//! Leases: the right to write for a fleet, one row for each fleet, expiring by the database's clock.
 
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,21 +12,22 @@ use super::database::{Either, Tx, on};
 use super::{StoreError, Supervisor, failed, postgres};
 use crate::fault::{self, Fault};
 
-/// The right to write for a fleet, until somebody else has it. Clones are the same right.
+/// The right to write for a fleet, until another supervisor acquires it. Clones share their state.
 #[derive(Debug, Clone)]
 pub struct Lease {
     fleet: Name,
     epoch: u64,
     owner: Arc<str>,
     time_to_live: Duration,
-    /// Transactions that are known as committed.
+    /// Number of this lease's committed transactions, as far as known.
     commits: Arc<AtomicI64>,
-    /// Nobody else can have it before; none where nobody else ever can.
+    /// Time before which no other supervisor can acquire the lease; `None` for SQLite, where none ever can.
     fresh_until: Option<Arc<Mutex<Instant>>>,
 }
 
 impl Lease {
-    /// What a supervisor has just taken, having asked at that moment. What cannot be shared never expires.
+    /// A lease that a supervisor has just acquired. `asked` is the moment before the query; the time to live counts
+    /// from there.
     pub(super) fn taken(supervisor: &Supervisor, fleet: &Name, epoch: i64, asked: Instant, is_shared: bool) -> Self {
         Self {
             fleet: fleet.clone(),
@@ -38,36 +39,36 @@ impl Lease {
         }
     }
 
-    /// The fleet.
+    /// Name of the fleet.
     #[must_use]
     pub fn fleet(&self) -> &Name {
         &self.fleet
     }
 
-    /// Rises at each change of owner.
+    /// Epoch of the lease, which rises at each change of owner.
     #[must_use]
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    /// Whether it certainly holds now, by this process' clock: what is stale is not published.
+    /// Whether the lease certainly holds now, by this process' clock. If not, nothing may be published.
     #[must_use]
     pub fn is_fresh(&self) -> bool {
         let Some(until) = &self.fresh_until else { return true };
         Instant::now() < *until.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whose it is.
+    /// Identifier of the owner's process.
     pub(super) fn owner(&self) -> &str {
         &self.owner
     }
 
-    /// How long it lasts without a word.
+    /// Time after which the lease expires if it is not renewed.
     pub(super) fn time_to_live(&self) -> Duration {
         self.time_to_live
     }
 
-    /// The database has confirmed it for another time to live, counted from before it was asked.
+    /// Extends the lease by a time to live from `asked`: the database has confirmed it in answer to a query begun then.
     pub(super) fn confirmed(&self, asked: Instant) {
         if let Some(until) = &self.fresh_until {
             let mut until = until.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,7 +80,8 @@ impl Lease {
         StoreError::LeaseLost { fleet: self.fleet.to_string(), epoch: self.epoch }
     }
 
-    /// Locks the row for a transaction that writes numbers only, which may be written twice.
+    /// Checks the lease and locks its row, for a transaction that may be repeated without harm, because it only
+    /// assigns numbers or replaces rows.
     pub(super) async fn hold(&self, tx: &mut Tx<'_>) -> Result<(), StoreError> {
         const SQL: &str = "UPDATE leases SET holder = holder WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let held = on!(tx, |tx| sqlx::query(SQL)
@@ -93,8 +95,9 @@ impl Lease {
         if held == 1 || fault::is(Fault::NoFence) { Ok(()) } else { Err(self.lost()) }
     }
 
-    /// Begins the next transaction of the owner: counts it, which makes it happen once, and keeps the lease for
-    /// another time to live. False if it was committed before, although its answer was lost.
+    /// Begins the owner's next transaction: advances the commit counter, which makes the transaction happen exactly
+    /// once, and in PostgreSQL renews the lease. Returns false if the transaction was committed before and only its
+    /// answer was lost.
     pub(super) async fn begin(&self, tx: &mut Tx<'_>) -> Result<bool, StoreError> {
         if fault::is(Fault::NoFence) {
             return Ok(true);
@@ -111,7 +114,8 @@ impl Lease {
         self.look_why(tx, before).await
     }
 
-    /// What does not count itself was committed before, or belongs to somebody else.
+    /// Distinguishes why the counter did not advance: false if this transaction was committed before, an error if the
+    /// lease is lost.
     async fn look_why(&self, tx: &mut Tx<'_>, before: i64) -> Result<bool, StoreError> {
         const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let commits: Option<i64> = on!(tx, |tx| sqlx::query_scalar(SQL)
@@ -124,7 +128,8 @@ impl Lease {
         if commits == Some(before + 1) { Ok(false) } else { Err(self.lost()) }
     }
 
-    /// Gives a statement that counts the next transaction what it asks for first: fleet, epoch, owner, count before and time to live.
+    /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count and
+    /// time to live.
     pub(super) fn bind(&self, statement: postgres::Statement) -> postgres::Statement {
         statement
             .bind(self.fleet.as_str())
@@ -134,8 +139,8 @@ impl Lease {
             .bind(micros(self.time_to_live))
     }
 
-    /// The next transaction is committed: by the attempt that asked the database at that moment, which keeps the
-    /// lease; or, with none, by one before it whose moment is not known.
+    /// Counts a committed transaction. `asked`, the moment before its query, also extends the lease; it is `None` if an
+    /// earlier attempt had committed the transaction.
     pub(super) fn committed(&self, asked: Option<Instant>) {
         self.commits.fetch_add(1, Ordering::Relaxed);
         if let Some(asked) = asked {

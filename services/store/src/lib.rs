@@ -1,8 +1,9 @@
-//! The database: named queries, one transaction for each batch.
+//! The database: named queries for readers, one transaction for each batch of a fleet.
 //!
-//! [`Store`] answers what people ask ([`read`], as [`readings`]); a [`Writer`] has a connection of its own, and
-//! writes only what a [`Lease`] allows: [`batch`] is what is written, `commit` writes it, `load` reads back what
-//! taking up a fleet needs. `sqlite` and `postgres` hold what differs. Nothing outside this module knows SQL.
+//! [`Store`] answers queries ([`read`], [`lists`]). A [`Writer`] has its own connection and writes for a fleet only
+//! under its [`Lease`]. [`batch`] defines the rows of a transaction, `commit` writes them, and `load` reads a fleet's
+//! state for its recovery. `sqlite` and `postgres` hold everything that differs between the two databases. No other
+//! module contains SQL.
 
 pub mod actions;
 pub mod address;
@@ -57,7 +58,7 @@ pub use writer::Writer;
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
 use error::failed;
 
-/// An open database, for reading.
+/// An open database, for queries. Clones share its connections.
 #[derive(Debug, Clone)]
 pub struct Store {
     pool: Pool,
@@ -66,11 +67,11 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the database for a supervisor of that name. A file is made and locked; a server is not asked
-    /// anything yet.
+    /// Opens the database for the supervisor `supervisor`. An SQLite file is created if it is missing, and locked; a
+    /// PostgreSQL server is not contacted yet.
     ///
     /// # Errors
-    /// The file or its folder cannot be used, or another supervisor has it.
+    /// The file or its folder cannot be used, or another supervisor has locked the file.
     pub async fn open(address: &DatabaseAddress, supervisor: &str) -> Result<Self, StoreError> {
         let name: Arc<str> = address.to_string().into();
         let (pool, options) = match address {
@@ -80,8 +81,8 @@ impl Store {
         Ok(Self { pool, options: Arc::new(options), name })
     }
 
-    /// Opens the database for a moment, with its tables up to date, for a command beside the service: a file that a
-    /// supervisor works with is opened beside it, and its tables are as that supervisor needs them.
+    /// Opens the database for a command beside the service, and migrates its tables. An SQLite file that a supervisor
+    /// has locked is opened without the lock; its tables are left to that supervisor.
     ///
     /// # Errors
     /// The database cannot be used.
@@ -100,10 +101,11 @@ impl Store {
         }
     }
 
-    /// Brings the tables up to date.
+    /// Migrates the tables to the newest version.
     ///
     /// # Errors
-    /// The database is away, too old, or not ours; [`StoreError::is_passing`] tells the first from the others.
+    /// The database is unreachable, too old, or not one of vibrissa; [`StoreError::is_passing`] is true only for the
+    /// first.
     pub async fn prepare(&self) -> Result<(), StoreError> {
         if let Either::Postgres(pool) = &self.pool {
             postgres::check_version(pool, &self.name).await?;
@@ -111,30 +113,30 @@ impl Store {
         self.pool.migrate(&self.name).await?;
         let made = self.make_partitions(vibrissa_edge::clock::wall_clock().0 as i64, &mut |_| {}).await;
         if let Err(problem) = made {
-            // The default partitions take what comes, and it is tried again.
-            warn!(%problem, "partitions are missing");
+            // The default partitions store the rows meanwhile, and upkeep tries again.
+            warn!(%problem, "cannot create partitions, the default ones are used");
         }
         Ok(())
     }
 
-    /// A writer, with a connection of its own.
+    /// A writer with its own connection.
     #[must_use]
     pub fn writer(&self) -> Writer {
         Writer::new(self.options.clone())
     }
 
-    /// Whether several supervisors can share it.
+    /// Whether several supervisors can share this database: true for PostgreSQL.
     #[must_use]
     pub fn is_shared(&self) -> bool {
         matches!(self.pool, Either::Postgres(_))
     }
 
-    /// Whether it answers.
+    /// Checks that the database answers.
     ///
     /// # Errors
-    /// It does not.
+    /// The database does not answer within three seconds, or answers with an error.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        const WHAT: &str = "ask whether it is there";
+        const WHAT: &str = "check the connection";
         let asked = async { on!(&self.pool, |pool| sqlx::query("SELECT 1").execute(pool).await.map(drop)) };
         match tokio::time::timeout(ACQUIRE_PATIENCE, asked).await {
             Ok(answered) => answered.map_err(failed(WHAT)),
@@ -142,7 +144,7 @@ impl Store {
         }
     }
 
-    /// Closes all connections, so that a file is complete by itself.
+    /// Closes all connections; SQLite then needs no files beside the database file.
     pub async fn close(&self) {
         on!(&self.pool, |pool| pool.close().await);
     }

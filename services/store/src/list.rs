@@ -1,7 +1,7 @@
-//! Lists that people ask for: filtered, sorted and paged by the database, over closed lists of columns.
+//! Lists of the REST API: filtered, sorted and paged by the database, over closed sets of columns.
 //!
-//! A [`List`] (they are in `lists`) is a query with the names of its columns that may sort it. What a request wants of it is a
-//! [`Selection`]; only values come from outside, columns and operators are the program's own.
+//! A [`List`] (see [`lists`](super::lists)) is a query with the columns that may sort it. A [`Selection`] is what a
+//! request asks of it. Only values come from outside; columns and operators are part of the program.
 
 use serde::{Deserialize, Serialize};
 use sqlx::postgres::PgRow;
@@ -11,55 +11,55 @@ use sqlx::{ColumnIndex, Database, Decode, Encode, FromRow, Postgres, QueryBuilde
 use super::database::Either;
 use super::{Store, StoreError, failed};
 
-/// What a list is of and how it may be sorted.
+/// A query whose rows can be filtered, sorted and paged.
 #[derive(Debug)]
 pub struct List {
-    /// What it is for, for errors: `list the whiskers`.
+    /// Purpose of the query, for errors: `list the whiskers`.
     pub what: &'static str,
-    /// The query, without order and limit; `{now_us}` in it is the moment of asking.
+    /// The query, without order and limit; `{now_us}` in it is replaced by the present time, µs since 1970 UTC.
     pub select: &'static str,
-    /// Its columns that may sort it; the first one does unless another is asked for. None may be null.
+    /// Columns that may sort the list; the first one is the default. None of them is ever null.
     pub sorts: &'static [Sort],
-    /// A whole-numbered column that no two rows share.
+    /// A whole-numbered column with a unique value in each row, which breaks ties.
     pub id: &'static str,
 }
 
 /// A column that may sort a list.
 #[derive(Debug, Clone, Copy)]
 pub struct Sort {
-    /// Column of the query, and its name for people.
+    /// Name of the column in the query, which is also its name in requests.
     pub column: &'static str,
-    /// What it holds.
+    /// Type of its values.
     pub kind: Kind,
-    /// Whether the last comes first unless it is asked for otherwise.
+    /// Whether the greatest value comes first by default.
     pub descending: bool,
 }
 
-/// Which way a list runs unless it is asked for otherwise.
+/// Default direction of a sort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// The least first.
+    /// Ascending: the least first.
     Up,
-    /// The greatest or newest first.
+    /// Descending: the greatest or newest first.
     Down,
 }
 
 impl Way {
-    /// Whether the greatest comes first.
+    /// Whether the greatest value comes first.
     #[must_use]
     pub const fn is_descending(self) -> bool {
         matches!(self, Self::Down)
     }
 }
 
-/// What a column holds.
+/// Type of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A text.
+    /// Values are texts.
     Text,
-    /// A whole number.
+    /// Values are integers.
     Whole,
-    /// A number.
+    /// Values are floating-point numbers.
     Real,
 }
 
@@ -67,24 +67,24 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A whole number.
+    /// An integer value.
     Whole(i64),
-    /// A number.
+    /// A floating-point number.
     Real(f64),
-    /// A truth value.
+    /// A boolean value.
     Flag(bool),
-    /// A text.
+    /// A text value.
     Text(String),
 }
 
 impl Value {
-    /// Whether it is a text with a NUL character, which PostgreSQL does not take.
+    /// Whether it is a text with a NUL character, which PostgreSQL refuses.
     #[must_use]
     pub fn has_nul(&self) -> bool {
         matches!(self, Self::Text(text) if text.contains('\0'))
     }
 
-    /// Whether it is what such a column holds.
+    /// Whether the value has the type of a column.
     #[must_use]
     pub fn is_a(&self, kind: Kind) -> bool {
         match (self, kind) {
@@ -94,64 +94,64 @@ impl Value {
     }
 }
 
-/// What rows must be to be in the list.
+/// A condition that the rows of a selection must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Filter {
-    /// The column is this.
+    /// The column equals the value.
     Is(&'static str, Value),
-    /// The column is one of these; of none if there are none.
+    /// The column equals one of the values; no row matches an empty list.
     IsOneOf(&'static str, Vec<String>),
-    /// The column is at least this.
+    /// The column is at least the value.
     AtLeast(&'static str, Value),
-    /// The column is below this.
+    /// The column is less than the value.
     Below(&'static str, Value),
-    /// The column is null, or is not.
+    /// The column is null (true), or is not (false).
     IsNull(&'static str, bool),
 }
 
-/// Where the last page ended.
+/// Position in a sorted list: the last row of a page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// The sorting column's value.
+    /// Value of the sorting column.
     pub value: Value,
-    /// The row's number.
+    /// Value of the list's `id` column.
     pub id: i64,
 }
 
-/// What a request wants of a list.
+/// Filters, order and page of a list.
 #[derive(Debug, Clone)]
 pub struct Selection {
-    /// All of them must hold.
+    /// Conditions, all of which must hold.
     pub filters: Vec<Filter>,
-    /// One of the list's.
+    /// Column to sort by, one of the list's.
     pub sort: Sort,
-    /// The last first.
+    /// Whether the greatest value comes first.
     pub descending: bool,
-    /// Only what comes after this.
+    /// Position after which the page begins; `None` for the first page.
     pub after: Option<Place>,
-    /// Rows at the most.
+    /// Most rows of the page.
     pub limit: u32,
 }
 
 impl Selection {
-    /// Everything, in the list's own order.
+    /// The first `limit` rows of a list, in its default order.
     #[must_use]
     pub fn all(list: &List, limit: u32) -> Self {
         let sort = list.sorts[0];
         Self { filters: Vec::new(), sort, descending: sort.descending, after: None, limit }
     }
 
-    /// Keeps to rows whose column has that text, if there is one.
+    /// Adds the condition that a column equals a text, if one is given.
     pub fn is(&mut self, column: &'static str, text: Option<impl ToString>) {
         self.filters.extend(text.map(|text| Filter::Is(column, Value::Text(text.to_string()))));
     }
 
-    /// Keeps to rows whose column has that number, if there is one.
+    /// Adds the condition that a column equals a number, if one is given.
     pub fn is_number(&mut self, column: &'static str, number: Option<impl Into<i64>>) {
         self.filters.extend(number.map(|number| Filter::Is(column, Value::Whole(number.into()))));
     }
 
-    /// With one more filter.
+    /// Adds a condition.
     #[must_use]
     pub fn with(mut self, filter: Filter) -> Self {
         self.filters.push(filter);
@@ -159,16 +159,16 @@ impl Selection {
     }
 }
 
-/// Rows, and where they end if there are more.
+/// A page of rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows<T> {
-    /// At most the limit.
+    /// Rows, at most as many as the limit.
     pub rows: Vec<T>,
-    /// Where the next ones begin.
+    /// Position after which the next page begins; `None` if this is the last page.
     pub next: Option<Place>,
 }
 
-/// Adds a value, as a parameter.
+/// Appends a value as a parameter.
 fn push_value<DB: Database>(sql: &mut QueryBuilder<DB>, value: &Value)
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
@@ -184,7 +184,7 @@ where
     };
 }
 
-/// Adds conditions to those of a statement.
+/// Appends conditions to the WHERE clause of a statement.
 pub(super) fn push_filters<DB: Database>(sql: &mut QueryBuilder<DB>, filters: &[Filter])
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
@@ -221,7 +221,7 @@ where
     }
 }
 
-/// The statement for a selection.
+/// The statement of a selection; it asks for one row more than the limit, to learn whether there is a next page.
 fn statement<DB: Database>(list: &List, selection: &Selection) -> QueryBuilder<DB>
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
@@ -230,7 +230,7 @@ where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
-    // A number of ours: what lies ahead is told by the clock of the supervisor that is asked.
+    // A number of this process, not of a client: whether times lie ahead is judged by this supervisor's clock.
     let now_us = vibrissa_edge::clock::wall_clock().0;
     sql.push(list.select.replace("{now_us}", &now_us.to_string())).push(") q WHERE true");
     push_filters(&mut sql, &selection.filters);
@@ -246,7 +246,7 @@ where
     sql
 }
 
-/// What the rows are, and where they end if there are more than the limit.
+/// Converts rows, without the one beyond the limit, which only shows that there is a next page.
 fn rows_of<T, R: Row>(rows: &[R], list: &List, selection: &Selection) -> sqlx::Result<Rows<T>>
 where
     T: for<'r> FromRow<'r, R>,
@@ -264,7 +264,7 @@ where
     })
 }
 
-/// Where a row stands.
+/// Position of a row in a sorted list.
 fn place_of<R: Row>(row: &R, sort: Sort, id: &'static str) -> sqlx::Result<Place>
 where
     &'static str: ColumnIndex<R>,
@@ -281,7 +281,7 @@ where
 }
 
 impl Store {
-    /// What is selected of a list.
+    /// Reads a page of a list.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -302,7 +302,7 @@ impl Store {
         rows.map_err(failed(list.what))
     }
 
-    /// The one row that a selection has, if there is one.
+    /// Reads the first row that passes the filters, if there is one.
     ///
     /// # Errors
     /// The database cannot be read.

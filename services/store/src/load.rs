@@ -1,4 +1,4 @@
-//! What taking up a fleet needs: numbers for new things, and every robot as it was committed last.
+//! Reads a fleet's state for its recovery, and assigns numbers to robots, boots and whiskers.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -13,65 +13,67 @@ use super::readings::readings;
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
 
-/// A robot as it was committed last.
+/// A robot's checkpoint, with everything that recovery needs.
 #[derive(Debug)]
 pub struct StoredRobot {
-    /// Number.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// Name.
+    /// Name of the robot.
     pub robot: String,
-    /// The core's bytes; none before the first commit.
+    /// Serialized state of the core's robot, without its whiskers; `None` before the first commit.
     pub state: Option<Vec<u8>>,
-    /// Numbers of its whiskers, in the order of their index.
+    /// Numbers of its whiskers in the database, in the order of their index.
     pub whisker_ids: Vec<i64>,
-    /// The core's bytes of its whiskers, in the same order.
+    /// Serialized states of its whiskers, in the same order.
     pub whisker_states: Vec<Vec<u8>>,
-    /// The bytes of their minutes and hours that are not over, in the same order; none of who felt nothing yet.
+    /// Serialized aggregates of their current minute and hour, in the same order; `None` before a whisker's first
+    /// contact.
     pub rollups: Vec<Option<Vec<u8>>>,
-    /// Numbers of its boots.
+    /// Numbers of its boots in the database, by boot id.
     pub boots: BTreeMap<String, i64>,
-    /// The journal's rows up to this number are in its state.
+    /// Journal rows up to this number are contained in the checkpoint.
     pub journal_number: i64,
-    /// Whether an operator held it or any of its whiskers.
+    /// Whether an operator held the robot or any of its whiskers.
     pub held: bool,
-    /// The first free numbers of its trims and compensations, for when its state cannot be used.
+    /// Next free numbers of its trims and compensations, in case its state cannot be used.
     pub numbers: Numbers,
 }
 
-/// A robot as it was committed last, for questions about it.
+/// A robot's checkpoint, for queries about it.
 #[derive(Debug)]
 pub struct RobotState {
-    /// Number.
+    /// Number of the robot in the database.
     pub robot_id: i64,
     head: Vec<u8>,
     whiskers: Vec<Vec<u8>>,
 }
 
 impl RobotState {
-    /// The robot. It is not listened to.
+    /// Deserializes the robot. It does not receive messages.
     ///
     /// # Errors
-    /// Another version of the program has stored it.
+    /// Another version of the program has written the state.
     pub fn robot(&self) -> Result<Robot, RestoreError> {
         Robot::from_bytes(&self.head, &self.whiskers, 0, Micros::default())
     }
 }
 
-/// A whisker's number, and the bytes of its minute and hour that are not over, if it has felt anything.
+/// A whisker's number in the database, and the serialized aggregates of its current minute and hour, if it had
+/// contacts.
 pub type NumberedWhisker = (i64, Option<Vec<u8>>);
 
-/// How long reading a whole fleet may take.
+/// Time limit for reading a whole fleet.
 const LOAD_PATIENCE: Duration = Duration::from_secs(120);
-/// How long numbering may take.
+/// Time limit for reading one robot or assigning numbers.
 const NUMBER_PATIENCE: Duration = Duration::from_secs(5);
 
 impl Store {
-    /// A robot as it was committed last; none if it was never heard of, or nothing was committed.
+    /// The checkpoint of a robot; `None` if the robot is unknown or nothing of it was committed.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn robot_state(&self, fleet: &str, robot: &str) -> Result<Option<RobotState>, StoreError> {
-        // One statement, so that head and whiskers are of the same commit.
+        // One statement, so that the robot and its whiskers are of the same commit.
         const SQL: &str = "SELECT robot_id, CAST(-1 AS BIGINT) AS position, state FROM robots \
              WHERE fleet = $1 AND robot = $2 AND state IS NOT NULL \
              UNION ALL SELECT w.robot_id, w.position, w.state FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id \
@@ -87,7 +89,7 @@ impl Store {
 }
 
 readings! {
-    /// A robot's head, with the position -1, or one of its whiskers.
+    /// State of a robot (position -1) or of one of its whiskers.
     struct StateRow {
         robot_id: i64,
         position: i64,
@@ -96,7 +98,7 @@ readings! {
 }
 
 impl Writer {
-    /// Every robot of the lease's fleet. Nobody else has written, or writes, once the lease is ours.
+    /// All robots of the lease's fleet. While the lease holds, no other supervisor writes them.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -106,7 +108,7 @@ impl Writer {
         self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, fleet, None).await.map_err(failed(WHAT))).await
     }
 
-    /// One robot of the lease's fleet, by its number; none if there is no such robot.
+    /// The robot of this number in the lease's fleet; `None` if there is no such robot.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -117,7 +119,7 @@ impl Writer {
         Ok(self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop())
     }
 
-    /// The next rows of the fleet's journal after a number, with their numbers, in order.
+    /// At most `most` rows of the fleet's journal after number `after`, in order, each with its number.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -133,13 +135,13 @@ impl Writer {
         .await
     }
 
-    /// The number of a robot, new or known.
+    /// Number of a robot in the database; an unknown robot is inserted.
     ///
     /// # Errors
-    /// The database cannot be written, or the fleet is not ours any more.
+    /// The database cannot be written, or the lease is lost.
     pub async fn robot_id(&mut self, lease: &Lease, robot: &str, now_us: i64) -> Result<i64, StoreError> {
-        const WHAT: &str = "number a robot";
-        // With its time, so that nobody forgets it before its first boot has a number.
+        const WHAT: &str = "assign a number to a robot";
+        // Sets the time, too, so that the robot is not deleted as merely announced before its first boot is inserted.
         const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us) VALUES ($1, $2, $3) \
              ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us RETURNING robot_id";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
@@ -157,12 +159,12 @@ impl Writer {
         .await
     }
 
-    /// The number of a robot's boot, new or known.
+    /// Number of a robot's boot in the database; an unknown boot is inserted.
     ///
     /// # Errors
-    /// The database cannot be written, or the fleet is not ours any more.
+    /// The database cannot be written, or the lease is lost.
     pub async fn boot(&mut self, lease: &Lease, robot_id: i64, boot_id: &str, now_us: i64) -> Result<i64, StoreError> {
-        const WHAT: &str = "number a boot";
+        const WHAT: &str = "assign a number to a boot";
         const SQL: &str = "INSERT INTO boots (robot_id, boot_id, first_seen_us) VALUES ($1, $2, $3) \
              ON CONFLICT (robot_id, boot_id) DO UPDATE SET boot_id = excluded.boot_id RETURNING boot";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
@@ -180,21 +182,21 @@ impl Writer {
         .await
     }
 
-    /// The numbers of a robot's whiskers, new or known, in the order of their index, each with the bytes of its minute and
-    /// hour as they were committed last.
+    /// Numbers of a robot's whiskers in the database, in the order of their index, each with its last committed
+    /// aggregates; unknown whiskers are inserted.
     ///
-    /// What is on the robot is brought up to date; the states follow with the batch that takes the new layout
-    /// in, so that a crash in between leaves the old layout whole.
+    /// Updates the properties that the factsheet states. The states follow in the batch with the new layout, so that
+    /// a crash in between leaves the old layout intact.
     ///
     /// # Errors
-    /// The database cannot be written, or the fleet is not ours any more.
+    /// The database cannot be written, or the lease is lost.
     pub async fn whisker_ids(
         &mut self,
         lease: &Lease,
         robot_id: i64,
         robot: &Robot,
     ) -> Result<Vec<NumberedWhisker>, StoreError> {
-        const WHAT: &str = "number the whiskers";
+        const WHAT: &str = "assign numbers to whiskers";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let ids = number_whiskers(&mut tx, robot_id, robot).await.map_err(failed(WHAT))?;
@@ -205,14 +207,14 @@ impl Writer {
     }
 }
 
-/// A transaction that nobody else's can pass.
+/// Begins a transaction that has locked the lease's row.
 async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Result<Tx<'c>, StoreError> {
     let mut tx = link.begin().await.map_err(failed(what))?;
     lease.hold(&mut tx).await?;
     Ok(tx)
 }
 
-/// All robots of a fleet, or the one of that number. The statements differ, because the plan for all is no plan for one.
+/// All robots of a fleet, or one of them. The statements differ because one generic plan would not suit both cases.
 async fn robots(link: &mut Link, fleet: &str, only: Option<i64>) -> sqlx::Result<Vec<StoredRobot>> {
     macro_rules! of_all_or_one {
         ($select:literal, $order:literal) => {
@@ -280,7 +282,7 @@ async fn robots(link: &mut Link, fleet: &str, only: Option<i64>) -> sqlx::Result
     Ok(robots.into_values().collect())
 }
 
-/// The number after the last one, of which the database's number has the robot's in front.
+/// The number after the last one. A number in the database has the robot's number in its upper 32 bits.
 fn next_number(last: Option<i64>) -> u32 {
     last.map_or(0, |last| (last as u32).wrapping_add(1))
 }
@@ -291,7 +293,7 @@ async fn array_id(tx: &mut Tx<'_>, robot_id: i64, array: &str, kind: ArrayKind) 
     on!(tx, |tx| sqlx::query_scalar(SQL).bind(robot_id).bind(array).bind(kind.word()).fetch_one(&mut **tx).await)
 }
 
-/// Numbers of a robot's whiskers in the order of their index, by few statements.
+/// Inserts or updates a robot's whiskers with few statements; returns their numbers in the order of their index.
 async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx::Result<Vec<NumberedWhisker>> {
     let views: Vec<WhiskerView<'_>> = (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)).collect();
     let mut array_ids = BTreeMap::new();
@@ -328,7 +330,7 @@ async fn number_whiskers(tx: &mut Tx<'_>, robot_id: i64, robot: &Robot) -> sqlx:
     views.iter().map(|view| number(view).ok_or(sqlx::Error::RowNotFound)).collect()
 }
 
-/// Rows of one statement: 9 values each, SQLite takes 32,766.
+/// Most rows of one statement: each binds 9 values, and SQLite accepts 32,766.
 const WHISKERS_A_STATEMENT: usize = 1000;
 
 fn upsert<'a, DB: Database>(

@@ -1,4 +1,5 @@
-//! One supervisor for a SQLite file: the operating system's lock on a file beside it, which ends with the process.
+//! Allows one supervisor for an SQLite file: an operating system lock on a file beside it, which ends with the
+//! process.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
@@ -8,17 +9,17 @@ use std::sync::Arc;
 
 use super::StoreError;
 
-/// Held as long as a clone of it lives.
+/// The lock, held as long as a clone of this lives.
 #[derive(Debug, Clone)]
 pub(super) struct FileLock {
     _file: Arc<File>,
 }
 
 impl FileLock {
-    /// Takes the lock of a database for a supervisor of that name.
+    /// Locks a database for the supervisor `name`.
     ///
     /// # Errors
-    /// Another has it, or the file beside the database cannot be written.
+    /// Another supervisor holds the lock, or the lock file cannot be written.
     pub(super) fn take(database: &Path, name: &str) -> Result<Self, StoreError> {
         let path = beside(database);
         let failed = |source| StoreError::Lock { path: path.clone(), source };
@@ -34,7 +35,7 @@ impl FileLock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut holder = String::new();
-                // Who holds it may be just about to write its name.
+                // The holder may not have written its name yet, or the file may be unreadable.
                 let _ = file.take(1000).read_to_string(&mut holder);
                 let holder = if holder.is_empty() { "another supervisor".to_owned() } else { holder };
                 return Err(StoreError::InUse { path: database.to_owned(), holder });

@@ -1,8 +1,9 @@
-//! PostgreSQL's tables that are cut by time: each span is a partition, made before it begins, indexed for people when it is
-//! over, and dropped as a whole when it is too old.
+//! Partitions of PostgreSQL's tables by time. Each span of time is a partition, which is created before it begins,
+//! indexed for queries when it has ended, and dropped as a whole when it is too old.
 //!
-//! Every supervisor does it, under one lock of the database; what another has done already is left as it is. A row whose
-//! span nobody has made is caught by the table's default partition, so that no commit rests on any of this.
+//! Every supervisor does this work, one at a time by advisory locks of the database; work that another one has done
+//! is skipped. A row whose partition does not exist goes to the table's default partition, so no commit depends on
+//! this work.
 
 use sqlx::{AssertSqlSafe, Connection, PgConnection, Row};
 use vibrissa_protocol::Timestamp;
@@ -11,31 +12,31 @@ use super::retention::Done;
 
 pub(super) const DAY_US: i64 = 86_400_000_000;
 
-/// A table that is cut.
+/// A table that is partitioned by time.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Cut {
     pub(super) table: &'static str,
-    /// The column that it is cut by.
+    /// Column of the table's times, µs since 1970 UTC.
     pub(super) key: &'static str,
     days: i64,
-    /// The columns that people look things up by, for spans that are over; while it is written, a partition has an index
-    /// of the second one alone that says which pages a time is in.
+    /// Columns of the index for queries: whisker and time. A partition gets it when its span has ended; until then it
+    /// has a BRIN index of the time only.
     lookup: Option<(&'static str, &'static str)>,
 }
 
 pub(super) static CONTACTS: Cut =
     Cut { table: "contacts", key: "received_us", days: 1, lookup: Some(("whisker_id", "t_us")) };
-/// Its primary key is looked up by.
+/// Queries use its primary key, so it needs no further index.
 pub(super) static MINUTES: Cut = Cut { table: "contact_minutes", key: "start_us", days: 30, lookup: None };
 
-/// A span of time, its end excluded.
+/// A span of time; its end is excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Span {
     from_us: i64,
     to_us: i64,
 }
 
-/// A partition; the default one is none.
+/// A partition with a span, which the default partition has not.
 #[derive(Debug, PartialEq, Eq)]
 struct Partition {
     name: String,
@@ -43,13 +44,13 @@ struct Partition {
     bytes: i64,
 }
 
-/// Who makes partitions. Both are held for moments.
+/// Advisory lock for creating partitions, held for moments.
 const MAKING: i64 = 0x7669_6272_0000_0001;
-/// Who looks after those that are over, which may take minutes.
+/// Advisory lock for upkeep of partitions that have ended, which may take minutes.
 const UPKEEP: i64 = 0x7669_6272_0000_0002;
-/// How long after its end a span gets its index: until then late rows may come.
+/// Time from the end of a span to its index, µs: late rows may arrive until then.
 const INDEXED_AFTER_US: i64 = 3_600_000_000;
-/// Rows that one statement removes.
+/// Most rows that one statement deletes.
 const ROWS: i64 = 5000;
 
 impl Cut {
@@ -59,14 +60,14 @@ impl Cut {
         Span { from_us, to_us: from_us + length_us }
     }
 
-    /// `contacts_20261121`.
+    /// Name of a span's partition, such as `contacts_20261121`.
     fn name_of(&self, span: Span) -> String {
         let day: String = Timestamp(span.from_us.unsigned_abs()).to_string().chars().take(10).collect();
         format!("{}_{}", self.table, day.replace('-', ""))
     }
 }
 
-/// What PostgreSQL says of a partition: `FOR VALUES FROM (MINVALUE) TO ('1795305600000000')`.
+/// Parses PostgreSQL's bounds of a partition: `FOR VALUES FROM (MINVALUE) TO ('1795305600000000')`.
 fn bounds(told: &str) -> Option<Span> {
     let (from, to) = told.strip_prefix("FOR VALUES FROM (")?.strip_suffix(')')?.split_once(") TO (")?;
     let bound = |text: &str, open: &str, value| match text {
@@ -95,7 +96,7 @@ async fn run(link: &mut PgConnection, sql: String) -> sqlx::Result<u64> {
     sqlx::raw_sql(AssertSqlSafe(sql)).execute(link).await.map(|done| done.rows_affected())
 }
 
-/// Makes the partitions of this span and of the next one, of every table.
+/// Creates the partitions of the present and the next span of every table.
 pub(super) async fn make(link: &mut PgConnection, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<()> {
     for cut in [&CONTACTS, &MINUTES] {
         let this = cut.span_at(now_us);
@@ -112,12 +113,12 @@ fn is_missing(partitions: &[Partition], span: Span) -> bool {
     partitions.iter().all(|other| other.span.to_us <= span.from_us || other.span.from_us >= span.to_us)
 }
 
-/// Makes one partition, with the rows that the default one has caught meanwhile. Commits go on beside it: the table is
-/// locked against changes of its form only. False if another supervisor was faster.
+/// Creates a partition, and moves the rows of its span there from the default partition. Commits go on meanwhile: the
+/// table itself is locked against changes of its definition only. Returns false if another supervisor was faster.
 async fn make_one(link: &mut PgConnection, cut: &Cut, span: Span) -> sqlx::Result<bool> {
     let (Cut { table, key, lookup, .. }, Span { from_us, to_us }, name) = (cut, span, cut.name_of(span));
     let mut tx = link.begin().await?;
-    // Whoever reads all of the table is waited for, and those who come to read meanwhile wait, too: not for long.
+    // Waits for queries of the whole table; queries that arrive meanwhile wait behind this, hence the short limit.
     run(&mut tx, "SET LOCAL lock_timeout = '2s'".to_owned()).await?;
     sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(MAKING).execute(&mut *tx).await?;
     if !is_missing(&partitions(&mut tx, cut).await?, span) {
@@ -140,8 +141,8 @@ async fn make_one(link: &mut PgConnection, cut: &Cut, span: Span) -> sqlx::Resul
     Ok(true)
 }
 
-/// Looks after what is over: drops what ended before the given moments, and indexes the rest. Nothing if another
-/// supervisor is at it.
+/// Drops the partitions that ended before the given times, and indexes the others that have ended. Does nothing if
+/// another supervisor is doing it.
 pub(super) async fn look_after(
     link: &mut PgConnection,
     now_us: i64,
@@ -153,7 +154,7 @@ pub(super) async fn look_after(
     if !is_ours {
         return Ok(());
     }
-    // An index of a whole day takes its time.
+    // An index of a whole day takes longer than the session's limit.
     run(link, "SET statement_timeout = 0".to_owned()).await?;
     for (cut, before_us) in forget_before {
         if let Some(before_us) = before_us {
@@ -166,7 +167,7 @@ pub(super) async fn look_after(
     sqlx::query("SELECT pg_advisory_unlock($1)").bind(UPKEEP).execute(link).await.map(drop)
 }
 
-/// Drops partitions all of whose rows are from before a moment, and removes such rows from the default one.
+/// Drops the partitions that ended before a time, and deletes older rows from the default partition.
 async fn drop_before(
     link: &mut PgConnection,
     cut: &Cut,
@@ -175,7 +176,8 @@ async fn drop_before(
 ) -> sqlx::Result<()> {
     for one in partitions(link, cut).await?.into_iter().filter(|one| one.span.to_us <= before_us) {
         let mut tx = link.begin().await?;
-        // The whole table is locked for this moment. Commits wait behind whoever reads it for so long at the most.
+        // The drop locks the whole table. While it waits for a running query, commits wait behind it, for 200 ms at
+        // most.
         run(&mut tx, "SET LOCAL lock_timeout = '200ms'".to_owned()).await?;
         run(&mut tx, format!("DROP TABLE {}", quoted(&one.name))).await?;
         tx.commit().await?;
@@ -195,7 +197,7 @@ async fn drop_before(
     }
 }
 
-/// Gives partitions that ended before a moment the index that people's questions need. Nobody waits for it.
+/// Adds the index for queries to partitions that ended before a time, without blocking anybody.
 async fn index_before(
     link: &mut PgConnection,
     cut: &Cut,
@@ -214,7 +216,7 @@ async fn index_before(
         if indices.iter().any(|index| index.get("valid")) {
             continue;
         }
-        // What is left of an attempt that was broken off.
+        // Invalid indices of interrupted attempts.
         for index in indices {
             run(link, format!("DROP INDEX CONCURRENTLY {}", quoted(index.get("name")))).await?;
         }

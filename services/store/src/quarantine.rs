@@ -1,9 +1,9 @@
-//! The table of messages that the database refuses: bounded, for people to look at.
+//! The table of messages whose rows the database refused, of bounded size.
 
 use super::batch::QuarantineRow;
 use super::database::{Tx, on};
 
-/// Adds a message, and removes the oldest of the fleet beyond [`QuarantineRow::ROWS_MAX`].
+/// Adds a message, and deletes the oldest messages of the fleet beyond [`QuarantineRow::ROWS_MAX`].
 pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, row: &QuarantineRow) -> sqlx::Result<()> {
     const INSERT: &str = "INSERT INTO quarantine (fleet, robot, topic, boot_id, seq, received_us, quarantined_us, cause, \
          code, payload) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)";

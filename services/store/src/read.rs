@@ -1,4 +1,4 @@
-//! What people ask for.
+//! Queries that are not lists of the REST API.
 
 use sqlx::FromRow;
 use sqlx::postgres::PgRow;
@@ -9,11 +9,11 @@ use super::list::{Filter, List, Selection};
 use super::readings::{HealthChangeReading, LengthPoint, SetpointStateReading};
 use super::{Store, StoreError, failed};
 
-/// Rows that one request gets at most.
+/// Most rows of one query.
 pub const ROWS_MAX: i64 = 10_000;
 
 impl Store {
-    /// Everything that a list has with these filters, in its own order, at most [`ROWS_MAX`].
+    /// The first [`ROWS_MAX`] rows of a list that pass the filters, in the list's default order.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -25,7 +25,7 @@ impl Store {
         Ok(self.list(list, &selection).await?.rows)
     }
 
-    /// Estimated length and pressure of a whisker over time, every `every`-th contact, at most [`ROWS_MAX`].
+    /// Estimated length and pressure of a whisker over time: every `every`-th contact, at most [`ROWS_MAX`].
     ///
     /// # Errors
     /// The database cannot be read.
@@ -51,10 +51,10 @@ impl Store {
         .bind(ROWS_MAX)
         .fetch_all(pool)
         .await)
-        .map_err(failed("read a whisker's lengths"))
+        .map_err(failed("read the lengths of a whisker"))
     }
 
-    /// How many contacts are recorded.
+    /// Number of contacts that are stored as single rows.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -63,7 +63,7 @@ impl Store {
             .map_err(failed("count the contacts"))
     }
 
-    /// How many setpoints are in each state.
+    /// Number of setpoints in each state.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -74,8 +74,8 @@ impl Store {
         .map_err(failed("count the setpoints"))
     }
 
-    /// Contacts of a whisker (robot, array, number) from a moment by the robot's clock on, until they were
-    /// received at another by the supervisor's.
+    /// Number of contacts of a whisker (robot, array, number) at or after `from_us` by the robot's clock that were
+    /// received until `received_us` by the supervisor's clock.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -100,7 +100,7 @@ impl Store {
         .map_err(failed("count a whisker's contacts"))
     }
 
-    /// Contacts behind the newest error of each compensation in force.
+    /// Number of contacts in the newest measured error of each compensation in force.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -116,7 +116,7 @@ impl Store {
         .map_err(failed("count the measured contacts"))
     }
 
-    /// Changes of health in order, at most [`ROWS_MAX`].
+    /// The first [`ROWS_MAX`] changes of condition and fault, in order.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -132,7 +132,7 @@ impl Store {
         .map_err(failed("list the changes of health"))
     }
 
-    /// What became of setpoints, in order, at most [`ROWS_MAX`].
+    /// The first [`ROWS_MAX`] states of setpoints, in order.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -145,10 +145,10 @@ impl Store {
         .bind(ROWS_MAX)
         .fetch_all(pool)
         .await)
-        .map_err(failed("list what became of setpoints"))
+        .map_err(failed("list the states of setpoints"))
     }
 
-    /// The fleet and robot that a compensation is of; none if there is no such compensation.
+    /// Fleet and robot of a compensation; `None` if there is no such compensation.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -159,10 +159,10 @@ impl Store {
         .bind(compensation_id)
         .fetch_optional(pool)
         .await)
-        .map_err(failed("look a compensation up"))
+        .map_err(failed("read a compensation"))
     }
 
-    /// Whether anything is known of a fleet.
+    /// Whether the database has a lease or a robot of this fleet.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -174,7 +174,7 @@ impl Store {
         .bind(fleet)
         .fetch_optional(pool)
         .await)
-        .map_err(failed("look a fleet up"))?;
+        .map_err(failed("read a fleet"))?;
         Ok(found.is_some())
     }
 }

@@ -1,8 +1,8 @@
-//! What queries read: a struct for each, its fields the query's columns.
+//! Row types of queries: structs whose fields are the query's columns.
 
 use serde::Serialize;
 
-/// Defines what a query reads: a struct whose fields are the query's columns, by name.
+/// Defines structs that are read from rows: each field is the column of the same name.
 macro_rules! readings {
     ($($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$field_meta:meta])* $field_vis:vis $field:ident: $type:ty,)+ })+) => {
         $($(#[$meta])* $vis struct $name { $($(#[$field_meta])* $field_vis $field: $type,)+ }
@@ -23,7 +23,7 @@ macro_rules! readings {
 }
 pub(super) use readings;
 
-/// Lets a type be read from columns that hold texts.
+/// Lets a type be read from text columns.
 macro_rules! text_columns {
     ($name:ident) => {
         impl sqlx::Type<sqlx::Sqlite> for $name {
@@ -62,52 +62,52 @@ macro_rules! text_columns {
 pub(super) use text_columns;
 
 readings! {
-    /// The estimated length after a contact.
+    /// Estimated length after a contact.
     #[derive(Debug, Clone)]
     pub struct LengthPoint {
-        /// Robot's clock.
+        /// Time of the contact, µs since 1970 UTC by the robot's clock.
         pub t_us: i64,
-        /// Length.
+        /// Estimated length, mm.
         pub length_mm: f64,
-        /// Its standard deviation.
+        /// Standard deviation of the estimated length, mm.
         pub length_sd_mm: f64,
-        /// Pressure.
+        /// Pressure of the chamber, MPa.
         pub pressure_mpa: f64,
     }
 
-    /// A change of condition or fault.
+    /// A change of a whisker's condition or fault.
     #[derive(Debug, Clone, Serialize)]
     pub struct HealthChangeReading {
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         pub whisker: i64,
-        /// Before.
+        /// Condition or fault before the change; `None` for no fault.
         pub was: Option<String>,
-        /// Now.
+        /// Condition or fault after the change; `None` for no fault.
         pub becomes: Option<String>,
-        /// When.
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         pub recorded_us: i64,
     }
 
-    /// A state that a setpoint came into.
+    /// A state in the history of a setpoint.
     #[derive(Debug, Clone, Serialize)]
     pub struct SetpointStateReading {
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         pub whisker: i64,
-        /// Its pressure.
+        /// Pressure of the setpoint, MPa.
         pub pressure_mpa: f64,
-        /// Why it was sent.
+        /// Reason of the setpoint, such as `SELF_COMPENSATION`.
         pub reason: String,
-        /// The state.
+        /// The state, such as `APPLIED`.
         pub state: String,
-        /// When.
+        /// Time at which the setpoint entered the state, µs since 1970 UTC by the supervisor's clock.
         pub recorded_us: i64,
     }
 }

@@ -1,5 +1,5 @@
-//! The rarer rows of a batch, one statement for each kind of row. SQLite writes all of them so; PostgreSQL only those of a batch that
-//! `postgres/whole.rs` cannot write as a single statement.
+//! Writes the rarer rows of a batch, with one or more statements for each row. SQLite writes all such rows in this
+//! way, PostgreSQL only those of batches that `postgres/whole.rs` cannot write as a single statement.
 
 use sqlx::QueryBuilder;
 
@@ -7,7 +7,7 @@ use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, Setp
 use super::database::{Tx, on};
 use super::{StoreError, actions, calibrations, failed, quarantine};
 
-/// Takes everything off a robot; what is on it now follows.
+/// Takes all whiskers off a robot; the batch's whisker rows put the present ones back.
 pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
     on!(&mut *tx, |tx| sqlx::query("UPDATE robots SET model = $1 WHERE robot_id = $2")
         .bind(&layout.model)
@@ -33,15 +33,17 @@ pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::R
     Ok(())
 }
 
-/// One of the rarer rows.
+/// Writes one of the rarer rows.
 pub(super) async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(), StoreError> {
     match record {
         Record::Decision(decision) => write_decision(tx, decision).await.map_err(failed("write a decision")),
         Record::Setpoint(setpoint) => write_setpoint(tx, setpoint).await.map_err(failed("write a setpoint")),
         Record::Error(error) => write_error(tx, error).await.map_err(failed("write a compensation error")),
-        Record::Refinement(look) => write_refinement(tx, look).await.map_err(failed("write a look at a setpoint")),
+        Record::Refinement(look) => {
+            write_refinement(tx, look).await.map_err(failed("write an evaluation of a setpoint"))
+        }
         Record::SetpointState(row) => {
-            write_setpoint_state(tx, row).await.map_err(failed("write what became of a setpoint"))
+            write_setpoint_state(tx, row).await.map_err(failed("write a state of a setpoint"))
         }
         Record::Answer { action_id, state, problem, done_us, .. } => {
             actions::write_answer(tx, (*action_id, state, problem.as_deref()), *done_us)
@@ -49,7 +51,7 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) 
                 .map_err(failed("answer an action"))
         }
         Record::Activation(row) => {
-            calibrations::write_activation(tx, row).await.map_err(failed("write which calibration is in force"))
+            calibrations::write_activation(tx, row).await.map_err(failed("activate a calibration"))
         }
         Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
         Record::Quarantined(row) => {
@@ -66,7 +68,7 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) 
     }
 }
 
-/// Records of one statement each.
+/// Writes a record that needs a single statement.
 async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
     match record {
         Record::Health(row) => {
@@ -167,7 +169,7 @@ async fn write_simple(tx: &mut Tx<'_>, record: &Record) -> sqlx::Result<()> {
     Ok(())
 }
 
-/// A whisker by its name, as no index names it any more.
+/// Clears the alarms of a whisker that has left its robot. It is found by its name, because it has no index any more.
 async fn write_gone(tx: &mut Tx<'_>, robot_id: i64, array: &str, whisker: i64, cleared_us: i64) -> sqlx::Result<()> {
     on!(&mut *tx, |tx| sqlx::query(
         "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL AND whisker_id IN (SELECT whisker_id \

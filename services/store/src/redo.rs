@@ -1,4 +1,4 @@
-//! Transactions that are kept as they are, in one row, until there is time for their rows.
+//! The intent log (table `redo`): a batch is first committed as one row of bytes, and its rows follow later.
 
 use sqlx::Row;
 use tokio::time::Instant;
@@ -7,25 +7,26 @@ use super::database::{Either, Link, Tx, on};
 use super::{Lease, StoreError, Writer, failed, postgres};
 use crate::fault::{self, Fault};
 
-/// How long one attempt may take.
+/// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
 
 impl Writer {
-    /// Keeps a batch's bytes under a number, in one short transaction, unless it was kept before although the answer was lost.
-    /// From then on it is committed: [`Self::commit`] makes rows of it, here or wherever the fleet is taken up.
+    /// Commits a serialized batch as one row under `number`, unless an earlier attempt was committed and only its
+    /// answer was lost. The batch is durable from then on; [`Self::commit`] writes its rows, here or at whichever
+    /// supervisor recovers the fleet.
     ///
     /// # Errors
-    /// The database cannot take it now, or the fleet is not ours any more.
+    /// The database cannot be written now, or the lease is lost.
     pub async fn keep(&mut self, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
         self.attempt("commit", PATIENCE, async |link| keep(link, lease, number, rows).await).await
     }
 
-    /// The transaction of a fleet that was kept first and whose rows are not written, with its number.
+    /// The fleet's oldest intent whose rows are not written, with its number.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn kept(&mut self, lease: &Lease) -> Result<Option<(i64, Vec<u8>)>, StoreError> {
-        const WHAT: &str = "read what was kept";
+        const WHAT: &str = "read the intent log";
         const SQL: &str = "SELECT number, rows FROM redo WHERE fleet = $1 ORDER BY number LIMIT 1";
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_as(SQL).bind(lease.fleet().as_str()).fetch_optional(link).await)
@@ -58,14 +59,14 @@ async fn keep(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Resul
             .execute(&mut **tx)
             .await
             .map(drop))
-        .map_err(failed("keep a transaction"))?;
+        .map_err(failed("write an intent"))?;
     }
     tx.commit().await.map_err(failed("commit"))?;
     lease.committed(is_new.then_some(asked));
     Ok(())
 }
 
-/// Its rows are written: it need not be kept.
+/// Deletes an intent whose rows are written.
 pub(super) async fn forget(tx: &mut Tx<'_>, fleet: &str, number: i64) -> sqlx::Result<()> {
     on!(tx, |tx| sqlx::query("DELETE FROM redo WHERE fleet = $1 AND number = $2")
         .bind(fleet)

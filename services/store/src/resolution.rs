@@ -1,22 +1,22 @@
-//! Spans of time over which contacts are added up.
+//! Spans of time over which contacts are aggregated.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::units::Micros;
 
-/// How long the spans of time are that contacts are added up over.
+/// Length of the spans of time over which contacts are aggregated, by the supervisor's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
 pub enum Resolution {
-    /// Of the supervisor's clock.
+    /// Spans of one minute.
     Minute,
-    /// Of the supervisor's clock.
+    /// Spans of one hour.
     Hour,
 }
 
 impl Resolution {
-    /// Every resolution, the shortest spans first.
+    /// All resolutions, the shortest first.
     pub const ALL: [Self; 2] = [Self::Minute, Self::Hour];
 
-    /// Length of the spans.
+    /// Length of a span, µs.
     #[must_use]
     pub const fn us(self) -> u64 {
         match self {
@@ -25,7 +25,7 @@ impl Resolution {
         }
     }
 
-    /// The span that a moment lies in, counted from 1970.
+    /// Number of the span that contains a time, counted from 1970 UTC.
     #[must_use]
     pub fn span_of(self, at: Micros) -> u32 {
         u32::try_from(at.0 / self.us()).unwrap_or(u32::MAX)

@@ -1,4 +1,4 @@
-//! How long what whiskers felt is kept: old contacts and minutes are removed in pieces that no commit waits for.
+//! Retention of contacts and aggregates: old rows are deleted in pieces so small that no commit waits for them.
 
 use sqlx::PgConnection;
 
@@ -6,12 +6,12 @@ use super::database::Either;
 use super::partitions::{self, CONTACTS, DAY_US, MINUTES};
 use super::{Store, StoreError, failed};
 
-/// For how many days what is kept; 0 is for ever.
+/// Retention times in days; 0 stands for unlimited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retention {
-    /// Contacts.
+    /// Retention of contacts, days.
     pub contacts_days: u32,
-    /// Minutes of whiskers.
+    /// Retention of the aggregates of minutes, days.
     pub minutes_days: u32,
 }
 
@@ -21,51 +21,51 @@ impl Default for Retention {
     }
 }
 
-/// Something that was done to keep the tables in order.
+/// A piece of work that upkeep has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Done {
-    /// A partition was made.
+    /// A partition was created.
     Made {
-        /// Which.
+        /// Name of the partition.
         partition: String,
     },
-    /// A partition that is over got its index.
+    /// A partition that has ended was indexed.
     Indexed {
-        /// Which.
+        /// Name of the partition.
         partition: String,
     },
-    /// A partition was dropped, because all of it was too old.
+    /// A partition was dropped, because all its rows were too old.
     Dropped {
-        /// Which.
+        /// Name of the partition.
         partition: String,
-        /// Its size, with its indices.
+        /// Size of the partition with its indices, bytes.
         bytes: i64,
     },
-    /// Rows were removed, because they were too old.
+    /// Rows were deleted, because they were too old.
     Removed {
-        /// Where.
+        /// Name of the table.
         table: &'static str,
-        /// How many.
+        /// Number of rows.
         rows: u64,
     },
 }
 
-/// Rows that SQLite removes at once.
+/// Most rows that SQLite deletes at once.
 const ROWS: i64 = 2000;
 
-/// From when on it is kept.
+/// Time before which rows are too old, µs since 1970 UTC; `None` for unlimited retention.
 fn kept_from(now_us: i64, days: u32) -> Option<i64> {
     (days > 0).then(|| now_us - i64::from(days) * DAY_US)
 }
 
 impl Store {
-    /// Makes PostgreSQL's partitions of now and of the next day; SQLite has none.
+    /// Creates PostgreSQL's partitions of the present and the next span; SQLite has none.
     ///
     /// # Errors
-    /// The database cannot be written, or somebody reads a whole table for too long: rows go to the default partition
-    /// meanwhile, and it is to be tried again.
+    /// The database cannot be written, or a query of a whole table lasts too long. Rows go to the default partition
+    /// meanwhile; try again later.
     pub async fn make_partitions(&self, now_us: i64, told: &mut impl FnMut(Done)) -> Result<(), StoreError> {
-        const WHAT: &str = "make partitions";
+        const WHAT: &str = "create partitions";
         match &self.pool {
             Either::Sqlite(_) => Ok(()),
             Either::Postgres(pool) => {
@@ -75,23 +75,25 @@ impl Store {
         }
     }
 
-    /// Removes what is too old: partitions in PostgreSQL, some thousand rows in SQLite. True if there is more of it.
+    /// Deletes rows that are too old: whole partitions in PostgreSQL, some thousand rows in SQLite. Returns whether
+    /// there may be more.
     ///
     /// # Errors
-    /// The database cannot be written, or is too busy: it is to be tried again later.
+    /// The database cannot be written or is too busy; try again later.
     pub async fn look_after(
         &self,
         retention: Retention,
         now_us: i64,
         told: &mut impl FnMut(Done),
     ) -> Result<bool, StoreError> {
-        const WHAT: &str = "remove what is old";
+        const WHAT: &str = "delete old rows";
         let contacts_us = kept_from(now_us, retention.contacts_days);
         let minutes_us = kept_from(now_us, retention.minutes_days);
         match &self.pool {
             Either::Sqlite(_) => self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT)),
             Either::Postgres(_) => {
-                // A connection of its own, which takes its lock along if this is given up.
+                // A separate connection: if this future is dropped, the connection and with it the advisory lock are
+                // closed.
                 let link = self.options.connect().await.map_err(failed(WHAT))?;
                 let Either::Postgres(mut link) = link else { return Ok(false) };
                 let before = [(&CONTACTS, contacts_us), (&MINUTES, minutes_us)];
@@ -102,8 +104,8 @@ impl Store {
         }
     }
 
-    /// The oldest rows of each table, as they were recorded: contacts without an index of their time, because what was
-    /// recorded first lies in front.
+    /// Deletes the oldest rows of each table. Contacts need no index of their time: their ids rise in the order of
+    /// their recording.
     async fn remove_some(&self, before: [Option<i64>; 2], told: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
         const CONTACTS: &str = "DELETE FROM contacts WHERE contact_id IN (SELECT contact_id FROM \
              (SELECT contact_id, received_us FROM contacts ORDER BY contact_id LIMIT $2) c WHERE received_us < $1)";
@@ -123,14 +125,14 @@ impl Store {
     }
 }
 
-/// A robot that has said no more than that it is there is forgotten after this.
+/// Time after which a robot that was only announced is deleted, µs.
 const ANNOUNCED_US: i64 = DAY_US;
-/// Such robots that are removed at once: PostgreSQL looks through other tables for each.
+/// Most such robots that are deleted at once: PostgreSQL searches other tables for each.
 const ROBOTS: i64 = 500;
 
 impl Store {
-    /// Removes robots of which nothing is known but that they were there: earlier versions of the program made rows of births.
-    /// True if there are more.
+    /// Deletes robots of which no factsheet, boot or array is known. Earlier versions of the program inserted a row
+    /// for each robot that announced itself. Returns whether there may be more.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -146,7 +148,7 @@ impl Store {
             .execute(pool)
             .await
             .map(|done| done.rows_affected()))
-        .map_err(failed("forget robots that were only announced"))?;
+        .map_err(failed("delete robots that were only announced"))?;
         if rows > 0 {
             told(Done::Removed { table: "robots", rows });
         }
@@ -155,6 +157,6 @@ impl Store {
 }
 
 async fn close(link: PgConnection) {
-    // What is done is committed.
+    // All work is committed, so an error does not matter.
     let _ = sqlx::Connection::close(link).await;
 }

@@ -1,4 +1,4 @@
-//! Who is there and who has what: supervisors sign in, take fleets, and give them back.
+//! Membership of supervisors and ownership of fleets: supervisors sign in, acquire leases, and release them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,68 +12,68 @@ use super::database::{Either, Tx, on};
 use super::lease::micros;
 use super::{Lease, StoreError, Writer, failed};
 
-/// A supervisor, as the others know it.
+/// A supervisor as a member of the cluster.
 #[derive(Debug, Clone)]
 pub struct Supervisor {
-    /// One start of one supervisor.
+    /// Identifier of the process, unique to each start.
     pub id: Arc<str>,
-    /// What it is called.
+    /// Name of the supervisor, for people.
     pub name: String,
-    /// The fleets that it may own.
+    /// Fleets that it may own.
     pub fleets: Vec<Name>,
-    /// How long it stays the owner of what it owns without a word.
+    /// Time after which its leases expire if they are not renewed.
     pub time_to_live: Duration,
 }
 
-/// Who has a fleet.
+/// State of a fleet's lease.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FleetLease {
-    /// Fleet.
+    /// Name of the fleet.
     pub fleet: Name,
-    /// The newest epoch.
+    /// Newest epoch; 0 if the fleet never had an owner.
     pub epoch: u64,
-    /// Whose it is or was.
+    /// Identifier of the present or last owner; `None` if the lease was released or never acquired.
     pub owner: Option<String>,
-    /// The same, for people.
+    /// Name of the supervisor that owns or owned it, for people.
     pub holder: Option<String>,
-    /// Whether it can be had.
+    /// Whether the lease can be acquired now.
     pub free: bool,
-    /// When it can be had, if its owner falls silent now; none where that never frees it.
+    /// Time until the lease expires unless its owner renews it; `None` if it has expired or never does.
     pub free_in: Option<Duration>,
 }
 
-/// Everything that a supervisor must know to take its share.
+/// State of the cluster, from which a supervisor determines its share of fleets.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Roll {
-    /// The fleets that it may own.
+    /// Leases of the fleets that this supervisor may own.
     pub leases: Vec<FleetLease>,
-    /// Those that are there, itself among them.
+    /// Supervisors that are present, including this one.
     pub present: Vec<Present>,
 }
 
-/// A supervisor that is there.
+/// A supervisor that is present.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Present {
-    /// One start of one supervisor.
+    /// Identifier of its process, unique to each start.
     pub supervisor: String,
-    /// The fleets that it may own.
+    /// Fleets that it may own.
     pub fleets: Vec<Name>,
-    /// How it hears them.
+    /// Its report on the fleets that it hears.
     pub hearing: FleetsHeard,
 }
 
-/// A supervisor's reports on which fleets it hears. Fleets in neither list count as heard while their
-/// owner hears them.
+/// A supervisor's report on which fleets it receives messages of. A supervisor may own a fleet that is in neither list,
+/// unless the fleet's owner does not hear it: then only supervisors with the fleet in `heard` may acquire it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FleetsHeard {
-    /// Those that it does not hear.
+    /// Fleets whose messages it does not receive.
     pub deaf: Vec<Name>,
-    /// Those that it does not own, and has just proved to hear.
+    /// Fleets that it does not own and whose messages it has just proved to receive.
     pub heard: Vec<Name>,
 }
 
 impl Writer {
-    /// As [`Self::sign_in_hearing`], for a supervisor that says nothing of how it hears.
+    /// As [`Self::sign_in_hearing`], without a report on hearing.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
@@ -81,7 +81,8 @@ impl Writer {
         self.sign_in_hearing(supervisor, held, &FleetsHeard::default()).await
     }
 
-    /// Registers a supervisor and its hearing reports, renews its leases for another time to live, and reads the owners of all fleets.
+    /// Registers a supervisor and its hearing report, renews its leases for another time to live, and reads the
+    /// owners of its fleets.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
@@ -91,7 +92,7 @@ impl Writer {
         held: &[Lease],
         hearing: &FleetsHeard,
     ) -> Result<Roll, StoreError> {
-        const WHAT: &str = "keep the leases";
+        const WHAT: &str = "renew the leases";
         let asked = Instant::now();
         let (roll, renewed) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
@@ -108,12 +109,12 @@ impl Writer {
         Ok(roll)
     }
 
-    /// Takes a fleet that is free, in a new epoch; none if somebody else was quicker.
+    /// Acquires the lease of a free fleet, in a new epoch; `None` if another supervisor was faster.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name) -> Result<Option<Lease>, StoreError> {
-        const WHAT: &str = "take a fleet";
+        const WHAT: &str = "acquire a lease";
         let asked = Instant::now();
         let (epoch, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
@@ -131,12 +132,12 @@ impl Writer {
         Ok(epoch.map(|epoch| Lease::taken(supervisor, fleet, epoch, asked, is_shared)))
     }
 
-    /// Gives a fleet back: it can be had at once.
+    /// Releases a lease, so that the fleet can be acquired at once.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn release(&mut self, lease: &Lease) -> Result<(), StoreError> {
-        const WHAT: &str = "give a fleet back";
+        const WHAT: &str = "release a lease";
         const SQL: &str =
             "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         self.attempt(WHAT, lease.time_to_live(), async |link| {
@@ -152,7 +153,7 @@ impl Writer {
         .await
     }
 
-    /// Says that a supervisor is leaving.
+    /// Removes a supervisor from the members.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
@@ -166,17 +167,18 @@ impl Writer {
     }
 }
 
-// An epoch is the time at which it began, in milliseconds since 1970, or one more than the epoch before if that is not
-// higher. Counted from one, it would begin again where a back-up was taken: a database that is restored would give epochs
-// and versions that robots have seen already, of which they refuse the lower ones and take the others for repeats. So it
-// is higher than any before, whatever became of the database, as long as no clock was ahead by more than the back-up is old.
+// An epoch is the time at which it began, in ms since 1970, or one more than the previous epoch if that is not lower.
+// A plain counter would restart when a back-up is restored: epochs and versions would repeat, and robots would refuse
+// lower ones and take equal ones for duplicates. The time is higher than any earlier epoch, whatever happened to the
+// database, unless a clock was ahead by more than the age of the back-up.
 
-/// SQLite's lock is the lease: whoever has the file may have every fleet.
+/// SQLite: the lock of the file stands for the lease, so its holder may acquire every fleet.
 const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, $4, $2, $3) \
     ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
     holder = excluded.holder, commits = 0 RETURNING epoch";
 
-/// A row that is locked is somebody's who is at work. Our own may have been taken without our hearing of it.
+/// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
+/// the answer to an earlier attempt may have been lost.
 const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000), owner = $2, \
     holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
     AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
@@ -188,7 +190,7 @@ async fn raise_epoch(
     fleet: &Name,
 ) -> sqlx::Result<Option<i64>> {
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    // What each statement has as its fourth value.
+    // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
     let fourth =
         if matches!(tx, Either::Postgres(_)) { micros(supervisor.time_to_live) } else { (now_us / 1000).max(1) };
     const HISTORY: &str = "INSERT INTO epochs (fleet, epoch, owner, holder, began_us) VALUES ($1, $2, $3, $4, $5)";
@@ -227,14 +229,15 @@ async fn sqlite_roll(link: &mut SqliteConnection, supervisor: &Supervisor) -> sq
             holder: row.and_then(|row| row.get("holder")),
         }
     });
-    // Nobody else could have them: it does not matter how they are heard.
+    // No other supervisor can own the fleets, so hearing does not matter.
     let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());
     let present = vec![Present { supervisor, fleets, hearing: FleetsHeard::default() }];
     Ok(Roll { leases: leases.collect(), present })
 }
 
-/// The roll, and the fleets whose leases were renewed. A row that a commit of ours has locked is left to it. Each statement
-/// stands by itself: it is done several times a second, by everybody.
+/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed fleets. A row
+/// that is locked by a commit of this supervisor is skipped, because the commit renews it. Each statement is its own
+/// transaction, because all supervisors do this several times a second.
 async fn sign_in(
     link: &mut PgConnection,
     supervisor: &Supervisor,
@@ -292,12 +295,13 @@ async fn sign_in(
     Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
 }
 
-/// Supervisors that were killed long ago: whoever comes again comes under a new name.
+/// Deletes supervisors that ended without signing out a day ago or more; each start has a new identifier.
 async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
     sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(tx).await.map(drop)
 }
 
-/// The leases of fleets, and whoever is there: the rows without a fleet. Asked for in one go, several times a second.
+/// Rows of leases, and of present supervisors, whose `fleet` is null, in one query, because it runs several times a
+/// second.
 async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
     sqlx::query(
         "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us, NULL::text AS fleets, \

@@ -1,16 +1,16 @@
-//! Passwords. `Debug` hides them, and one that came from a file can be read from it again.
+//! Passwords. `Debug` hides them, and a password from a file can be read again.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The longest password file, bytes: a longer one is another file.
+/// Length of the longest accepted password file, bytes: a longer one is probably a wrong file.
 const FILE_MAX_BYTES: u64 = 4096;
 
-/// A text that no log, error or `Debug` output shows.
+/// A password. No log, error or `Debug` output shows it.
 #[derive(Clone)]
 pub struct Secret {
     text: String,
-    /// The file that it was read from.
+    /// File that the password was read from, if any.
     file: Option<PathBuf>,
 }
 
@@ -23,16 +23,16 @@ impl PartialEq for Secret {
 impl Eq for Secret {}
 
 impl Secret {
-    /// A secret that is not in a file.
+    /// A password that does not come from a file.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Self {
         Self { text: text.into(), file: None }
     }
 
-    /// Reads a file with the secret on its only line.
+    /// Reads a password from a file with a single line.
     ///
     /// # Errors
-    /// The file cannot be read, or holds something else. The error names the file and shows none of its content.
+    /// The file cannot be read, or contains anything else. The error names the file and shows none of its content.
     pub fn from_file(path: &Path) -> Result<Self, String> {
         let fail = |what: &str| Err(format!("the file {} {what}", path.display()));
         let mut text = String::new();
@@ -41,16 +41,16 @@ impl Secret {
             return fail(&format!("cannot be read: {problem}"));
         }
         if text.len() as u64 > FILE_MAX_BYTES {
-            return fail(&format!("is longer than {FILE_MAX_BYTES} bytes: name a file with a password only"));
+            return fail(&format!("is longer than {FILE_MAX_BYTES} bytes: name a file that contains a password only"));
         }
         let secret = text.trim_end_matches(['\r', '\n']);
         if secret.is_empty() || secret.contains(char::is_control) {
-            return fail("must have the password on one line and nothing else");
+            return fail("must contain the password on one line and nothing else");
         }
         Ok(Self { text: secret.to_owned(), file: Some(path.to_owned()) })
     }
 
-    /// The secret with the current content of its file; unchanged if it came from no file.
+    /// The password with the present content of its file; unchanged if it came from no file.
     ///
     /// # Errors
     /// As [`Self::from_file`].
@@ -58,7 +58,7 @@ impl Secret {
         self.file.as_deref().map_or_else(|| Ok(self.clone()), Self::from_file)
     }
 
-    /// The text, for the one place that needs it.
+    /// The password, for the code that authenticates with it.
     #[must_use]
     pub fn reveal(&self) -> &str {
         &self.text

@@ -1,4 +1,4 @@
-//! Contacts of a whisker over time: one by one, or as means over equal spans of time.
+//! Contacts of a whisker over time: single contacts, or means over equal spans of time.
 
 use super::database::on;
 use super::readings::readings;
@@ -6,32 +6,33 @@ use super::time::Time;
 use super::{Store, StoreError, failed};
 
 readings! {
-    /// A contact, or the mean of those in a span of time.
+    /// A contact, or the mean of the contacts in a span of time.
     #[derive(Debug, Clone, PartialEq)]
     pub struct ContactMean {
-        /// When, by the robot's clock; or the number of the span.
+        /// Time of the contact or start of the span, µs since 1970 UTC by the robot's clock. Queries of means first
+        /// return the number of the span here.
         pub at_us: i64,
-        /// How many.
+        /// Number of contacts; 1 for a single contact.
         pub contacts: i64,
-        /// Contact ratio.
+        /// Contact ratio, 0 at the base, 1 at the tip.
         pub ratio: f64,
-        /// Deflection.
+        /// Deflection at the contact, mm.
         pub deflection_mm: f64,
-        /// Strain, m/m.
+        /// Measured strain, m/m.
         pub strain: f64,
-        /// Pressure.
+        /// Pressure of the chamber, MPa.
         pub pressure_mpa: f64,
-        /// Strain by deflection.
+        /// Sensitivity, strain per mm of deflection; `None` without deflection.
         pub sensitivity_per_mm: Option<f64>,
-        /// ln(measured / predicted sensitivity), of those that were used.
+        /// ln(measured / predicted sensitivity); `None` if no contact was used.
         pub residual: Option<f64>,
-        /// Estimated length.
+        /// Estimated length, mm.
         pub length_mm: f64,
-        /// Its standard deviation.
+        /// Standard deviation of the estimated length, mm.
         pub length_sd_mm: f64,
     }
 
-    /// What there is in a span of time.
+    /// Number and range of times of the contacts in a span.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     struct Extent {
         total: i64,
@@ -40,44 +41,44 @@ readings! {
     }
 }
 
-/// What is asked for.
+/// Requested span of time and resolution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
-    /// From then on, by the robot's clock.
+    /// Start of the span, by the robot's clock; `None` for one day before its end.
     pub from: Option<Time>,
-    /// Before then.
+    /// End of the span, excluded, by the robot's clock; `None` for the newest contact.
     pub to: Option<Time>,
-    /// Points at the most, above 0.
+    /// Most points of the result; must be above 0.
     pub points: u32,
 }
 
 /// Contacts over time, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What was looked at: from then on; none if nothing is recorded.
+    /// Start of the evaluated span, by the robot's clock; `None` if there is no contact.
     pub from: Option<Time>,
-    /// Before then.
+    /// End of the evaluated span, excluded; `None` if there is no contact.
     pub to: Option<Time>,
-    /// Contacts in it.
+    /// Number of contacts in the span.
     pub total: i64,
-    /// Length of the spans whose means these are; none if they are the contacts themselves.
+    /// Length of the spans of the means, µs; `None` if `items` are single contacts.
     pub bucket_us: Option<i64>,
-    /// Contacts or means. The time of a mean is the begin of its span; empty spans are left out.
+    /// Contacts or means. The time of a mean is the start of its span; spans without contacts are left out.
     pub items: Vec<ContactMean>,
 }
 
 const DAY_US: i64 = 86_400_000_000;
-/// Time that is looked at unless `from` is given.
+/// Length of the evaluated span if `from` is not given, µs.
 pub const SPAN_US: i64 = DAY_US;
-/// Time that is looked at at the most: the newest of a longer one.
+/// Greatest length of the evaluated span, µs; of a longer one, the newest part is evaluated.
 pub const SPAN_MAX_US: i64 = 31 * DAY_US;
-/// Time before a whisker was heard of last that is looked at first for its newest contacts.
+/// Length of the first span that is searched for the newest contacts, up to the last message about the whisker, µs.
 const FIRST_REACH_US: i64 = 10_000_000;
-/// How much more of it is looked at each time.
+/// Factor by which the searched span grows each time.
 const REACH_FACTOR: i64 = 8;
 
 impl Store {
-    /// The number of a whisker, on a robot now or once; none if it was never heard of.
+    /// Number of a whisker in the database; `None` if it is unknown. The whisker may have left its robot.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -92,11 +93,11 @@ impl Store {
         .bind(i64::from(whisker.3))
         .fetch_optional(pool)
         .await)
-        .map_err(failed("find a whisker"))
+        .map_err(failed("read a whisker's number"))
     }
 
-    /// Contacts of a whisker: the newest if no time is given, else those of that time, as means if they are more than
-    /// the points.
+    /// Contacts of a whisker: the newest ones if no time is given, else those in the span, as means if there are more
+    /// than `points`.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -113,8 +114,8 @@ impl Store {
         self.contacts_of((whisker_id, from_us, to_us), span.points).await.map_err(failed(WHAT))
     }
 
-    /// The newest ones. What is of today has no index by whisker in PostgreSQL: so the time before the whisker was heard of
-    /// last is looked at first, and then ever more of it.
+    /// The newest contacts. PostgreSQL has no index by whisker for the partition of today, so a short span up to the
+    /// last message about the whisker is searched first, and then ever longer ones.
     async fn newest_contacts(&self, whisker_id: i64, points: u32) -> sqlx::Result<Series> {
         const HEARD: &str = "SELECT heard_us FROM whiskers WHERE whisker_id = $1";
         let heard_us: Option<Option<i64>> =
@@ -171,7 +172,7 @@ impl Store {
             .await)?;
         let (Some(first_us), Some(last_us)) = (extent.first_us, extent.last_us) else { return Ok(series) };
         series.total = extent.total;
-        // Equal spans from the first contact to the last: at most as many as points.
+        // Equal spans from the first contact to the last, at most as many as points.
         let bucket_us = (last_us - first_us) / i64::from(points) + 1;
         let is_each = extent.total <= i64::from(points);
         let (sql, last) = if is_each { (EACH, i64::from(points)) } else { (MEANS, bucket_us) };

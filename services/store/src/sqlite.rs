@@ -1,4 +1,4 @@
-//! What is SQLite's own: the file, and how many rows go into a statement.
+//! SQLite's part of the store: the file, and statements for many rows.
 
 use std::fs::OpenOptions;
 use std::iter::repeat_n;
@@ -15,14 +15,15 @@ use super::lock::FileLock;
 use super::{StoreError, database};
 use crate::Resolution;
 
-/// Of a new database: for its owner only, since it holds the hashes of tokens, and what people have asked for.
+/// Mode of a new database: readable by its owner only, because it contains hashes of tokens and the audit log.
 const MODE: u32 = 0o600;
 
-/// Rows of one statement at the most: up to 22 values each, SQLite takes 32,766.
+/// Most rows of one statement: each binds at most 22 values, and SQLite accepts 32,766.
 const ROWS_A_STATEMENT: usize = 512;
 
-/// Rows for one statement after the other, each filled up to a power of two with its last row, of which it is said that it does not
-/// count: few sizes, so that each statement is read once, and few statements, because each goes to SQLite's thread and back.
+/// Splits rows into the pieces of one statement each. A piece is padded to a power of two with copies of its last
+/// row, which are marked false. So there are few different statements, each prepared once, and few executions, each
+/// of which costs a round trip to SQLite's thread.
 fn pieces<T>(rows: &[T]) -> impl Iterator<Item = impl Iterator<Item = (&T, bool)>> {
     rows.chunks(ROWS_A_STATEMENT).map(|piece| {
         let filling = piece.len().next_power_of_two() - piece.len();
@@ -33,18 +34,18 @@ fn pieces<T>(rows: &[T]) -> impl Iterator<Item = impl Iterator<Item = (&T, bool)
     })
 }
 
-/// Opens or makes the file, for a supervisor of that name alone.
+/// Opens or creates the file, and locks it for the supervisor.
 pub(super) async fn open(path: &Path, name: &str, supervisor: &str) -> Result<(Pool, Options), StoreError> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
         return Err(StoreError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
     }
     let lock = FileLock::take(path, supervisor)?;
-    // SQLite gives its other files the mode of this one. SQLite itself reports a problem with the file or its folder.
+    // SQLite gives its other files the mode of this one. A failure is ignored here, because SQLite reports it.
     let _ = OpenOptions::new().write(true).create_new(true).mode(MODE).open(path);
     connect(path, name, Some(lock)).await
 }
 
-/// Opens the file beside the supervisor that works with it.
+/// Opens the file without locking it, beside the supervisor that has locked it.
 pub(super) async fn open_beside(path: &Path, name: &str) -> Result<(Pool, Options), StoreError> {
     connect(path, name, None).await
 }
@@ -55,9 +56,9 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
         .create_if_missing(true)
         .foreign_keys(true)
         .journal_mode(SqliteJournalMode::Wal)
-        // A commit that was receipted must survive a loss of power.
+        // A receipted commit must survive a loss of power.
         .synchronous(SqliteSynchronous::Full)
-        // So many pages (16 MB) wait in the log before they are written to the file: the same ones come again and again.
+        // A checkpoint of the write-ahead log every 4,000 pages (16 MB): the same pages are written again and again.
         .pragma("wal_autocheckpoint", "4000")
         .busy_timeout(Duration::from_secs(10));
     let pool = SqlitePoolOptions::new()
@@ -69,7 +70,7 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
     Ok((database::Pool::Sqlite(pool), Either::Sqlite((options, lock))))
 }
 
-/// Brings robots up to date.
+/// Updates robots with their checkpoints.
 pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     for robots in pieces(robots) {
         let mut update = QueryBuilder::<Sqlite>::new(
@@ -91,7 +92,7 @@ pub(super) async fn write_robots(tx: &mut SqliteConnection, robots: &[RobotRow])
     Ok(())
 }
 
-/// Brings whiskers up to date.
+/// Updates whiskers with their checkpoints.
 pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[WhiskerRow]) -> sqlx::Result<()> {
     for whiskers in pieces(whiskers) {
         let mut update = QueryBuilder::<Sqlite>::new(
@@ -133,7 +134,7 @@ pub(super) async fn write_whiskers(tx: &mut SqliteConnection, whiskers: &[Whiske
     Ok(())
 }
 
-/// Appends contacts.
+/// Inserts single contacts.
 pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
     for contacts in pieces(contacts) {
         let mut insert = QueryBuilder::<Sqlite>::new(
@@ -164,7 +165,7 @@ pub(super) async fn append_contacts(tx: &mut SqliteConnection, contacts: &[Conta
     Ok(())
 }
 
-/// Appends the responses of whiskers that serve.
+/// Inserts responses of compensators.
 pub(super) async fn append_responses(tx: &mut SqliteConnection, responses: &[ResponseRow]) -> sqlx::Result<()> {
     for responses in pieces(responses) {
         let mut insert = QueryBuilder::<Sqlite>::new(
@@ -189,7 +190,8 @@ pub(super) async fn append_responses(tx: &mut SqliteConnection, responses: &[Res
     Ok(())
 }
 
-/// Appends minutes or hours. One that is there already is left as it is; tells how many were not.
+/// Inserts aggregates of minutes or hours; existing rows are left unchanged. Returns the number of rows that did not
+/// exist before.
 pub(super) async fn append_rollups(
     tx: &mut SqliteConnection,
     resolution: Resolution,

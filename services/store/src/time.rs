@@ -1,4 +1,4 @@
-//! Moments, as people and the database have them.
+//! Times, as the database and the REST API represent them.
 
 use serde::{Serialize, Serializer};
 use sqlx::error::BoxDynError;
@@ -7,13 +7,13 @@ use sqlx::sqlite::{SqliteTypeInfo, SqliteValueRef};
 use sqlx::{Decode, Postgres, Sqlite, Type};
 use vibrissa_protocol::Timestamp;
 
-/// A moment: microseconds since 1970 UTC in the database, RFC 3339 in UTC with milliseconds for people.
+/// A time: µs since 1970 UTC in the database, RFC 3339 in UTC with milliseconds in the REST API.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Time(pub i64);
 
 impl std::fmt::Display for Time {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // Nothing here happened before 1970.
+        // Times before 1970 do not occur.
         Timestamp(u64::try_from(self.0).unwrap_or_default()).fmt(f)
     }
 }
@@ -57,7 +57,7 @@ impl utoipa::PartialSchema for Time {
         utoipa::openapi::ObjectBuilder::new()
             .schema_type(utoipa::openapi::schema::Type::String)
             .format(Some(utoipa::openapi::SchemaFormat::KnownFormat(utoipa::openapi::KnownFormat::DateTime)))
-            .description(Some("A moment: RFC 3339, UTC"))
+            .description(Some("A time: RFC 3339, UTC"))
             .examples([serde_json::json!("2026-11-21T08:00:00.000Z")])
             .build()
             .into()

@@ -1,4 +1,4 @@
-//! Tokens of the API.
+//! Tokens of the REST API.
 
 use serde_json::json;
 
@@ -9,31 +9,32 @@ use super::time::Time;
 use super::{Store, StoreError, failed};
 
 readings! {
-    /// A token of the API, as it is kept.
+    /// A token of the REST API.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct TokenRow {
-        /// The half that names it.
+        /// Public half of the token, which identifies it.
         pub token_id: String,
-        /// What it is for, for people.
+        /// Purpose of the token, for people.
         pub name: String,
-        /// What it allows.
+        /// Role of its bearer: `VIEWER`, `OPERATOR`, `ENGINEER` or `ADMIN`.
         pub role: String,
-        /// The fleets that it is bound to, separated by commas; none for all.
+        /// Fleets that it is restricted to, separated by commas; `None` for all fleets.
         pub fleets: Option<String>,
         /// BLAKE3 hash of the secret half.
         pub secret_hash: Vec<u8>,
-        /// When it was made.
+        /// Time of its creation, µs since 1970 UTC.
         pub created_us: i64,
-        /// By whom.
+        /// Creator, as in the audit log: `command line`.
         pub created_by: String,
-        /// Until when it is good.
+        /// Time of its expiry, µs since 1970 UTC.
         pub expires_us: i64,
-        /// Since when it is not any more, if somebody has said so.
+        /// Time of its revocation, µs since 1970 UTC; `None` if it was not revoked.
         pub revoked_us: Option<i64>,
     }
 }
 
-/// The entry of the audit log; tokens are made and revoked on the command line, by whoever has the database.
+/// The entry in the audit log. Tokens are created and revoked on the command line, by anyone with access to the
+/// database.
 fn audited(kind: &str, row: &TokenRow, now_us: i64) -> NewAction {
     let parameters = json!({
         "token_id": row.token_id, "name": row.name, "role": row.role, "fleets": row.fleets, "expires_at": Time(row.expires_us),
@@ -57,16 +58,16 @@ fn audited(kind: &str, row: &TokenRow, now_us: i64) -> NewAction {
     }
 }
 
-/// Tokens that are listed at the most.
+/// Most tokens of a list.
 const TOKENS_MAX: i64 = 1000;
 
 impl Store {
-    /// Keeps a new token.
+    /// Stores a new token, and records it in the audit log.
     ///
     /// # Errors
     /// The database cannot be written.
     pub async fn add_token(&self, row: &TokenRow) -> Result<(), StoreError> {
-        const WHAT: &str = "keep a token";
+        const WHAT: &str = "store a token";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         record_done(&mut tx, &audited("TOKEN_CREATE", row, row.created_us), row.created_us).await?;
         on!(&mut tx, |tx| sqlx::query(
@@ -88,7 +89,7 @@ impl Store {
         tx.commit().await.map_err(failed(WHAT))
     }
 
-    /// The token of that name half.
+    /// The token with this public half; `None` if it is unknown.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -100,10 +101,10 @@ impl Store {
         .bind(token_id)
         .fetch_optional(pool)
         .await)
-        .map_err(failed("look a token up"))
+        .map_err(failed("read a token"))
     }
 
-    /// Every token, the newest first.
+    /// All tokens, the newest first.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -118,7 +119,8 @@ impl Store {
         .map_err(failed("list the tokens"))
     }
 
-    /// Ends a token; false if there is none that is still good.
+    /// Revokes a token, and records it in the audit log. Returns false if there is no such token or it was revoked
+    /// before.
     ///
     /// # Errors
     /// The database cannot be written.

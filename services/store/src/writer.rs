@@ -1,4 +1,4 @@
-//! A connection of its own for writing: what hangs or breaks is thrown away, and the next attempt begins anew.
+//! A separate connection for writing. After any error it is closed, and the next attempt opens a new one.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,10 +8,10 @@ use tokio::time::{Instant, timeout_at};
 use super::database::{Link, Options};
 use super::{Batch, Lease, StoreError, commit, failed};
 
-/// How long one attempt may take: a server that hangs is as good as none.
+/// Time limit for one attempt: a server that hangs counts as unreachable.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Writes, one thing after the other.
+/// Writes over its own connection, one operation after the other.
 #[derive(Debug)]
 pub struct Writer {
     options: Arc<Options>,
@@ -23,17 +23,16 @@ impl Writer {
         Self { options, link: None }
     }
 
-    /// Writes a batch in one transaction; after an error nothing of it is written that is not known as written
-    /// when the same batch is tried again.
+    /// Writes a batch in one transaction. Idempotent: retrying the same batch after an error never writes it twice.
     ///
     /// # Errors
-    /// The database cannot take it now, or the fleet is not ours any more.
+    /// The database cannot be written now, or the lease is lost.
     pub async fn commit(&mut self, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
         self.attempt("commit", PATIENCE, async |link| commit::write(link, lease, batch).await).await
     }
 
-    /// Does something with the connection. It is kept for the next time only if all went well: a connection on
-    /// which an answer is missing cannot be told from one that will never answer again.
+    /// Runs an operation on the connection within a time limit. The connection is used again only after a success: if
+    /// an answer is missing, it may never answer again.
     pub(super) async fn attempt<T>(
         &mut self,
         what: &'static str,

@@ -1,10 +1,10 @@
-//! The end of a fleet's supervision here.
+//! The end of a fleet's engine.
 
-/// Why an engine has ended.
+/// Reason why an engine has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// The service stops or gives the fleet back; every message that was taken is committed.
+    /// The service stops or releases the fleet; all received messages are committed.
     Stopped,
-    /// The fleet is somebody else's.
+    /// Another supervisor has acquired the fleet's lease.
     LeaseLost,
 }

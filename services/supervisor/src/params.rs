@@ -1,4 +1,5 @@
-//! The parameters in force: the configuration's, then the calibrations and the policy that operators have set.
+//! Parameters in force: those of the configuration, overridden by the calibrations and the policy that operators have
+//! set.
 
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use crate::calibration_file::CalibrationFile;
 use vibrissa_store::actions::PolicyReading;
 use vibrissa_store::calibrations::ActiveCalibration;
 
-/// The parameters with another calibration of a model, or with one model more.
+/// The parameters with the calibration of a model replaced or added.
 pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {
     let formulation = params.models.first().map_or_else(Formulation::default, |(_, model)| model.formulation());
     let model = Model::new(file.geometry(), file.calibration(), formulation).map_err(|problem| problem.to_string())?;
@@ -24,21 +25,21 @@ pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<
     Ok(Arc::new(params))
 }
 
-/// The parameters with the calibrations that the fleet works with over the configuration's.
+/// The parameters with the calibrations that are active in the fleet.
 pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
     active.iter().fold(params, |params, one| {
         let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
         read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
             error!(
                 calibration = one.calibration_id,
-                problem, "a calibration that cannot be used: the configuration's is taken"
+                problem, "cannot use an active calibration, using the one of the configuration"
             );
             params
         })
     })
 }
 
-/// The parameters with the policy that an operator has set over the configuration's.
+/// The parameters with the policy that an operator has set, if there is one.
 pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
     let Some(set) = set else { return params };
     let words = (
@@ -47,7 +48,11 @@ pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> A
         actions::longer_for_shorter(&set.longer_for_shorter),
     );
     let (Some(mode), Some(objective), Some(longer_for_shorter)) = words else {
-        error!(fleet = set.fleet, version = set.version, "a policy with unknown words: the configuration's is taken");
+        error!(
+            fleet = set.fleet,
+            version = set.version,
+            "unknown words in a policy, using the one of the configuration"
+        );
         return params;
     };
     let policy = PolicyParams {

@@ -1,4 +1,4 @@
-//! Keeps the tables in order while a service runs: partitions are made ahead, what is too old is removed.
+//! Upkeep of the tables while the service runs: creates partitions ahead, and deletes rows that are too old.
 
 use crate::metrics::Metrics;
 use tokio::sync::watch;
@@ -8,14 +8,14 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::{Store, StoreError};
 
-/// How often it is looked whether anything is to be done.
+/// Interval between rounds of upkeep.
 const EVERY: Duration = Duration::from_secs(3600);
-/// How soon after a failure.
+/// Pause after a failed round.
 const AGAIN: Duration = Duration::from_secs(300);
-/// Between pieces of what is removed.
+/// Pause between deletions of pieces of old rows.
 const PAUSE: Duration = Duration::from_millis(400);
 
-/// Goes on until the service stops.
+/// Runs upkeep until the service stops.
 pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mut stop: watch::Receiver<bool>) {
     loop {
         let pause = match look_after(&store, retention, &metrics).await {
@@ -26,7 +26,7 @@ pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mu
             }
             Err(problem) => {
                 metrics.upkeep_errors.inc();
-                warn!(%problem, "old contacts stay, or partitions are missing, for now");
+                warn!(%problem, "upkeep of the tables failed, trying again later");
                 AGAIN
             }
         };
@@ -46,15 +46,15 @@ async fn look_after(store: &Store, retention: Retention, metrics: &Metrics) -> R
 
 fn tell(done: &Done, metrics: &Metrics) {
     match done {
-        Done::Made { partition } => info!(partition, "partition made"),
+        Done::Made { partition } => info!(partition, "partition created"),
         Done::Indexed { partition } => info!(partition, "partition indexed"),
         Done::Dropped { partition, bytes } => {
             metrics.partitions_dropped.inc();
-            info!(partition, bytes, "partition dropped: all of it was too old");
+            info!(partition, bytes, "old partition dropped");
         }
         Done::Removed { table, rows } => {
             metrics.old_rows_removed.inc_by(*rows);
-            debug!(table, rows, "rows removed: they were too old");
+            debug!(table, rows, "old rows deleted");
         }
     }
 }

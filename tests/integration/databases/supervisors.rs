@@ -245,8 +245,8 @@ async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
     let fleet = stage.fleet("f");
     stage.more_recorded(200).await;
     stage.server.kill();
-    a.says(503, "database, while trying to").await;
-    // Robots continue, and a new robot needs an id meanwhile.
+    a.says(503, "database error: cannot").await;
+    // Robots go on, and a robot that is new asks for a number meanwhile.
     let late = stage.fleet("f");
     late.stop().await;
     stage.server.restart().await;

@@ -1,31 +1,31 @@
-//! A batch as bytes, for the time until its rows are written.
+//! Serialization of a batch for the intent log, until its rows are written.
 
 use borsh::io::{Error, ErrorKind, Result};
 
 use super::Batch;
 
-/// What stands in front: the bytes of another version may mean something else.
+/// First byte of the serialized batch: the format version. Bytes of another version are not read.
 const VERSION: u8 = 1;
 
 impl Batch {
-    /// Its bytes; none if there is something in it that cannot be one.
+    /// Serializes the batch; `None` if a value in it cannot be serialized.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         borsh::to_vec(&(VERSION, self)).ok()
     }
 
-    /// Reads it again.
+    /// Deserializes a batch.
     ///
     /// # Errors
-    /// These bytes are no batch of this version.
+    /// The bytes are not a batch of this version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match bytes.split_first() {
             Some((&VERSION, rest)) => borsh::from_slice(rest),
             Some((other, _)) => {
-                let problem = format!("it is of version {other}, and this program reads version {VERSION}");
+                let problem = format!("the batch has format version {other}, this program reads version {VERSION}");
                 Err(Error::new(ErrorKind::InvalidData, problem))
             }
-            None => Err(Error::new(ErrorKind::InvalidData, "it is empty")),
+            None => Err(Error::new(ErrorKind::InvalidData, "the batch has no bytes")),
         }
     }
 }

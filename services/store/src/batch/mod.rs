@@ -1,4 +1,4 @@
-//! What one transaction writes: plain rows, in the order in which they must be written.
+//! The rows of one transaction, in the order in which they must be written.
 
 mod bytes;
 mod parts;
@@ -13,28 +13,28 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::Resolution;
 
-/// Everything that a batch of messages has led to.
+/// All rows that follow from a batch of messages, and the journal.
 #[derive(Debug, Default, BorshSerialize, BorshDeserialize)]
 pub struct Batch {
-    /// New layouts; the whiskers that are on the robot now follow among `whiskers`.
+    /// New layouts. Their whiskers that are on the robot now are among `whiskers`.
     pub layouts: Vec<LayoutRow>,
-    /// Changed robots.
+    /// Checkpoints of robots.
     pub robots: Vec<RobotRow>,
-    /// Changed whiskers.
+    /// Checkpoints of whiskers.
     pub whiskers: Vec<WhiskerRow>,
-    /// Contacts that are kept one by one.
+    /// Contacts that are stored as single rows.
     pub contacts: Vec<ContactRow>,
-    /// Minutes and hours that are over.
+    /// Aggregates of minutes and hours that have ended.
     pub rollups: Vec<RollupRow>,
-    /// The responses at contacts of whiskers that serve; they come after what they belong to.
+    /// Responses of compensators at single contacts; written after the compensations that they refer to.
     pub responses: Vec<ResponseRow>,
-    /// Everything else, in order.
+    /// All other rows, in their order.
     pub records: Vec<Record>,
-    /// What happened to robots whose states are not among `robots`.
+    /// Journal entries of robots whose checkpoints are not among `robots`.
     pub journal: Option<JournalRow>,
-    /// The journal's rows up to this number are in the robots' states.
+    /// Journal rows up to this number are contained in the checkpoints and can be deleted.
     pub journal_done: Option<i64>,
-    /// It is in the table `redo` under this number, and no longer when this is written.
+    /// Number of this batch in the intent log (table `redo`); its row there is deleted in the same transaction.
     #[borsh(skip)]
     pub redo_done: Option<i64>,
 }
@@ -55,7 +55,7 @@ impl Batch {
             && self.redo_done.is_none()
     }
 
-    /// All its rows.
+    /// All rows except the journal.
     pub(crate) fn rows(&self) -> Rows<'_> {
         Rows {
             layouts: &self.layouts,
@@ -68,7 +68,7 @@ impl Batch {
         }
     }
 
-    /// The whiskers that its rows are about, some of them often.
+    /// The whiskers that rows refer to, possibly several times.
     pub(crate) fn whisker_ids(&self) -> impl Iterator<Item = i64> {
         let records = self.records.iter().filter_map(|record| match record {
             Record::Health(row) => Some(row.whisker_id),
@@ -95,12 +95,12 @@ impl Batch {
         whiskers.chain(contacts).chain(rollups).chain(records)
     }
 
-    /// The same of one that is not used any more.
+    /// As [`Self::append`], for a batch that is not used any more.
     pub fn append_all(&mut self, mut other: Self) {
         self.append(&mut other);
     }
 
-    /// Takes the rows of another one, after its own. The journal is one for all.
+    /// Appends the rows of another batch. The journal is not touched: there is one for the whole transaction.
     pub fn append(&mut self, other: &mut Self) {
         self.layouts.append(&mut other.layouts);
         self.robots.append(&mut other.robots);
@@ -112,184 +112,185 @@ impl Batch {
     }
 }
 
-/// What happened to robots, as the engine wrote it down for itself.
+/// One row of the journal: events of robots since their checkpoints, in the engine's own format.
 #[derive(Debug, BorshSerialize, BorshDeserialize)]
 pub struct JournalRow {
-    /// Number, rising with each transaction of the fleet.
+    /// Number of the transaction; it rises within a fleet.
     pub number: i64,
-    /// The engine's bytes.
+    /// The serialized events.
     pub entries: Vec<u8>,
 }
 
-/// A factsheet with another layout.
+/// A factsheet with a new layout.
 #[derive(Debug, BorshSerialize, BorshDeserialize)]
 pub struct LayoutRow {
-    /// Whose.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// The robot's model.
+    /// Model of the robot.
     pub model: String,
-    /// Whiskers that are not on it any more, each with the bytes of its minute and hour.
+    /// Whiskers that are not on the robot any more, each with the serialized aggregates of its current minute and
+    /// hour.
     pub gone: Vec<(i64, Vec<u8>)>,
 }
 
-/// A robot as it is now.
+/// Checkpoint of a robot.
 #[derive(Debug, BorshSerialize, BorshDeserialize)]
 pub struct RobotRow {
-    /// Whose.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// Newest boot.
+    /// Newest boot; `None` before the first.
     pub boot_id: Option<String>,
-    /// Connection in the contract's words.
+    /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
     #[borsh(deserialize_with = "words::word")]
     pub connection: &'static str,
-    /// Whether an operator holds all of it.
+    /// Whether an operator holds the whole robot.
     pub held: bool,
-    /// When.
+    /// Time of the checkpoint, µs since 1970 UTC by the supervisor's clock.
     pub updated_us: i64,
-    /// The journal's rows up to this number are in the state.
+    /// Journal rows up to this number are contained in `state`.
     pub journal_number: i64,
-    /// The core's bytes.
+    /// Serialized state of the core's robot, without its whiskers.
     pub state: Vec<u8>,
 }
 
-/// A whisker as it is now.
+/// Checkpoint of a whisker.
 #[derive(Debug, BorshSerialize, BorshDeserialize)]
 pub struct WhiskerRow {
-    /// Whose.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// Index in the robot.
+    /// Index of the whisker in its robot.
     pub position: i64,
-    /// Estimated length.
+    /// Estimated length, mm.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimated length, mm.
     pub length_sd_mm: f64,
-    /// Condition.
+    /// Condition, such as `HEALTHY`.
     #[borsh(deserialize_with = "words::word")]
     pub condition: &'static str,
-    /// Fault, if any.
+    /// Fault, such as `LEAK`; `None` without a fault.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub fault: Option<&'static str>,
-    /// Measured pressure.
+    /// Pressure as last measured, MPa.
     pub pressure_mpa: Option<f64>,
-    /// Pressure that the robot holds.
+    /// Pressure that the robot holds or moves to, MPa.
     pub setpoint_mpa: f64,
-    /// Contacts that were used.
+    /// Number of contacts that were used for the estimate.
     pub contacts: i64,
-    /// When it was last heard of.
+    /// Time of the last message about it, µs since 1970 UTC by the supervisor's clock.
     pub heard_us: Option<i64>,
     /// Whether an operator holds it.
     pub held: bool,
-    /// Loss of its pressure, per second of itself.
+    /// Relative loss of gauge pressure per second; `None` until it can be estimated.
     pub leak_per_s: Option<Interval>,
-    /// Loss of its length, if it erodes.
+    /// Loss of length per contact, mm; `None` unless the whisker erodes.
     pub erosion_mm_per_contact: Option<Interval>,
-    /// Contacts until it leaves the compensable range: estimate, lower and upper bound.
+    /// Contacts until the whisker is too short for self-compensation: estimate, lower and upper bound.
     pub contacts_left: [Option<f64>; 3],
-    /// The core's bytes.
+    /// Serialized state of the core's whisker.
     pub state: Vec<u8>,
-    /// The bytes of the minute and the hour that are not over yet.
+    /// Serialized aggregates of the minute and the hour that have not ended.
     pub rollup: Vec<u8>,
 }
 
-/// A minute or an hour of a whisker that is over; see the tables for the columns.
+/// Aggregates of a whisker's minute or hour that has ended; the migration documents the columns.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct RollupRow {
-    /// Whose.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// Which table.
+    /// Minute or hour, which selects the table.
     pub resolution: Resolution,
-    /// Its begin, by the supervisor's clock.
+    /// Start of the span, µs since 1970 UTC by the supervisor's clock.
     pub start_us: i64,
-    /// Contacts that were used, learned from, and not used.
+    /// Numbers of contacts that were used, learned from, and not used.
     pub contacts: [i32; 3],
-    /// Mean, standard deviation, least and greatest log sensitivity against the prediction.
+    /// Mean, standard deviation, least and greatest ln(measured / predicted sensitivity).
     pub residual: [Option<f32>; 4],
-    /// Mean strain by deflection.
+    /// Mean sensitivity, strain per mm of deflection.
     pub sensitivity_per_mm: Option<f32>,
-    /// Mean contact ratio.
+    /// Mean contact ratio, 0 at the base, 1 at the tip.
     pub ratio: Option<f32>,
-    /// Length after the last contact.
+    /// Estimated length after the last contact, mm.
     pub length_mm: Option<f32>,
-    /// Its standard deviation.
+    /// Standard deviation of that length, mm.
     pub length_sd_mm: Option<f32>,
-    /// Mean length.
+    /// Mean estimated length, mm.
     pub length_mean_mm: Option<f32>,
-    /// Mean pressure.
+    /// Mean pressure, MPa.
     pub pressure_mpa: Option<f32>,
-    /// Mean temperature.
+    /// Mean temperature, °C.
     pub temperature_c: Option<f32>,
-    /// Error of a compensation for it that was stated last.
+    /// Last error (Eq. 35) of a compensation for this whisker that was measured in the span, as a ratio.
     pub compensation_error: Option<f32>,
 }
 
-/// A contact; see the table for the columns.
+/// A contact; the migration documents the columns.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct ContactRow {
-    /// Whose.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// Number of the boot.
+    /// Number of the boot in the database.
     pub boot: i64,
-    /// Number of the message.
+    /// Sequence number of the message in its boot.
     pub seq: i64,
-    /// Position in the message.
+    /// Position of the contact in the message.
     pub position: i64,
-    /// The robot's clock.
+    /// Time of the contact, µs since 1970 UTC by the robot's clock.
     pub t_us: i64,
-    /// The supervisor's clock.
+    /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
     pub received_us: i64,
-    /// Contact ratio.
+    /// Contact ratio, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Strain.
+    /// Measured strain, m/m.
     pub strain: f64,
-    /// Pressure.
+    /// Pressure of the chamber, MPa.
     pub pressure_mpa: f64,
-    /// Temperature.
+    /// Temperature of the whisker, °C.
     pub temperature_c: f64,
-    /// What it was used for.
+    /// Use of the contact: `USED`, `LEARNING`, or why it was not used.
     #[borsh(deserialize_with = "words::word")]
     pub used: &'static str,
-    /// Log sensitivity against the prediction.
+    /// ln(measured / predicted sensitivity); `None` if the contact was not used.
     pub residual: Option<f64>,
-    /// Length after it.
+    /// Estimated length after the contact, mm.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of that length, mm.
     pub length_sd_mm: f64,
 }
 
-/// The three responses at one contact.
+/// The three responses of Eq. 35 at one contact of a compensator.
 #[derive(Debug, BorshSerialize, BorshDeserialize)]
 pub struct ResponseRow {
-    /// Compensation.
+    /// Number of the compensation.
     pub compensation_id: i64,
-    /// Robot's clock.
+    /// Time of the contact, µs since 1970 UTC by the robot's clock.
     pub t_us: i64,
-    /// Contact ratio.
+    /// Contact ratio, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Measured.
+    /// Measured strain of the compensator at its new pressure, m/m.
     pub after_strain: f64,
-    /// Before the pressure changed.
+    /// Strain of the compensator before its pressure changed, m/m.
     pub before_strain: f64,
-    /// Where from.
+    /// Origin of `before_strain`: `MEASURED` or `MODEL`.
     #[borsh(deserialize_with = "words::word")]
     pub before_origin: &'static str,
-    /// The whole target's.
+    /// Strain of the target before the trim, m/m.
     pub target_strain: f64,
-    /// Where from.
+    /// Origin of `target_strain`: `MEASURED` or `MODEL`.
     #[borsh(deserialize_with = "words::word")]
     pub target_origin: &'static str,
 }
 
-/// A value with its 95 % interval.
+/// An estimate with its 95 % interval.
 #[derive(Debug, Clone, Copy, BorshSerialize, BorshDeserialize)]
 pub struct Interval {
-    /// Value.
+    /// The estimated value.
     pub mean: f64,
-    /// Lower end.
+    /// Lower bound of the interval.
     pub low: f64,
-    /// Upper end.
+    /// Upper bound of the interval.
     pub high: f64,
 }

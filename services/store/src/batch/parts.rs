@@ -8,15 +8,15 @@ use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, Robot
 /// The owner of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
-    /// No robot's: a policy, a calibration.
+    /// The fleet: a policy or a calibration belongs to no robot.
     Fleet,
-    /// The robot's of this number.
+    /// The robot with this number in the database.
     Robot(i64),
-    /// A message in quarantine: if even this row is refused, only it is lost.
+    /// A message in quarantine. It has its own owner, so that only this row is lost if the database refuses it, too.
     Quarantine,
 }
 
-/// The robots of numbers that do not say so themselves.
+/// Robots of the rows that do not name their robot.
 #[derive(Debug, Default)]
 pub struct Owners {
     /// Numbers of robots by `whisker_id`.
@@ -32,7 +32,7 @@ impl Owners {
         if robot_id == 0 { Owner::Fleet } else { Owner::Robot(robot_id) }
     }
 
-    /// The high half of the number of a trim or compensation is its robot's.
+    /// The upper 32 bits of the number of a trim or compensation are its robot's number.
     fn compensation(compensation_id: i64) -> Owner {
         Self::robot(compensation_id >> 32)
     }
@@ -64,7 +64,7 @@ impl Owners {
     }
 }
 
-/// Rows that are written together.
+/// The rows of a range of owners.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rows<'b> {
     pub(crate) layouts: &'b [LayoutRow],
@@ -76,11 +76,11 @@ pub(crate) struct Rows<'b> {
     pub(crate) records: &'b [Record],
 }
 
-/// The kinds of rows, as places in the lists of ends.
+/// Number of kinds of rows; a kind is an index into `ends`.
 const KINDS: usize = 7;
 
 impl Batch {
-    /// Removes the rows of some owners. The journal's entries are not touched.
+    /// Removes the rows of some owners. The journal is not touched.
     pub fn retain(&mut self, owners: &Owners, stays: impl Fn(Owner) -> bool) {
         self.layouts.retain(|row| stays(Owners::robot(row.robot_id)));
         self.robots.retain(|row| stays(Owners::robot(row.robot_id)));
@@ -92,22 +92,22 @@ impl Batch {
     }
 }
 
-/// A batch whose rows lie in the order of their owners.
+/// A batch whose rows of each kind are sorted by owner.
 pub(crate) struct Parts<'o> {
     batch: Batch,
     of: &'o Owners,
     owners: Vec<Owner>,
-    /// For each owner, where its rows end among those of each kind.
+    /// For each owner and kind, the end of the owner's rows among those of the kind.
     ends: Vec<[usize; KINDS]>,
     journal_number: Option<i64>,
-    /// Entries of the journal, by robot.
+    /// Serialized journal entries, by owner.
     journal: BTreeMap<Owner, Vec<u8>>,
 }
 
 impl<'o> Parts<'o> {
-    /// Sorts a batch by owners; rows of one owner stay in their order.
+    /// Sorts a batch by owner; the rows of one owner keep their order.
     pub(crate) fn of(mut batch: Batch, of: &'o Owners, split_journal: impl Fn(&[u8]) -> Vec<(i64, Vec<u8>)>) -> Self {
-        // Setpoints in the batch itself say whose they are.
+        // A setpoint in this batch is not in the database yet: its states get their robot from it.
         let mut own: HashMap<String, i64> = HashMap::new();
         for record in &batch.records {
             if let Record::Setpoint(row) = record {
@@ -144,12 +144,12 @@ impl<'o> Parts<'o> {
         Self { batch, of, owners, ends, journal_number, journal }
     }
 
-    /// How many owners there are.
+    /// Number of owners.
     pub(crate) fn len(&self) -> usize {
         self.owners.len()
     }
 
-    /// One of them.
+    /// The owner at an index.
     pub(crate) fn owner(&self, index: usize) -> Owner {
         self.owners[index]
     }
@@ -171,23 +171,23 @@ impl<'o> Parts<'o> {
         }
     }
 
-    /// The number of the transaction in the journal, if it has entries there.
+    /// Number of the batch's journal row, if it has one.
     pub(crate) fn journal_number(&self) -> Option<i64> {
         self.journal_number
     }
 
-    /// The journal's entries of a range of owners.
+    /// The journal entries of a range of owners.
     pub(crate) fn journal(&self, range: Range<usize>) -> Vec<u8> {
         let entries = self.owners[range].iter().filter_map(|owner| self.journal.get(owner));
         entries.flat_map(|entries| entries.iter().copied()).collect()
     }
 
-    /// The batch's fields other than its rows.
+    /// The batch; only its fields other than rows may be used.
     pub(crate) fn rest(&self) -> &Batch {
         &self.batch
     }
 
-    /// The batch again, without the rows of these owners.
+    /// Turns this back into a batch, without the rows and journal entries of the owners in `left_out`.
     pub(crate) fn without(mut self, left_out: &HashSet<Owner>) -> Batch {
         self.batch.retain(self.of, |owner| !left_out.contains(&owner));
         if let Some(number) = self.journal_number {
@@ -205,7 +205,7 @@ struct Sort<'a> {
 }
 
 impl Sort<'_> {
-    /// Sorts rows; gives their owners in the new order.
+    /// Sorts rows by owner; returns their owners in the new order.
     fn by<T>(&mut self, rows: &mut [T], owner_of: impl Fn(&T) -> Owner) -> Vec<Owner> {
         rows.sort_by_cached_key(|row| owner_of(row));
         let owners: Vec<Owner> = rows.iter().map(owner_of).collect();

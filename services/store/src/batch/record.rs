@@ -1,389 +1,391 @@
-//! The rarer rows: what was found, decided, commanded and told.
+//! The rarer rows of a batch: health changes, trims, decisions, setpoints, errors, alarms and answers.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::{Interval, words};
 use crate::calibrations::ActivationRow;
 
-/// One of the rarer rows.
+/// One of the rarer rows of a batch.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub enum Record {
-    /// A change of condition or fault.
+    /// A change of a whisker's condition or fault.
     Health(HealthRow),
-    /// A trim.
+    /// A detected trim.
     Trim(TrimRow),
-    /// A decision.
+    /// A decision with its candidates.
     Decision(Box<DecisionRow>),
     /// The end of a compensation.
     Ended(EndedRow),
-    /// A setpoint.
+    /// A new setpoint, in state `PENDING`.
     Setpoint(Box<SetpointRow>),
-    /// What became of one.
+    /// A new state of a setpoint.
     SetpointState(SetpointStateRow),
-    /// The compensation error.
+    /// A measured compensation error.
     Error(Box<ErrorRow>),
-    /// A look at a setpoint.
+    /// An evaluation of a setpoint, which may refine it.
     Refinement(Box<RefinementRow>),
     /// A calibration that is in force from now on.
     Activation(Box<ActivationRow>),
     /// The approval of a proposed compensation.
     Approved {
-        /// Which.
+        /// Number of the compensation.
         compensation_id: i64,
     },
-    /// An alarm.
+    /// A raised alarm.
     Alarm(AlarmRow),
-    /// An alarm's cause is over.
+    /// The end of an alarm's cause.
     AlarmCleared(AlarmClearedRow),
-    /// A whisker is not on the robot any more: all its alarms are cleared, and nobody holds it.
+    /// A whisker that is not on the robot any more: all its alarms are cleared.
     Gone {
-        /// The robot.
+        /// Number of the robot in the database.
         robot_id: i64,
-        /// Its array.
+        /// Name of the whisker's array.
         array: String,
-        /// Its number.
+        /// Number of the whisker in its array.
         whisker: i64,
-        /// When.
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         cleared_us: i64,
     },
-    /// What became of an action that an operator asked for.
+    /// The answer to an operator's action.
     Answer {
-        /// Which.
+        /// Number of the action.
         action_id: i64,
-        /// The robot that it is about; 0 if it is about the fleet, or not known.
+        /// Number of the robot that the action concerns; 0 if it concerns the fleet or is unknown. Not stored in the
+        /// intent log.
         #[borsh(skip)]
         robot_id: i64,
-        /// `DONE`, `REFUSED` or `EXPIRED`.
+        /// State of the action: `DONE`, `REFUSED` or `EXPIRED`.
         #[borsh(deserialize_with = "words::word")]
         state: &'static str,
-        /// Why it was refused: a word, a colon, and a text for people.
+        /// Why the action was refused: a code, a colon, and an explanation.
         problem: Option<String>,
-        /// When.
+        /// Time of the answer, µs since 1970 UTC by the supervisor's clock.
         done_us: i64,
     },
     /// A policy that an operator has set.
     Policy(Box<PolicyRow>),
-    /// A robot starts anew, because its stored state cannot be used: none of its alarms stands.
+    /// A robot whose stored state cannot be used and that starts with a new one: all its alarms are cleared.
     AlarmsForgotten {
-        /// The robot.
+        /// Number of the robot in the database.
         robot_id: i64,
-        /// When.
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         cleared_us: i64,
     },
-    /// A message that the database refuses, kept for people to look at.
+    /// A message whose rows the database refused.
     Quarantined(Box<QuarantineRow>),
 }
 
-/// A message that the database refuses; see the table for the columns.
+/// A message whose rows the database refused; the migration documents the columns.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct QuarantineRow {
-    /// The robot that sent it.
+    /// Name of the robot that sent the message.
     pub robot: String,
-    /// Its topic below the robot's level, in the contract's words.
+    /// Topic below the robot's level, such as `contacts`.
     #[borsh(deserialize_with = "words::word")]
     pub topic: &'static str,
-    /// The boot that sent it, if the message says so.
+    /// Boot of the robot that sent the message; `None` if the message does not name it.
     pub boot_id: Option<String>,
-    /// Its number, if the message says so.
+    /// Sequence number of the message; `None` if it has none.
     pub seq: Option<i64>,
-    /// When it was received, by the supervisor's clock.
+    /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
     pub received_us: i64,
-    /// When it was put into quarantine, by the supervisor's clock.
+    /// Time at which it was put into quarantine, µs since 1970 UTC by the supervisor's clock.
     pub quarantined_us: i64,
-    /// Why: a word of [`RejectionCause`](crate::RejectionCause).
+    /// Class of the error: a word of [`RejectionCause`](crate::RejectionCause).
     #[borsh(deserialize_with = "words::word")]
     pub cause: &'static str,
-    /// The database's own code.
+    /// Error code of the database.
     pub code: String,
-    /// The message, cut off after [`PAYLOAD_BYTES_MAX`](Self::PAYLOAD_BYTES_MAX).
+    /// Bytes of the message, truncated after [`PAYLOAD_BYTES_MAX`](Self::PAYLOAD_BYTES_MAX).
     pub payload: Vec<u8>,
 }
 
 impl QuarantineRow {
-    /// Stored bytes of a message at most.
+    /// Most bytes of a message that are stored.
     pub const PAYLOAD_BYTES_MAX: usize = 64 * 1024;
-    /// Stored messages of a fleet at most: the oldest go first.
+    /// Most messages of a fleet that are stored; the oldest are deleted first.
     pub const ROWS_MAX: i64 = 1000;
 }
 
-/// A change of condition or fault.
+/// A change of a whisker's condition or fault.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct HealthRow {
-    /// Whose.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// When.
+    /// Time of the change, µs since 1970 UTC by the supervisor's clock.
     pub recorded_us: i64,
-    /// `CONDITION` or `FAULT`.
+    /// Changed property: `CONDITION` or `FAULT`.
     #[borsh(deserialize_with = "words::word")]
     pub kind: &'static str,
-    /// Before.
+    /// Condition or fault before the change; `None` for no fault.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub was: Option<&'static str>,
-    /// Now.
+    /// Condition or fault after the change; `None` for no fault.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub becomes: Option<&'static str>,
 }
 
-/// A trim.
+/// A detected trim.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct TrimRow {
-    /// Number.
+    /// Number of the trim: the robot's number in the upper 32 bits, a count in the lower.
     pub trim_id: i64,
-    /// Robot.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// Whisker.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// When.
+    /// Time of the detection, µs since 1970 UTC by the supervisor's clock.
     pub detected_us: i64,
-    /// Length before.
+    /// Estimated length before the trim, mm.
     pub length_before_mm: f64,
-    /// Length after.
+    /// Estimated length after the trim, mm.
     pub length_after_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimated length after the trim, mm.
     pub length_after_sd_mm: f64,
-    /// Contacts since the likeliest moment of the cut.
+    /// Number of contacts from the most likely moment of the cut to its detection.
     pub contacts_to_detect: i64,
 }
 
 /// The end of a compensation.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct EndedRow {
-    /// Which.
+    /// Number of the compensation.
     pub compensation_id: i64,
-    /// When.
+    /// Time of the end, µs since 1970 UTC by the supervisor's clock.
     pub ended_us: i64,
-    /// Why.
+    /// Reason for the end, such as `REPLACED`.
     #[borsh(deserialize_with = "words::word")]
     pub end_reason: &'static str,
 }
 
-/// What became of a setpoint.
+/// A new state of a setpoint.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct SetpointStateRow {
-    /// Which.
+    /// Identifier of the setpoint, a UUID.
     pub command_id: String,
-    /// The robot that it was sent to; 0 if it is not known, after it was read back from bytes.
+    /// Number of the robot; 0 if it is unknown because the batch was read from the intent log.
     #[borsh(skip)]
     pub robot_id: i64,
-    /// When.
+    /// Time of the change, µs since 1970 UTC by the supervisor's clock.
     pub recorded_us: i64,
-    /// What.
+    /// The new state, such as `APPLIED`.
     #[borsh(deserialize_with = "words::word")]
     pub state: &'static str,
-    /// Why.
+    /// Reason that the robot gave for rejecting the setpoint.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub error: Option<&'static str>,
-    /// Where the pressure is.
+    /// Pressure that the robot reported as reached, MPa.
     pub pressure_mpa: Option<f64>,
 }
 
-/// An alarm.
+/// A raised alarm.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct AlarmRow {
-    /// About whom.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// When.
+    /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
     pub raised_us: i64,
-    /// What.
+    /// Kind of alarm, such as `UNCOMPENSATED`.
     #[borsh(deserialize_with = "words::word")]
     pub kind: &'static str,
 }
 
-/// An alarm whose cause is over.
+/// The end of an alarm's cause.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct AlarmClearedRow {
-    /// About whom.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// When.
+    /// Time of the end, µs since 1970 UTC by the supervisor's clock.
     pub cleared_us: i64,
-    /// What.
+    /// Kind of alarm, such as `UNCOMPENSATED`.
     #[borsh(deserialize_with = "words::word")]
     pub kind: &'static str,
 }
 
-/// A policy; see the table for the columns.
+/// A policy that an operator has set; the migration documents the columns.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct PolicyRow {
-    /// Fleet.
+    /// Name of the fleet.
     pub fleet: String,
-    /// Number, from 1.
+    /// Version of the fleet's policy, from 1.
     pub version: i64,
-    /// Mode.
+    /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
     #[borsh(deserialize_with = "words::word")]
     pub mode: &'static str,
-    /// What setpoints are solved for.
+    /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
     #[borsh(deserialize_with = "words::word")]
     pub objective: &'static str,
-    /// When a longer whisker may stand in for a shorter one.
+    /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
     #[borsh(deserialize_with = "words::word")]
     pub longer_for_shorter: &'static str,
-    /// Highest mean predicted error, as a ratio.
+    /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
     pub predicted_error_max: f64,
-    /// Cost of a neighbour's own role, in units of mean error.
+    /// Cost of a neighbour that gives up its own role, in units of mean error.
     pub own_role_cost: f64,
-    /// Gain that a change must have, in units of mean error.
+    /// Least gain for which an assignment in force is changed, in units of mean error.
     pub change_margin: f64,
-    /// When.
+    /// Time at which it was set, µs since 1970 UTC by the supervisor's clock.
     pub changed_us: i64,
-    /// Who.
+    /// Person or token that set it.
     pub changed_by: String,
-    /// Why.
+    /// Reason that the person gave.
     pub reason: Option<String>,
-    /// The action that asked for it.
+    /// Number of the action that set it.
     pub action_id: i64,
 }
 
 /// A decision with its candidates.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct DecisionRow {
-    /// Number.
+    /// Number of the compensation: the robot's number in the upper 32 bits, a count in the lower.
     pub compensation_id: i64,
-    /// Robot.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// The broken whisker.
+    /// Number of the trimmed whisker (the target) in the database.
     pub target_whisker_id: i64,
-    /// Its whole length.
+    /// Length of the target before the trim, mm.
     pub target_length_mm: f64,
-    /// Its nominal pressure.
+    /// Nominal pressure of the target, MPa.
     pub target_pressure_mpa: f64,
-    /// When.
+    /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
     pub decided_us: i64,
     /// `PROPOSED` if it waits for approval, else `AUTOMATIC`.
     #[borsh(deserialize_with = "words::word")]
     pub approval: &'static str,
-    /// Everyone who was asked.
+    /// All whiskers that were evaluated as compensators, in that order.
     pub candidates: Vec<CandidateRow>,
 }
 
-/// A candidate of a decision.
+/// A whisker that a decision evaluated as compensator.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct CandidateRow {
-    /// Who.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// Case of the paper.
+    /// Case of the paper, such as `SELF_COMPENSATION`.
     #[borsh(deserialize_with = "words::word")]
     pub case: &'static str,
-    /// Length.
+    /// Estimated length, mm.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimated length, mm.
     pub length_sd_mm: f64,
-    /// Pressure before.
+    /// Nominal pressure, MPa, whatever pressure the whisker holds for another compensation.
     pub pressure_before_mpa: f64,
-    /// Pressure to hold.
+    /// Pressure of the setpoint by Eq. 34, MPa; if Eq. 34 has no root within the range, the nearest limit of the
+    /// range.
     pub pressure_mpa: Option<f64>,
-    /// Predicted mean error.
+    /// Predicted mean error (Eq. 35), as a ratio.
     pub predicted_error: Option<f64>,
-    /// Its 95 % interval.
+    /// 95 % interval of `predicted_error`.
     pub predicted_error_interval: Option<(f64, f64)>,
-    /// The same by contact ratio, JSON.
+    /// Predicted errors by contact ratio, as a JSON array.
     pub predicted_error_by_ratio: Option<String>,
-    /// Whether it would give up its own role.
+    /// Whether the whisker would give up its own role as a sensor.
     pub gives_up_own_role: bool,
-    /// Whether it was chosen.
+    /// Whether the whisker was chosen.
     pub chosen: bool,
-    /// Why not.
+    /// Reason why it was not chosen, such as `COSTS_MORE`.
     #[borsh(deserialize_with = "words::word_if_any")]
     pub refused: Option<&'static str>,
 }
 
-/// A setpoint; see the table for the columns.
+/// A setpoint; the migration documents the columns.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct SetpointRow {
-    /// Name.
+    /// Identifier of the setpoint, a UUID.
     pub command_id: String,
-    /// Robot.
+    /// Number of the robot in the database.
     pub robot_id: i64,
-    /// Whisker.
+    /// Number of the whisker in the database.
     pub whisker_id: i64,
-    /// Compensation that it belongs to.
+    /// Number of the compensation that it belongs to, if any.
     pub compensation_id: Option<i64>,
-    /// Epoch.
+    /// Epoch of the supervisor that decided it.
     pub epoch: i64,
-    /// Version.
+    /// Version of the setpoint on its robot.
     pub version: i64,
-    /// The only boot that may take it.
+    /// The only boot of the robot that may apply it.
     pub robot_boot_id: String,
-    /// Pressure.
+    /// Pressure to hold, MPa.
     pub pressure_mpa: f64,
-    /// Slew.
+    /// Rate at which the pressure approaches the setpoint, MPa per second.
     pub slew_mpa_per_s: f64,
-    /// Supervisor's clock.
+    /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
     pub issued_us: i64,
-    /// Robot's clock.
+    /// Time from which on the robot must not apply it, µs since 1970 UTC by the robot's clock.
     pub expires_us: i64,
-    /// Why.
+    /// Reason, such as `SELF_COMPENSATION` or `RELEASE`.
     #[borsh(deserialize_with = "words::word")]
     pub reason: &'static str,
-    /// Residual gain, JSON.
+    /// Residual gain, as a JSON array of contact ratios and gains.
     pub gain: Option<String>,
 }
 
-/// The compensation error with its bins.
+/// A measured compensation error with its contact-ratio bins.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct ErrorRow {
-    /// Compensation.
+    /// Number of the compensation.
     pub compensation_id: i64,
-    /// When.
+    /// Time of the measurement, µs since 1970 UTC by the supervisor's clock.
     pub recorded_us: i64,
-    /// Contacts.
+    /// Number of contacts of the compensator in the measurement.
     pub contacts: i64,
-    /// Pressure at which it is measured.
+    /// Pressure of the compensator during the measurement, MPa.
     pub pressure_mpa: f64,
-    /// Mean and 95 % interval, as ratios.
+    /// Mean of Eq. 35 over the bins, as a ratio.
     pub error: Interval,
-    /// The same with the gain in force.
+    /// Mean error with the gain in force applied, as a ratio.
     pub with_gain: Option<Interval>,
-    /// Bins.
+    /// The error in each contact-ratio bin.
     pub bins: Vec<ErrorBinRow>,
 }
 
-/// A look at a setpoint; see the table for the columns.
+/// An evaluation of a setpoint; the migration documents the columns.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct RefinementRow {
-    /// Compensation.
+    /// Number of the compensation.
     pub compensation_id: i64,
-    /// When.
+    /// Time of the evaluation, µs since 1970 UTC by the supervisor's clock.
     pub recorded_us: i64,
-    /// Contacts at the pressure.
+    /// Number of contacts of the compensator at the evaluated pressure.
     pub contacts: i64,
-    /// What came of it.
+    /// Outcome: `REFINED`, or why the pressure stays, such as `HELD_MARGIN`.
     #[borsh(deserialize_with = "words::word")]
     pub outcome: &'static str,
-    /// The pressure that was held.
+    /// Pressure that was evaluated, MPa.
     pub pressure_from_mpa: f64,
-    /// The best pressure.
+    /// Best pressure by the measured responses, MPa; `None` if the model has no solution.
     pub pressure_best_mpa: Option<f64>,
-    /// Error as felt.
+    /// Mean error (Eq. 35) at the evaluated pressure, from smoothed responses, as a ratio.
     pub error: Interval,
-    /// Error to be expected at the best pressure.
+    /// Mean error expected at the best pressure, as a ratio.
     pub error_best: Option<Interval>,
-    /// What the published gain leaves.
+    /// Mean error that remains with the published gain applied, as a ratio.
     pub error_with_gain: f64,
-    /// What a gain from these contacts would leave.
+    /// Mean error that would remain with a gain computed from these contacts, as a ratio.
     pub error_with_own_gain: f64,
-    /// Whether a new gain went out.
+    /// Whether a new gain was published.
     pub gain_published: bool,
 }
 
-/// One contact-ratio bin of an error.
+/// One contact-ratio bin of a measured error.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
 pub struct ErrorBinRow {
-    /// Centre.
+    /// Centre of the bin, as a contact ratio.
     pub ratio: f64,
-    /// Contacts.
+    /// Number of contacts of the compensator in the bin.
     pub contacts: i64,
-    /// Strain per mm after.
+    /// Sensitivity of the compensator at its new pressure, strain per mm of deflection.
     pub after_per_mm: f64,
-    /// Strain per mm before.
+    /// Sensitivity of the compensator at its nominal pressure, strain per mm of deflection.
     pub before_per_mm: f64,
-    /// Where from.
+    /// Origin of `before_per_mm`: `MEASURED` or `MODEL`.
     #[borsh(deserialize_with = "words::word")]
     pub before_origin: &'static str,
-    /// Strain per mm of the whole target.
+    /// Sensitivity of the target before the trim, strain per mm of deflection.
     pub target_per_mm: f64,
-    /// Where from.
+    /// Origin of `target_per_mm`: `MEASURED` or `MODEL`.
     #[borsh(deserialize_with = "words::word")]
     pub target_origin: &'static str,
-    /// Eq. 35.
+    /// Error by Eq. 35 in this bin, as a ratio.
     pub error: Interval,
 }

@@ -1,4 +1,4 @@
-//! Words of the contract, read back from bytes.
+//! Deserialization of the contract's words, which rows hold as `&'static str`.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -6,12 +6,13 @@ use std::sync::{Mutex, PoisonError};
 use borsh::BorshDeserialize;
 use borsh::io::{Error, ErrorKind, Read, Result};
 
-/// No word is longer, in bytes.
+/// Length of the longest accepted word, bytes.
 const LENGTH_MAX: usize = 40;
-/// Nor are there more: it is a closed set.
+/// Most different words; the contract's set of words is closed and smaller. Together with [`LENGTH_MAX`] it bounds
+/// the leaked memory.
 const WORDS_MAX: usize = 1000;
 
-/// The words that were read, each of which stays in memory, once.
+/// The words that were read. Each of them is leaked once.
 static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 
 /// Reads a word.
@@ -22,14 +23,14 @@ pub(super) fn word<R: Read>(reader: &mut R) -> Result<&'static str> {
         return Ok(known);
     }
     if word.len() > LENGTH_MAX || known.len() >= WORDS_MAX {
-        return Err(Error::new(ErrorKind::InvalidData, "this is no word of the contract"));
+        return Err(Error::new(ErrorKind::InvalidData, "not a word of the contract"));
     }
     let word = Box::leak(word.into_boxed_str());
     known.insert(word);
     Ok(word)
 }
 
-/// Reads one that need not be there.
+/// Reads an optional word.
 pub(super) fn word_if_any<R: Read>(reader: &mut R) -> Result<Option<&'static str>> {
     bool::deserialize_reader(reader)?.then(|| word(reader)).transpose()
 }

@@ -1,4 +1,4 @@
-//! What people have asked for, and the policies that they have set.
+//! The audit log of actions that people requested, and the policies that operators have set.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,93 +9,93 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// Something that somebody has asked for: an entry of the audit log.
+    /// An action that a person requested: an entry of the audit log.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     #[schema(as = Action)]
     pub struct ActionRow {
-        /// Number, in the order of asking.
+        /// Number of the action; later requests have higher numbers.
         pub action_id: i64,
-        /// The fleet; null where no fleet is concerned.
+        /// Name of the fleet; null if the action concerns no fleet.
         pub fleet: Option<String>,
-        /// The robot; null for a whole fleet.
+        /// Name of the robot; null if the action concerns a whole fleet or no fleet.
         pub robot: Option<String>,
-        /// The whisker's array.
+        /// Name of the array; set exactly if `whisker` is set.
         pub array: Option<String>,
-        /// The whisker's number.
+        /// Number of the whisker in its array; null unless the action concerns a single whisker.
         pub whisker: Option<i64>,
-        /// The compensation.
+        /// Number of the compensation that was approved or refused; null for other actions.
         pub compensation_id: Option<i64>,
-        /// The alarm.
+        /// Number of the alarm that was acknowledged or shelved; null for other actions.
         pub alarm_id: Option<i64>,
-        /// What: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `POLICY`,
+        /// Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `POLICY`,
         /// `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
         pub kind: String,
-        /// Its details: a JSON object, as text.
+        /// Parameters of the action: a JSON object, as text.
         pub parameters: String,
-        /// Why, in the person's words.
+        /// Reason that the person gave, as free text; null if none was given.
         pub reason: Option<String>,
-        /// Who asked.
+        /// Person or token that requested the action.
         pub actor: String,
-        /// In which role.
+        /// Role in which the action was requested: `VIEWER`, `OPERATOR`, `ENGINEER` or `ADMIN`.
         pub role: String,
-        /// The request that it came with.
+        /// Identifier of the HTTP request that carried the action; `command line` for commands.
         pub request_id: String,
-        /// When it was asked.
+        /// Time of the request, by the supervisor's clock.
         pub asked_at: Time,
-        /// `PENDING`, `DONE`, `REFUSED` or `EXPIRED`.
+        /// State of the action: `PENDING`, `DONE`, `REFUSED` or `EXPIRED`.
         pub state: String,
-        /// Why it was refused.
+        /// Why the action was refused: a code, a colon, and an explanation; null unless it was refused.
         pub problem: Option<String>,
-        /// When it was answered; null while it is pending.
+        /// Time at which the action was done, refused or expired; null while it is pending.
         pub done_at: Option<Time>,
     }
 
-    /// A policy: how compensations are decided in a fleet.
+    /// A policy: the rules by which a fleet's compensations are decided.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     #[schema(as = Policy)]
     pub struct PolicyRow {
-        /// The fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Number, from 1; 0 is the configuration's.
+        /// Version of the fleet's policy, from 1; 0 is the policy of the configuration.
         pub version: i64,
-        /// `AUTOMATIC`, or `ADVISE`: compensations wait for approval.
+        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for an operator's approval.
         pub mode: String,
-        /// What a setpoint is solved for: `TIP` (equal sensitivity there) or `MEAN` (least mean error).
+        /// Quantity that a setpoint is solved for: `TIP` (equal sensitivity at the tip) or `MEAN` (least mean error).
         pub objective: String,
-        /// Whether a longer whisker may stand in for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
+        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
         pub longer_for_shorter: String,
-        /// Highest mean predicted error of a compensation, as a ratio.
+        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
         pub predicted_error_max: f64,
-        /// What it costs that a neighbour gives up its own role, in units of mean error.
+        /// Cost of a neighbour that gives up its own role, in units of mean error.
         pub own_role_cost: f64,
-        /// What a change of an assignment in force must gain, in units of mean error.
+        /// Least gain for which an assignment in force is changed, in units of mean error.
         pub change_margin: f64,
-        /// Since when; null for the configuration's.
+        /// Time at which this version was set; null for the policy of the configuration.
         pub changed_at: Option<Time>,
-        /// Who set it; null for the configuration's.
+        /// Person or token that set this version; null for the policy of the configuration.
         pub changed_by: Option<String>,
-        /// Why.
+        /// Reason that the person gave; null if none was given.
         pub reason: Option<String>,
     }
 }
 
 sorts! {
-    /// What the audit log may be sorted by.
+    /// Sort keys of the audit log.
     pub enum ActionSort {
-        /// The order of asking.
+        /// By number, which is the order of the requests.
         ActionId = "action_id" Whole Down,
     }
 }
 
 sorts! {
-    /// What a fleet's policies may be sorted by.
+    /// Sort keys of a fleet's policies.
     pub enum PolicySort {
-        /// The order in which they were in force.
+        /// By version, which is the order in which they came into force.
         Version = "version" Whole Down,
     }
 }
 
-/// Everything that was asked.
+/// The audit log.
 pub static ACTIONS: List = List {
     what: "list the actions",
     select: "SELECT action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, actor, \
@@ -104,7 +104,7 @@ pub static ACTIONS: List = List {
     id: "action_id",
 };
 
-/// The policies that operators have set.
+/// The policies that operators have set, in all versions.
 pub static POLICIES: List = List {
     what: "list the policies",
     select: "SELECT fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, \

@@ -1,4 +1,4 @@
-//! Calibrations that were uploaded.
+//! Uploaded calibrations of whisker models.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,49 +9,50 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A calibration of a whisker model.
+    /// An uploaded calibration of a whisker model.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     #[schema(as = Calibration)]
     pub struct CalibrationRow {
-        /// Number.
+        /// Number of the calibration.
         pub calibration_id: i64,
-        /// The name that factsheets use for the model.
+        /// Name of the whisker model, as factsheets use it.
         pub model: String,
-        /// Counts from 1 for each model.
+        /// Version of the calibration, counted from 1 for each model.
         pub version: i64,
-        /// When it was uploaded.
+        /// Time of the upload, by the supervisor's clock.
         pub uploaded_at: Time,
-        /// By whom.
+        /// Person or token that uploaded it.
         pub uploaded_by: String,
-        /// Those of your fleets that work with it, separated by commas; null if none does.
+        /// Names of the fleets in which it is active, among those visible to you, separated by commas; null if there
+        /// is no such fleet.
         pub active_in: Option<String>,
     }
 
-    /// What came of its measurements.
+    /// Measurements, fit and parameters of a calibration, as JSON texts.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct CalibrationText {
-        /// Model.
+        /// Name of the whisker model.
         pub model: String,
-        /// What was measured, JSON.
+        /// Uploaded measurements, as JSON.
         pub measurements: String,
-        /// What came of it, JSON.
+        /// Result of the fit (parameters with intervals, residuals), as JSON.
         pub fit: String,
-        /// The numbers, JSON.
+        /// Calibration in the form of a calibration file, as JSON.
         pub calibration: String,
     }
 }
 
 sorts! {
-    /// What a list of calibrations may be sorted by.
+    /// Sort keys of the list of calibrations.
     pub enum CalibrationSort {
-        /// The order of uploading.
+        /// By number, which is the order of the uploads.
         CalibrationId = "calibration_id" Whole Down,
-        /// The model's name.
+        /// By name of the model.
         Model = "model" Text Up,
     }
 }
 
-/// Calibrations that were uploaded.
+/// All uploaded calibrations.
 pub static CALIBRATIONS: List = List {
     what: "list the calibrations",
     select: "SELECT c.calibration_id, c.model, version, uploaded_us AS uploaded_at, uploaded_by, \
@@ -61,7 +62,7 @@ pub static CALIBRATIONS: List = List {
     id: "calibration_id",
 };
 
-/// What is in them.
+/// Measurements, fits and parameters of all uploaded calibrations.
 pub static CALIBRATION_TEXTS: List = List {
     what: "read a calibration",
     select: "SELECT calibration_id, model, measurements, fit, calibration FROM calibrations",

@@ -1,4 +1,5 @@
-//! Decisions and what came of them, with everyone who was asked, the looks at the setpoint, and the errors by ratio.
+//! Compensations: the decisions with their candidates, the refinements of their setpoints, and their measured errors
+//! by contact ratio.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,180 +10,184 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A decision about a broken whisker, and what came of it.
+    /// A decision about a trimmed whisker, and the compensation that followed from it.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct CompensationSummary {
-        /// Number.
+        /// Number of the compensation.
         #[schema(minimum = 0)]
         pub compensation_id: i64,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// The broken whisker's array.
+        /// Name of the array of the trimmed whisker (the target).
         pub array: String,
-        /// The broken whisker.
+        /// Number of the target in its array.
         #[schema(minimum = 0)]
         pub target_whisker: i64,
-        /// Its whole length.
+        /// Length of the target before the trim, mm.
         pub target_length_mm: f64,
-        /// Its nominal pressure.
+        /// Nominal pressure of the target, MPa.
         pub target_pressure_mpa: f64,
-        /// Who serves; null if no one can.
+        /// Number of the compensator in the array; null if no whisker can compensate.
         #[schema(minimum = 0)]
         pub compensator_whisker: Option<i64>,
-        /// Who has said that it begins: `AUTOMATIC` (nobody was asked), `PROPOSED` (it waits), `APPROVED` or `REFUSED`.
+        /// Approval: `AUTOMATIC` (not needed), `PROPOSED` (waits for an operator), `APPROVED` or `REFUSED`.
         pub approval: String,
-        /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`; null if no one can serve.
+        /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`; null if no whisker
+        /// can compensate.
         #[serde(rename = "case")]
         pub compensation_case: Option<String>,
-        /// The compensator's pressure before.
+        /// Nominal pressure of the compensator, MPa; null if no whisker can compensate.
         pub pressure_before_mpa: Option<f64>,
-        /// Setpoint as decided.
+        /// Pressure of the setpoint as first decided, MPa; null if no whisker can compensate.
         pub pressure_mpa: Option<f64>,
         /// Predicted mean error (Eq. 35), as a ratio.
         pub predicted_error: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `predicted_error`, as a ratio.
         pub predicted_error_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `predicted_error`, as a ratio.
         pub predicted_error_high: Option<f64>,
-        /// The pressure of its newest setpoint: as decided, or as refined since.
+        /// Pressure of the newest setpoint, as decided or as refined since, MPa.
         pub held_pressure_mpa: Option<f64>,
-        /// Who was asked.
+        /// Number of whiskers that were evaluated as compensators.
         #[schema(minimum = 0)]
         pub candidate_count: i64,
-        /// How often its setpoint was looked at.
+        /// Number of times that the setpoint was evaluated for a refinement.
         #[schema(minimum = 0)]
         pub look_count: i64,
-        /// Why its pressure is what it is: what came of the newest look.
+        /// Outcome of the newest evaluation of the setpoint: `REFINED`, or why the pressure was left as it is.
         pub last_look: Option<String>,
-        /// Measured mean error (Eq. 35), newest, as a ratio; null before the first.
+        /// Newest measured mean error (Eq. 35), as a ratio; null before the first measurement.
         pub measured_error: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `measured_error`, as a ratio.
         pub measured_error_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `measured_error`, as a ratio.
         pub measured_error_high: Option<f64>,
-        /// The pressure at which it is measured.
+        /// Pressure of the compensator during the measurement, MPa.
         pub measured_pressure_mpa: Option<f64>,
-        /// Measured mean error with the residual gain applied.
+        /// Newest measured mean error with the residual gain applied, as a ratio; null while there are too few
+        /// contacts.
         pub measured_error_with_gain: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `measured_error_with_gain`, as a ratio.
         pub measured_error_with_gain_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `measured_error_with_gain`, as a ratio.
         pub measured_error_with_gain_high: Option<f64>,
-        /// Contact-ratio bins in it.
+        /// Number of contact-ratio bins in the newest measurement.
         pub measured_bins: Option<i64>,
-        /// Contacts in it.
+        /// Number of contacts in the newest measurement.
         pub measured_contacts: Option<i64>,
-        /// When it was measured.
+        /// Time of the newest measurement, by the supervisor's clock.
         pub measured_at: Option<Time>,
-        /// What became of its newest setpoint.
+        /// State of the newest setpoint, such as `APPLIED`.
         pub setpoint_state: Option<String>,
-        /// When it was decided.
+        /// Time of the decision, by the supervisor's clock.
         pub decided_at: Time,
-        /// When it ended; null while it holds.
+        /// Time at which the compensation ended, by the supervisor's clock; null while it is in force or proposed.
         pub ended_at: Option<Time>,
-        /// Why it ended.
+        /// Reason for the end, such as `TARGET_TRIMMED_AGAIN` or `REPLACED`; null while it has not ended.
         pub end_reason: Option<String>,
     }
 
-    /// Somebody who was asked to serve.
+    /// A whisker that a decision evaluated as compensator.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Candidate {
-        /// Number in the array.
+        /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// Case of the paper.
+        /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`.
         #[serde(rename = "case")]
         pub compensation_case: String,
-        /// Estimated length.
+        /// Estimated length, mm.
         pub length_mm: f64,
-        /// Its standard deviation.
+        /// Standard deviation of the estimated length, mm.
         pub length_sd_mm: f64,
-        /// Its nominal pressure.
+        /// Nominal pressure of the whisker, MPa, whatever pressure it holds for another compensation.
         pub pressure_before_mpa: f64,
-        /// Setpoint by Eq. 34, or the clamped one where there is none in range.
+        /// Pressure of the setpoint by Eq. 34, MPa; if Eq. 34 has no root within the range, the nearest limit of the
+        /// range.
         pub pressure_mpa: Option<f64>,
         /// Predicted mean error (Eq. 35), as a ratio.
         pub predicted_error: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `predicted_error`, as a ratio.
         pub predicted_error_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `predicted_error`, as a ratio.
         pub predicted_error_high: Option<f64>,
-        /// The same at the contact ratios 0.45, 0.50 .. 1.00.
+        /// Predicted errors at the contact ratios 0.45, 0.50 .. 1.00, as ratios.
         #[schema(value_type = Option<Vec<f64>>)]
         pub predicted_error_by_ratio: Option<Numbers>,
-        /// Whether it would give up its own role.
+        /// Whether the whisker would give up its own role as a sensor.
         pub gives_up_own_role: bool,
-        /// Whether it was chosen.
+        /// Whether the whisker was chosen.
         pub chosen: bool,
-        /// Why not; null if it was chosen.
+        /// Reason why it was not chosen, such as `COSTS_MORE` or `ERROR_ABOVE_LIMIT`; null if it was chosen.
         pub refused: Option<String>,
     }
 
-    /// A look at a compensation's setpoint.
+    /// An evaluation of a compensation's setpoint, which may refine the setpoint.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Look {
-        /// When.
+        /// Time of the evaluation, by the supervisor's clock.
         pub recorded_at: Time,
-        /// Contacts at the pressure.
+        /// Number of contacts of the compensator at the evaluated pressure.
         #[schema(minimum = 0)]
         pub contacts: i64,
-        /// What came of it: `REFINED`, or why the pressure stays: `HELD_DITHER`, `HELD_MARGIN`, `HELD_UNCERTAIN`,
-        /// `HELD_STEPS` or `HELD_UNPREDICTABLE`.
+        /// Outcome: `REFINED`, or why the pressure stays: `HELD_DITHER` (the best pressure is nearer than a
+        /// regulator's dither), `HELD_MARGIN` (hardly better), `HELD_UNCERTAIN` (too few contacts to tell),
+        /// `HELD_STEPS` (no steps are left) or `HELD_UNPREDICTABLE` (the model has no solution).
         pub outcome: String,
-        /// The pressure that was held.
+        /// Pressure that was evaluated, MPa.
         pub pressure_from_mpa: f64,
-        /// The best pressure by what was felt.
+        /// Best pressure by the measured responses, MPa; null if the model has no solution.
         pub pressure_best_mpa: Option<f64>,
-        /// Mean error as felt, as a ratio.
+        /// Mean error (Eq. 35) at the evaluated pressure, from smoothed responses, as a ratio.
         pub error: f64,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `error`, as a ratio.
         pub error_low: f64,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `error`, as a ratio.
         pub error_high: f64,
-        /// Error to be expected at the best pressure, as a ratio.
+        /// Mean error expected at the best pressure, as a ratio; null if the model has no solution.
         pub error_best: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `error_best`, as a ratio.
         pub error_best_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `error_best`, as a ratio.
         pub error_best_high: Option<f64>,
-        /// What the published gain leaves, as a ratio.
+        /// Mean error that remains with the published gain applied, as a ratio.
         pub error_with_gain: f64,
-        /// What a gain from these contacts would leave, as a ratio.
+        /// Mean error that would remain with a gain computed from these contacts, as a ratio.
         pub error_with_own_gain: f64,
         /// Whether a new gain was published.
         pub gain_published: bool,
     }
 
-    /// A measured error at one contact ratio.
+    /// The newest measured error of a compensation in one contact-ratio bin.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct RatioError {
         /// Centre of the contact-ratio bin.
         pub ratio: f64,
-        /// Contacts in it.
+        /// Number of contacts of the compensator in the bin.
         #[schema(minimum = 0)]
         pub contacts: i64,
         /// Sensitivity of the compensator at its new pressure, strain per mm of deflection.
         pub after_per_mm: f64,
-        /// The same at its nominal pressure.
+        /// Sensitivity of the compensator at its nominal pressure, strain per mm of deflection.
         pub before_per_mm: f64,
-        /// Where that comes from: `MEASURED` or `MODEL`.
+        /// Origin of `before_per_mm`: `MEASURED` or `MODEL`.
         pub before_origin: String,
-        /// Sensitivity of the target while it was whole.
+        /// Sensitivity of the target before the trim, strain per mm of deflection.
         pub target_per_mm: f64,
-        /// Where that comes from: `MEASURED` or `MODEL`.
+        /// Origin of `target_per_mm`: `MEASURED` or `MODEL`.
         pub target_origin: String,
-        /// Eq. 35 as a ratio.
+        /// Error by Eq. 35 in this bin, as a ratio.
         pub error: f64,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `error`, as a ratio.
         pub error_low: f64,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `error`, as a ratio.
         pub error_high: f64,
     }
 }
 
-/// Numbers that the database has as a JSON array.
+/// A list of numbers that the database stores as a JSON array.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Numbers(pub Vec<f64>);
 
@@ -197,16 +202,16 @@ impl TryFrom<String> for Numbers {
 crate::readings::text_columns!(Numbers);
 
 sorts! {
-    /// What a list of compensations may be sorted by.
+    /// Sort keys of the list of compensations.
     pub enum CompensationSort {
-        /// When they were decided.
+        /// By time of the decision.
         DecidedAt = "decided_at" Whole Down,
-        /// Number.
+        /// By number of the compensation.
         CompensationId = "compensation_id" Whole Up,
     }
 }
 
-/// Decisions.
+/// All decisions, each with the newest state of its compensation.
 pub static COMPENSATIONS: List = List {
     what: "list the compensations",
     select: "SELECT c.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, target_length_mm, \
@@ -237,7 +242,7 @@ pub static COMPENSATIONS: List = List {
     id: "compensation_id",
 };
 
-/// Everyone who was asked, in the order in which they were.
+/// The candidates of decisions, in the order in which they were evaluated.
 pub static CANDIDATES: List = List {
     what: "list the candidates",
     select: "SELECT compensation_id, ordinal, w.whisker, compensation_case, k.length_mm, k.length_sd_mm, \
@@ -248,9 +253,9 @@ pub static CANDIDATES: List = List {
     id: "ordinal",
 };
 
-/// Looks at setpoints.
+/// The evaluations of setpoints.
 pub static LOOKS: List = List {
-    what: "list the looks at a setpoint",
+    what: "list the evaluations of a setpoint",
     select: "SELECT compensation_refinement_id, compensation_id, recorded_us AS recorded_at, contacts, outcome, \
              pressure_from_mpa, pressure_best_mpa, error, error_low, error_high, error_best, error_best_low, \
              error_best_high, error_with_gain, error_with_own_gain, gain_published FROM compensation_refinements",
@@ -258,7 +263,7 @@ pub static LOOKS: List = List {
     id: "compensation_refinement_id",
 };
 
-/// The newest measured errors by contact ratio.
+/// The newest measured errors of each compensation, by contact ratio.
 pub static RATIO_ERRORS: List = List {
     what: "list the errors by contact ratio",
     select: "SELECT e.compensation_id, row_number() OVER (PARTITION BY e.compensation_id ORDER BY ratio) AS ordinal, \
@@ -271,7 +276,7 @@ pub static RATIO_ERRORS: List = List {
     id: "ordinal",
 };
 
-/// By a whole number, the least first.
+/// Sorts by a column of whole numbers, the lowest first.
 const fn by_order(column: &'static str) -> crate::list::Sort {
     crate::list::Sort { column, kind: crate::list::Kind::Whole, descending: false }
 }

@@ -1,6 +1,6 @@
-//! What robots, arrays and fleets are counted by: parts of statements, so that all count alike.
+//! Counts of whiskers, alarms and proposals as parts of statements, so that robots, arrays and fleets count alike.
 
-/// Whiskers that are on a robot, counted by a column of robots or whiskers.
+/// Subquery that counts the whiskers on robots, grouped by a column of `robots` or `whiskers`.
 macro_rules! whisker_counts {
     ($key:literal) => {
         concat!(
@@ -23,7 +23,8 @@ macro_rules! whisker_counts {
 }
 pub(super) use whisker_counts;
 
-/// Alarms with whether they stand, and until when those of their kind about their whisker shall be quiet.
+/// Subquery of all alarms, each with whether it is standing, and until when alarms of its kind about its whisker are
+/// shelved.
 macro_rules! alarms {
     () => {
         "(SELECT a.alarm_id, a.whisker_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, a.acknowledged_by, \
@@ -37,7 +38,7 @@ macro_rules! alarms {
 }
 pub(super) use alarms;
 
-/// Alarms that stand and are not shelved, counted by a column of robots or whiskers.
+/// Subquery that counts the standing alarms that are not shelved, grouped by a column of `robots` or `whiskers`.
 macro_rules! alarm_counts {
     ($key:literal) => {
         concat!(
@@ -54,7 +55,7 @@ macro_rules! alarm_counts {
 }
 pub(super) use alarm_counts;
 
-/// Compensations that wait for approval, counted by a column of robots.
+/// Subquery that counts the compensations that wait for approval, grouped by a column of `robots`.
 macro_rules! proposal_counts {
     ($key:literal) => {
         concat!(

@@ -1,4 +1,4 @@
-//! Measured errors of compensations, one by one and in groups.
+//! Measured errors of compensations, one by one and as means over groups.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,147 +10,151 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A measured error of a compensation (Eq. 35), as it was stated.
+    /// A measured error of a compensation (Eq. 35), as recorded.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorStatement {
-        /// Number.
+        /// Number of the measurement.
         #[schema(minimum = 0)]
         pub compensation_error_id: i64,
-        /// The compensation.
+        /// Number of the compensation.
         #[schema(minimum = 0)]
         pub compensation_id: i64,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// The broken whisker.
+        /// Number of the trimmed whisker (the target) in its array.
         #[schema(minimum = 0)]
         pub target_whisker: i64,
-        /// Who serves.
+        /// Number of the compensator in the array.
         #[schema(minimum = 0)]
         pub compensator_whisker: Option<i64>,
-        /// Case of the paper.
+        /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`.
         #[serde(rename = "case")]
         pub compensation_case: Option<String>,
-        /// When it was stated.
+        /// Time of the measurement, by the supervisor's clock.
         pub recorded_at: Time,
-        /// Contacts in it.
+        /// Number of contacts of the compensator in the measurement.
         #[schema(minimum = 0)]
         pub contacts: i64,
-        /// Contact-ratio bins in it.
+        /// Number of contact-ratio bins in the measurement.
         #[schema(minimum = 0)]
         pub bins: i64,
-        /// The pressure that it is measured at.
+        /// Pressure of the compensator during the measurement, MPa.
         pub pressure_mpa: Option<f64>,
-        /// Mean over the bins, as a ratio.
+        /// Mean of Eq. 35 over the contact-ratio bins, as a ratio.
         pub error: f64,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `error`, as a ratio.
         pub error_low: f64,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `error`, as a ratio.
         pub error_high: f64,
-        /// The same with the residual gain applied; null while contacts are too few.
+        /// Mean error with the residual gain applied, as a ratio; null while there are too few contacts.
         pub error_with_gain: Option<f64>,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `error_with_gain`, as a ratio.
         pub error_with_gain_low: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `error_with_gain`, as a ratio.
         pub error_with_gain_high: Option<f64>,
     }
 
-    /// Errors of a span of time: of each compensation the newest one in it.
+    /// Mean errors in a span of time, over the newest measurement of each compensation in that span.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorByTime {
-        /// Begin of the span.
+        /// Start of the span, by the supervisor's clock.
         pub at: Time,
-        /// Compensations in it.
+        /// Number of compensations that were measured in the span.
         #[schema(minimum = 0)]
         pub compensations: i64,
-        /// Mean error, as a ratio.
+        /// Mean error (Eq. 35), as a ratio.
         pub error: f64,
-        /// Mean of the lower bounds of their 95 % intervals: the bound of the mean if all err together.
+        /// Mean of the lower bounds of the 95 % intervals, as a ratio: a bound of the mean if all errors are fully
+        /// correlated.
         pub error_low: f64,
-        /// Mean of the upper bounds.
+        /// Mean of the upper bounds of the 95 % intervals, as a ratio.
         pub error_high: f64,
-        /// Mean error with the residual gain applied, of those that state it.
+        /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
     }
 
-    /// Errors of a case of the paper: of each compensation the newest one.
+    /// Mean errors of one case of the paper, over the newest measurement of each compensation.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorByCase {
-        /// Case of the paper.
+        /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`.
         #[serde(rename = "case")]
         pub compensation_case: Option<String>,
-        /// Compensations in it.
+        /// Number of compensations of this case.
         #[schema(minimum = 0)]
         pub compensations: i64,
-        /// Mean error, as a ratio.
+        /// Mean error (Eq. 35), as a ratio.
         pub error: f64,
-        /// Mean of the lower bounds of their 95 % intervals: the bound of the mean if all err together.
+        /// Mean of the lower bounds of the 95 % intervals, as a ratio: a bound of the mean if all errors are fully
+        /// correlated.
         pub error_low: f64,
-        /// Mean of the upper bounds.
+        /// Mean of the upper bounds of the 95 % intervals, as a ratio.
         pub error_high: f64,
-        /// Mean error with the residual gain applied, of those that state it.
+        /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
     }
 
-    /// Errors of a contact ratio: of each compensation the newest one.
+    /// Mean errors in one contact-ratio bin, over the newest measurement of each compensation.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorByRatio {
         /// Centre of the contact-ratio bin.
         pub ratio: f64,
-        /// Compensations in it.
+        /// Number of compensations with contacts in the bin.
         #[schema(minimum = 0)]
         pub compensations: i64,
-        /// Contacts in it.
+        /// Number of contacts in the bin, over all these compensations.
         #[schema(minimum = 0)]
         pub contacts: i64,
-        /// Mean error, as a ratio.
+        /// Mean error (Eq. 35), as a ratio.
         pub error: f64,
-        /// Mean of the lower bounds of their 95 % intervals: the bound of the mean if all err together.
+        /// Mean of the lower bounds of the 95 % intervals, as a ratio: a bound of the mean if all errors are fully
+        /// correlated.
         pub error_low: f64,
-        /// Mean of the upper bounds.
+        /// Mean of the upper bounds of the 95 % intervals, as a ratio.
         pub error_high: f64,
     }
 
-    /// Errors of compensations for one whisker: of each the newest one.
+    /// Mean errors of the compensations for one whisker, over the newest measurement of each compensation.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorByWhisker {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// The broken whisker.
+        /// Number of the trimmed whisker (the target) in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// Compensations for it.
+        /// Number of compensations for this whisker.
         #[schema(minimum = 0)]
         pub compensations: i64,
-        /// Mean error, as a ratio.
+        /// Mean error (Eq. 35), as a ratio.
         pub error: f64,
-        /// Mean of the lower bounds of their 95 % intervals: the bound of the mean if all err together.
+        /// Mean of the lower bounds of the 95 % intervals, as a ratio: a bound of the mean if all errors are fully
+        /// correlated.
         pub error_low: f64,
-        /// Mean of the upper bounds.
+        /// Mean of the upper bounds of the 95 % intervals, as a ratio.
         pub error_high: f64,
-        /// Mean error with the residual gain applied, of those that state it.
+        /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
     }
 }
 
 sorts! {
-    /// What a list of errors may be sorted by.
+    /// Sort keys of the list of measured errors.
     pub enum ErrorSort {
-        /// When they were stated.
+        /// By time of the measurement.
         RecordedAt = "recorded_at" Whole Down,
-        /// Mean error.
+        /// By mean error.
         Error = "error" Real Down,
     }
 }
 
-/// Measured errors.
+/// All measured errors.
 pub static ERRORS: List = List {
     what: "list the errors",
     select: "SELECT e.compensation_error_id, e.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, \
@@ -164,7 +168,7 @@ pub static ERRORS: List = List {
     id: "compensation_error_id",
 };
 
-/// The means of a group.
+/// Columns with the number and the means of a group.
 macro_rules! means {
     () => {
         "count(*) AS compensations, avg(g.error) AS error, avg(g.error_low) AS error_low, \
@@ -172,7 +176,7 @@ macro_rules! means {
     };
 }
 
-/// By spans of time, the newest first.
+/// Groups by span of time, the newest first.
 pub static BY_TIME: Group = Group {
     of: &ERRORS,
     columns: concat!("bucket * bucket_us AS at, ", means!()),
@@ -181,7 +185,7 @@ pub static BY_TIME: Group = Group {
     order: "bucket DESC",
 };
 
-/// By case of the paper.
+/// Groups by case of the paper.
 pub static BY_CASE: Group = Group {
     of: &ERRORS,
     columns: concat!("compensation_case, ", means!()),
@@ -190,7 +194,7 @@ pub static BY_CASE: Group = Group {
     order: "compensation_case",
 };
 
-/// By contact ratio.
+/// Groups by contact ratio.
 pub static BY_RATIO: Group = Group {
     of: &ERRORS,
     columns: "b.ratio, count(*) AS compensations, CAST(sum(b.contacts) AS BIGINT) AS contacts, avg(b.error) AS error, \
@@ -200,7 +204,7 @@ pub static BY_RATIO: Group = Group {
     order: "b.ratio",
 };
 
-/// By the broken whisker, the greatest error first.
+/// Groups by trimmed whisker, the greatest error first.
 pub static BY_WHISKER: Group = Group {
     of: &ERRORS,
     columns: concat!("fleet, robot, \"array\", target_whisker AS whisker, ", means!()),

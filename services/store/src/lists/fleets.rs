@@ -1,4 +1,4 @@
-//! Fleets: who supervises them, and how many of what they have.
+//! Fleets: the supervisor of each, and counts of its robots, whiskers, alarms and proposals.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,63 +10,63 @@ use crate::list::List;
 use crate::readings::readings;
 
 readings! {
-    /// A fleet with its counts.
+    /// A fleet with counts of its robots, whiskers, alarms and proposals.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct FleetSummary {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// The supervisor that has it now; null if none has.
+        /// Name of the supervisor that holds the fleet's lease now; null if none does.
         pub holder: Option<String>,
-        /// Rises at each change of supervisor; 0 before the first.
+        /// Epoch of the fleet, which rises at each change of supervisor; 0 before the first.
         #[schema(minimum = 0)]
         pub epoch: i64,
-        /// Whether a supervisor has it now.
+        /// Whether a supervisor holds the fleet's lease now.
         pub supervised: bool,
-        /// Robots that were ever heard of.
+        /// Number of robots that the fleet has ever had.
         #[schema(minimum = 0)]
         pub robots: i64,
-        /// Robots that are connected.
+        /// Number of robots that are connected (`ONLINE`).
         #[schema(minimum = 0)]
         pub robots_online: i64,
-        /// Whiskers that are on its robots.
+        /// Number of whiskers on the fleet's robots now.
         #[schema(minimum = 0)]
         pub whiskers: i64,
-        /// Those in condition `HEALTHY` and without a fault.
+        /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Those in condition `TRIMMED`.
+        /// Number of whiskers in condition `TRIMMED`.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Trimmed ones that no compensation in force serves.
+        /// Number of trimmed whiskers without a compensation in force.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Those with a fault.
+        /// Number of whiskers with a fault.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
-        /// Decisions that wait for somebody's word.
+        /// Number of compensations that wait for an operator's approval.
         #[schema(minimum = 0)]
         pub proposals: i64,
-        /// Alarms that stand.
+        /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// How much there is to look at: alarms, faulty and uncompensated whiskers, proposals, and robots that are not
-        /// connected, added up; one more if nobody supervises the fleet.
+        /// Number of things that need attention: alarms, faulty whiskers, uncompensated whiskers, proposals and
+        /// disconnected robots, plus one if no supervisor holds the fleet.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
 }
 
 sorts! {
-    /// What a list of fleets may be sorted by.
+    /// Sort keys of the list of fleets.
     pub enum FleetSort {
-        /// How much there is to look at.
+        /// By number of things that need attention.
         Attention = "attention" Whole Down,
-        /// Name.
+        /// By name of the fleet.
         Fleet = "fleet" Text Up,
     }
 }
 
-/// The query, with what tells a lease that holds from one that is over.
+/// The list of fleets, given the condition that a lease is in force.
 macro_rules! fleets {
     ($holds:literal) => {
         List {
@@ -106,12 +106,12 @@ macro_rules! fleets {
     };
 }
 
-/// Fleets of a file: its owner has every lease until it gives it back.
+/// Fleets in SQLite: the owner holds each lease until it releases it.
 static OF_FILE: List = fleets!("l.owner IS NOT NULL");
-/// Fleets of a server: leases run by its clock.
+/// Fleets in PostgreSQL: leases expire by the server's clock.
 static OF_SERVER: List = fleets!("l.owner IS NOT NULL AND l.expires_us > clock_us()");
 
-/// Fleets that were ever heard of.
+/// All fleets that the database knows.
 #[must_use]
 pub fn fleets(store: &Store) -> &'static List {
     if store.is_shared() { &OF_SERVER } else { &OF_FILE }

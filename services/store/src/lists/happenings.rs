@@ -1,4 +1,4 @@
-//! What happened to whiskers: trims, changes of health, alarms.
+//! Events of whiskers: trims, changes of health, alarms.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,133 +10,133 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A trim that was found.
+    /// A detected trim of a whisker.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Trim {
-        /// Number.
+        /// Number of the trim.
         #[schema(minimum = 0)]
         pub trim_id: i64,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// When it was found.
+        /// Time of the detection, by the supervisor's clock.
         pub detected_at: Time,
-        /// Estimated length before.
+        /// Estimated length before the trim, mm.
         pub length_before_mm: f64,
-        /// Estimated length after.
+        /// Estimated length after the trim, mm.
         pub length_after_mm: f64,
-        /// Lower bound of its 95 % interval.
+        /// Lower bound of the 95 % interval of `length_after_mm`, mm.
         pub length_after_low_mm: f64,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `length_after_mm`, mm.
         pub length_after_high_mm: f64,
-        /// Contacts from the likeliest moment of the cut to the decision.
+        /// Number of contacts from the most likely moment of the cut to its detection.
         #[schema(minimum = 0)]
         pub contacts_to_detect: i64,
     }
 
-    /// A change of condition or of fault.
+    /// A change of a whisker's condition or fault.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct HealthChange {
-        /// Number.
+        /// Number of the change.
         #[schema(minimum = 0)]
         pub health_change_id: i64,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// `CONDITION` or `FAULT`.
+        /// `CONDITION` or `FAULT`: the property that changed.
         pub kind: String,
-        /// Before; null for no fault.
+        /// Condition or fault before the change; null for no fault.
         pub was: Option<String>,
-        /// Now; null for no fault.
+        /// Condition or fault after the change; null for no fault.
         pub becomes: Option<String>,
-        /// When.
+        /// Time of the change, by the supervisor's clock.
         pub recorded_at: Time,
     }
 
-    /// What people were told.
+    /// An alarm about a whisker.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct Alarm {
-        /// Number.
+        /// Number of the alarm.
         #[schema(minimum = 0)]
         pub alarm_id: i64,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// What: `UNCOMPENSATED`, `SETPOINT_FAILED`, `SENSITIVITY_LOSS`, `ERODING`, `ARRAY_SHIFT`, `BASELINE_DRIFT`, or
-        /// `PROPOSED`, or a fault.
+        /// Kind of alarm: `UNCOMPENSATED`, `SETPOINT_FAILED`, `SENSITIVITY_LOSS`, `ERODING`, `ARRAY_SHIFT`,
+        /// `BASELINE_DRIFT`, `PROPOSED`, or the name of a fault such as `LEAK`.
         pub kind: String,
-        /// When.
+        /// Time at which it was raised, by the supervisor's clock.
         pub raised_at: Time,
-        /// Whether its cause is there still.
+        /// Whether its cause persists.
         pub standing: bool,
-        /// When its cause was over.
+        /// Time at which its cause ended, by the supervisor's clock; null while it stands.
         pub cleared_at: Option<Time>,
-        /// When it was acknowledged.
+        /// Time at which it was acknowledged; null if it was not.
         pub acknowledged_at: Option<Time>,
-        /// By whom.
+        /// Person or token that acknowledged it; null if it was not acknowledged.
         pub acknowledged_by: Option<String>,
-        /// Why, or what was done.
+        /// Comment given with the acknowledgement; null without a comment.
         pub acknowledged_reason: Option<String>,
-        /// Until when it, and others of its kind about this whisker, shall be quiet; null if they shall not.
+        /// Time until which alarms of this kind about this whisker are shelved; null if they are not shelved.
         pub shelved_until: Option<Time>,
-        /// Who has shelved it.
+        /// Person or token that shelved it; null if it is not shelved.
         pub shelved_by: Option<String>,
-        /// Why.
+        /// Reason given for shelving it; null if it is not shelved.
         pub shelved_reason: Option<String>,
-        /// What there is to do: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
+        /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
         pub state: String,
     }
 }
 
 sorts! {
-    /// What a list of trims may be sorted by.
+    /// Sort keys of the list of trims.
     pub enum TrimSort {
-        /// When they were found.
+        /// By time of the detection.
         DetectedAt = "detected_at" Whole Down,
-        /// Estimated length after.
+        /// By estimated length after the trim.
         LengthAfterMm = "length_after_mm" Real Up,
-        /// Contacts that it took to find them.
+        /// By number of contacts until the detection.
         ContactsToDetect = "contacts_to_detect" Whole Down,
     }
 }
 
 sorts! {
-    /// What a list of changes of health may be sorted by.
+    /// Sort keys of the list of changes of health.
     pub enum HealthChangeSort {
-        /// When.
+        /// By time of the change.
         RecordedAt = "recorded_at" Whole Down,
     }
 }
 
 sorts! {
-    /// What a list of alarms may be sorted by.
+    /// Sort keys of the list of alarms.
     pub enum AlarmSort {
-        /// When.
+        /// By the time at which they were raised.
         RaisedAt = "raised_at" Whole Down,
-        /// What.
+        /// By kind of alarm.
         Kind = "kind" Text Up,
     }
 }
 
-/// Trims that were found.
+/// All detected trims.
 pub static TRIMS: List = List {
     what: "list the trims",
     select: "SELECT trim_id, fleet, robot, \"array\", w.whisker, detected_us AS detected_at, length_before_mm, \
@@ -148,7 +148,7 @@ pub static TRIMS: List = List {
     id: "trim_id",
 };
 
-/// Changes of condition and of fault.
+/// All changes of condition and fault.
 pub static HEALTH_CHANGES: List = List {
     what: "list the changes of health",
     select: "SELECT health_change_id, fleet, robot, \"array\", w.whisker, kind, was, becomes, \
@@ -158,7 +158,7 @@ pub static HEALTH_CHANGES: List = List {
     id: "health_change_id",
 };
 
-/// What people were told.
+/// All alarms, standing and cleared.
 pub static ALARMS: List = List {
     what: "list the alarms",
     select: concat!(

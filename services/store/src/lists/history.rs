@@ -1,4 +1,4 @@
-//! What whiskers felt in each minute and hour.
+//! Aggregates of each whisker's contacts by minute and by hour.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,56 +9,60 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// What a whisker felt in a minute or an hour: of the contacts that were used or learned from unless it is said otherwise.
+    /// Aggregates of a whisker's contacts in a minute or an hour. Means are over the contacts that were used or
+    /// learned from, unless the field says otherwise.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Rollup {
-        /// Its begin, by the supervisor's clock.
+        /// Start of the minute or hour, by the supervisor's clock.
         pub start_at: Time,
-        /// Contacts that were used for estimation and detection.
+        /// Number of contacts that were used for estimation and detection.
         #[schema(minimum = 0)]
         pub contacts_used: i64,
-        /// Contacts of the cold start, which were learned from.
+        /// Number of contacts of the cold start, which were used for estimation only.
         #[schema(minimum = 0)]
         pub contacts_learning: i64,
-        /// Contacts that were not used.
+        /// Number of contacts that were not used.
         #[schema(minimum = 0)]
         pub contacts_unused: i64,
-        /// Mean of ln(measured / predicted sensitivity); null without such contacts.
+        /// Mean of ln(measured / predicted sensitivity); null if no contact was used or learned from.
         pub residual_mean: Option<f64>,
-        /// Its standard deviation over the contacts; null for fewer than two.
+        /// Standard deviation of ln(measured / predicted sensitivity) over the contacts; null for fewer than two
+        /// contacts.
         pub residual_sd: Option<f64>,
-        /// The least.
+        /// Least ln(measured / predicted sensitivity).
         pub residual_min: Option<f64>,
-        /// The greatest.
+        /// Greatest ln(measured / predicted sensitivity).
         pub residual_max: Option<f64>,
-        /// Mean of strain by deflection: compare it at equal contact ratios only.
+        /// Mean sensitivity, strain per mm of deflection. It depends on the contact ratio: compare it at equal
+        /// `ratio` only.
         pub sensitivity_per_mm: Option<f64>,
-        /// Mean contact ratio.
+        /// Mean contact ratio: position along the whisker, 0 at the base, 1 at the tip.
         pub ratio: Option<f64>,
-        /// Estimated length after the last contact; null without any contact.
+        /// Estimated length after the last contact, mm; null if there was no contact.
         pub length_mm: Option<f64>,
-        /// Its standard deviation.
+        /// Standard deviation of the estimated length after the last contact, mm.
         pub length_sd_mm: Option<f64>,
-        /// Mean estimated length, of all contacts.
+        /// Mean estimated length over all contacts, mm.
         pub length_mean_mm: Option<f64>,
-        /// Mean pressure, of all contacts.
+        /// Mean pressure over all contacts, MPa.
         pub pressure_mpa: Option<f64>,
-        /// Mean temperature, of all contacts.
+        /// Mean temperature over all contacts, °C.
         pub temperature_c: Option<f64>,
-        /// The error (Eq. 35, a ratio) that was stated last of a compensation for this whisker; null if none was.
+        /// Last error (Eq. 35) of a compensation for this whisker that was measured in this span, as a ratio; null if
+        /// there was none.
         pub compensation_error: Option<f64>,
     }
 }
 
 sorts! {
-    /// What minutes and hours may be sorted by.
+    /// Sort keys of minutes and hours.
     pub enum RollupSort {
-        /// Their begin.
+        /// By start of the span.
         StartAt = "start_at" Whole Down,
     }
 }
 
-/// The query of either table. What PostgreSQL has in four bytes is read as eight.
+/// The query of one of the two tables. PostgreSQL stores its numbers in four bytes; the casts make them eight.
 macro_rules! select {
     ($table:literal) => {
         concat!(
@@ -80,7 +84,7 @@ macro_rules! select {
     };
 }
 
-/// Minutes. To be asked for one whisker: then no two have the same begin.
+/// The minutes. Filter by one whisker: `whisker_id` is not unique, but no two minutes of a whisker have the same start.
 pub static MINUTES: List = List {
     what: "list a whisker's minutes",
     select: select!("contact_minutes"),
@@ -88,7 +92,7 @@ pub static MINUTES: List = List {
     id: "whisker_id",
 };
 
-/// Hours, likewise.
+/// The hours; filter by one whisker, as for [`MINUTES`].
 pub static HOURS: List = List {
     what: "list a whisker's hours",
     select: select!("contact_hours"),

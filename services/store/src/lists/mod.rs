@@ -1,4 +1,4 @@
-//! The lists that people may ask for: each with its row, its query, and the columns that may sort it.
+//! The lists of the REST API: each has its row, its query, and the columns that may sort it.
 
 pub mod actions;
 pub mod calibrations;
@@ -13,7 +13,7 @@ pub mod robots;
 pub mod setpoints;
 pub mod whiskers;
 
-/// The columns that may sort a list, as a closed enum; the first one does by default.
+/// Defines the sort keys of a list as a closed enum; the first one is the default.
 macro_rules! sorts {
     ($(#[$meta:meta])* pub enum $name:ident {
         $($(#[$variant_meta:meta])* $variant:ident = $column:tt $kind:ident $way:ident,)+
@@ -23,14 +23,14 @@ macro_rules! sorts {
         pub enum $name { $($(#[$variant_meta])* #[serde(rename = $column)] $variant,)+ }
 
         impl $name {
-            /// The columns.
+            /// The columns of all sort keys.
             pub const SORTS: &'static [$crate::list::Sort] = &[$($crate::list::Sort {
                 column: $column,
                 kind: $crate::list::Kind::$kind,
                 descending: $crate::list::Way::$way.is_descending(),
             },)+];
 
-            /// The column.
+            /// Column and default direction of this sort key.
             #[must_use]
             pub fn sort(self) -> $crate::list::Sort {
                 Self::SORTS[self as usize]

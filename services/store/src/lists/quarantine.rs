@@ -1,4 +1,4 @@
-//! Messages that the database refused.
+//! Messages in quarantine: the database refused their rows.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -8,10 +8,10 @@ use crate::list::List;
 use crate::readings::readings;
 use crate::time::Time;
 
-/// Characters of a message that a list shows at most.
+/// Most characters of a message that a list shows.
 const PAYLOAD_CHARACTERS_MAX: usize = 2000;
 
-/// A message's bytes as text, with a replacement character for invalid UTF-8.
+/// Bytes of a message as text, with a replacement character for invalid UTF-8.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(transparent)]
 pub struct PayloadText(String);
@@ -40,45 +40,45 @@ where
 }
 
 readings! {
-    /// A message that the database refused, although it keeps the contract. It was receipted, and nothing followed from it.
+    /// A valid message whose rows the database refused. It was receipted, and had no other effect.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Quarantined {
-        /// The row's number.
+        /// Number of the row.
         #[schema(minimum = 0)]
         pub quarantine_id: i64,
-        /// The fleet's name.
+        /// Name of the fleet.
         pub fleet: String,
-        /// The robot that sent it.
+        /// Name of the robot that sent the message.
         pub robot: String,
-        /// The topic below the robot's level, such as `contacts`.
+        /// Topic below the robot's level, such as `contacts`.
         pub topic: String,
-        /// The boot that sent it; null if the message does not say so.
+        /// Boot of the robot that sent the message; null if the message does not name it.
         pub boot_id: Option<String>,
-        /// Its number in this boot and topic; null if the message does not say so.
+        /// Sequence number of the message in its boot and topic; null if the message has none.
         pub seq: Option<i64>,
-        /// When it was received, by the supervisor's clock.
+        /// Time of receipt, by the supervisor's clock.
         pub received_at: Time,
-        /// When it was put into quarantine, by the supervisor's clock.
+        /// Time at which the message was put into quarantine, by the supervisor's clock.
         pub quarantined_at: Time,
-        /// Why: `DATA` (a value has no form in the database), `CONSTRAINT` (a constraint or trigger refuses the row), or `SIZE`
-        /// (a row is too large).
+        /// Class of the error: `DATA` (the database cannot represent a value), `CONSTRAINT` (a constraint or trigger
+        /// refuses the row), or `SIZE` (a row is too large).
         pub cause: String,
-        /// The database's own code of the error: an SQLSTATE, or SQLite's extended result code.
+        /// Error code of the database: an SQLSTATE, or SQLite's extended result code.
         pub code: String,
-        /// The first 2000 characters of the message.
+        /// First 2000 characters of the message.
         pub payload: PayloadText,
     }
 }
 
 sorts! {
-    /// Sort orders of the list of messages in quarantine.
+    /// Sort keys of the list of messages in quarantine.
     pub enum QuarantineSort {
-        /// When they were put there.
+        /// By the time at which they were put into quarantine.
         QuarantinedAt = "quarantined_at" Whole Down,
     }
 }
 
-/// Messages that the database refused.
+/// All messages in quarantine.
 pub static QUARANTINE: List = List {
     what: "list the messages in quarantine",
     select: "SELECT quarantine_id, fleet, robot, topic, boot_id, seq, received_us AS received_at, \

@@ -1,4 +1,4 @@
-//! Robots and their arrays, with how many of what they have.
+//! Robots and their arrays, with counts of their whiskers, alarms and proposals.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,113 +10,114 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A robot with its counts.
+    /// A robot with counts of its whiskers, alarms and proposals.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct RobotSummary {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Its model, of the factsheet; null before the first one.
+        /// Model of the robot, by its factsheet; null before the first factsheet.
         pub model: Option<String>,
-        /// Whether it is connected: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
-        /// Its newest boot; null before the first one.
+        /// Newest boot of the robot; null before the first.
         pub boot_id: Option<String>,
-        /// When anything of it changed last, by the supervisor's clock; null before the first message was committed.
+        /// Time of the last change of the robot's record, by the supervisor's clock; null before the first message
+        /// was committed.
         pub updated_at: Option<Time>,
-        /// Arrays that are on it.
+        /// Number of arrays on the robot now.
         #[schema(minimum = 0)]
         pub arrays: i64,
-        /// Whiskers that are on it.
+        /// Number of whiskers on the robot now.
         #[schema(minimum = 0)]
         pub whiskers: i64,
-        /// Those in condition `HEALTHY` and without a fault.
+        /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Those in condition `TRIMMED`.
+        /// Number of whiskers in condition `TRIMMED`.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Trimmed ones that no compensation in force serves.
+        /// Number of trimmed whiskers without a compensation in force.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Those with a fault.
+        /// Number of whiskers with a fault.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
-        /// Alarms that stand and are not shelved.
+        /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// Decisions that wait for somebody's word.
+        /// Number of compensations that wait for an operator's approval.
         #[schema(minimum = 0)]
         pub proposals: i64,
-        /// Whether an operator holds it: nothing moves its whiskers but by hand.
+        /// Whether an operator holds the robot: no automatic setpoint is sent to a held robot.
         pub held: bool,
-        /// How much there is to look at: alarms, faulty and uncompensated whiskers, proposals, added up; one more if it is
-        /// not connected.
+        /// Number of things that need attention: alarms, faulty whiskers, uncompensated whiskers and proposals, plus
+        /// one if the robot is not connected.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
 
-    /// An array with its counts.
+    /// An array with counts of its whiskers and alarms.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct ArraySummary {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single ones, for themselves).
+        /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (each whisker compensates only for itself).
         pub array_type: String,
-        /// Whether its robot is connected: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
-        /// Whiskers that are on it.
+        /// Number of whiskers on the array now.
         #[schema(minimum = 0)]
         pub whiskers: i64,
-        /// Those in condition `HEALTHY` and without a fault.
+        /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Those in condition `TRIMMED`.
+        /// Number of whiskers in condition `TRIMMED`.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Trimmed ones that no compensation in force serves.
+        /// Number of trimmed whiskers without a compensation in force.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Those with a fault.
+        /// Number of whiskers with a fault.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
-        /// Alarms that stand.
+        /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// How much there is to look at: alarms, faulty and uncompensated whiskers, added up.
+        /// Number of things that need attention: alarms, faulty whiskers and uncompensated whiskers.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
 }
 
 sorts! {
-    /// What a list of robots may be sorted by.
+    /// Sort keys of the list of robots.
     pub enum RobotSort {
-        /// How much there is to look at.
+        /// By number of things that need attention.
         Attention = "attention" Whole Down,
-        /// Name.
+        /// By name of the robot.
         Robot = "robot" Text Up,
-        /// The order in which they became known.
+        /// By the order in which they became known.
         RobotId = "robot_id" Whole Up,
     }
 }
 
 sorts! {
-    /// What a list of arrays may be sorted by.
+    /// Sort keys of the list of arrays.
     pub enum ArraySort {
-        /// How much there is to look at.
+        /// By number of things that need attention.
         Attention = "attention" Whole Down,
-        /// The order in which they became known.
+        /// By the order in which they became known.
         ArrayId = "array_id" Whole Up,
     }
 }
 
-/// Robots that were ever heard of.
+/// All robots that the database knows.
 pub static ROBOTS: List = List {
     what: "list the robots",
     select: concat!(
@@ -143,7 +144,7 @@ pub static ROBOTS: List = List {
     id: "robot_id",
 };
 
-/// Arrays that are on a robot now.
+/// The arrays that are on a robot now.
 pub static ARRAYS: List = List {
     what: "list the arrays",
     select: concat!(

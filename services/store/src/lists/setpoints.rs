@@ -1,4 +1,4 @@
-//! Setpoints and their histories.
+//! Setpoints and the history of their states.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -12,70 +12,73 @@ readings! {
     /// A setpoint that was sent to a robot.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Setpoint {
-        /// Its name, a UUID.
+        /// Identifier of the setpoint, a UUID.
         pub command_id: String,
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// The compensation that it belongs to.
+        /// Number of the compensation that it belongs to; null if it belongs to none.
         #[schema(minimum = 0)]
         pub compensation_id: Option<i64>,
         /// Epoch of the supervisor that decided it.
         #[schema(minimum = 0)]
         pub epoch: i64,
-        /// Number on its robot; the greatest of the greatest epoch counts.
+        /// Version of the setpoint on its robot. The setpoint with the highest version of the highest epoch is in
+        /// force.
         #[schema(minimum = 0)]
         pub version: i64,
-        /// Pressure to hold.
+        /// Pressure to hold, MPa.
         pub pressure_mpa: f64,
-        /// How fast to move there, MPa per second.
+        /// Rate at which the pressure approaches the setpoint, MPa per second.
         pub slew_mpa_per_s: f64,
-        /// Why: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER`, `LONGER_FOR_SHORTER`, `REFINEMENT` or `RELEASE`.
+        /// Reason: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER`, `LONGER_FOR_SHORTER`, `REFINEMENT`, `RELEASE` or
+        /// `OPERATOR`.
         pub reason: String,
-        /// How far it is: `PENDING`, `RECEIVED`, `APPLYING`, `APPLIED`, `REJECTED`, `FAILED`, `SUPERSEDED`, `EXPIRED` or
+        /// State: `PENDING`, `RECEIVED`, `APPLYING`, `APPLIED`, `REJECTED`, `FAILED`, `SUPERSEDED`, `EXPIRED` or
         /// `ABANDONED`.
         pub state: String,
-        /// Why the robot refused it.
+        /// Reason that the robot gave for rejecting it, such as `OUT_OF_RANGE`; null unless it was rejected.
         pub error: Option<String>,
-        /// The pressure that was reached.
+        /// Pressure that the robot reported as reached, MPa; null before it was applied.
         pub reached_mpa: Option<f64>,
-        /// When it was decided, by the supervisor's clock.
+        /// Time of the decision, by the supervisor's clock.
         pub issued_at: Time,
-        /// Until when the robot may take it, by the robot's clock.
+        /// Time from which on the robot must not apply it any more, by the robot's clock.
         pub expires_at: Time,
     }
 
-    /// A state that a setpoint came into.
+    /// A state in the history of a setpoint.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct SetpointState {
-        /// When.
+        /// Time at which the setpoint entered the state, by the supervisor's clock.
         pub at: Time,
-        /// The state.
+        /// State: `PENDING`, `RECEIVED`, `APPLYING`, `APPLIED`, `REJECTED`, `FAILED`, `SUPERSEDED`, `EXPIRED` or
+        /// `ABANDONED`.
         pub state: String,
-        /// Why the robot refused it.
+        /// Reason that the robot gave for rejecting the setpoint; null unless it was rejected.
         pub error: Option<String>,
-        /// Where the pressure was.
+        /// Pressure that the robot reported as reached, MPa; null unless the setpoint was applied.
         pub pressure_mpa: Option<f64>,
     }
 }
 
 sorts! {
-    /// What a list of setpoints may be sorted by.
+    /// Sort keys of the list of setpoints.
     pub enum SetpointSort {
-        /// When they were decided.
+        /// By time of the decision.
         IssuedAt = "issued_at" Whole Down,
-        /// Pressure to hold.
+        /// By pressure to hold.
         PressureMpa = "pressure_mpa" Real Up,
     }
 }
 
-/// Setpoints. Their number is that of their first state, which is written with them.
+/// All setpoints. As their number serves that of their first state, which is written in the same transaction.
 pub static SETPOINTS: List = List {
     what: "list the setpoints",
     select: "SELECT (SELECT min(setpoint_state_id) FROM setpoint_states h WHERE h.command_id = s.command_id) \
@@ -87,9 +90,9 @@ pub static SETPOINTS: List = List {
     id: "setpoint_id",
 };
 
-/// What became of setpoints, in order.
+/// The states of setpoints, in the order in which they were recorded.
 pub static SETPOINT_STATES: List = List {
-    what: "list what became of a setpoint",
+    what: "list the states of a setpoint",
     select: "SELECT setpoint_state_id, command_id, recorded_us AS at, state, error, pressure_mpa FROM setpoint_states",
     sorts: &[Sort { column: "setpoint_state_id", kind: Kind::Whole, descending: false }],
     id: "setpoint_state_id",

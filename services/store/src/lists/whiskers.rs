@@ -1,4 +1,4 @@
-//! Whiskers that are on a robot now.
+//! The whiskers that are on a robot now.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,91 +9,93 @@ use crate::readings::readings;
 use crate::time::Time;
 
 readings! {
-    /// A whisker with its estimate.
+    /// A whisker with its estimated length and its health.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Whisker {
-        /// Fleet.
+        /// Name of the fleet.
         pub fleet: String,
-        /// Robot.
+        /// Name of the robot.
         pub robot: String,
-        /// Array.
+        /// Name of the array.
         pub array: String,
-        /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single ones, for themselves).
+        /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (each whisker compensates only for itself).
         pub array_type: String,
-        /// Number in the array.
+        /// Number of the whisker in its array.
         pub whisker: i64,
-        /// Name of its model, a calibration.
+        /// Name of the whisker model, which selects its calibration.
         pub model: String,
-        /// Position on the array.
+        /// Position on the array, x coordinate, mm.
         pub x_mm: f64,
-        /// Position on the array.
+        /// Position on the array, y coordinate, mm.
         pub y_mm: f64,
-        /// Length of the factsheet.
+        /// Length by the factsheet, mm.
         pub whole_length_mm: f64,
-        /// Estimated length.
+        /// Estimated length, mm.
         pub length_mm: f64,
-        /// Lower bound of the 95 % interval.
+        /// Lower bound of the 95 % interval of `length_mm`, mm.
         pub length_low_mm: f64,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `length_mm`, mm.
         pub length_high_mm: f64,
         /// Mechanical condition: `LEARNING`, `HEALTHY`, `SUSPECTED`, `TRIMMED`, `ERODING` or `SENSITIVITY_LOSS`.
         pub condition: String,
-        /// Fault, if any.
+        /// Fault, such as `LEAK` or `STALE`; null without a fault.
         pub fault: Option<String>,
-        /// Measured pressure.
+        /// Pressure as last measured, MPa; null before the first measurement.
         pub pressure_mpa: Option<f64>,
-        /// Pressure that the robot holds or moves to.
+        /// Pressure that the robot holds or moves to, MPa.
         pub setpoint_mpa: f64,
-        /// Pressure of the factsheet.
+        /// Nominal pressure by the factsheet, MPa.
         pub nominal_pressure_mpa: f64,
-        /// Highest pressure that the robot allows.
+        /// Highest pressure by the factsheet, MPa.
         pub pressure_max_mpa: f64,
-        /// Contacts that were used.
+        /// Number of contacts that were used for the estimate.
         pub contacts: i64,
-        /// When it was last heard of, by the supervisor's clock.
+        /// Time of the last message about the whisker, by the supervisor's clock; null before the first.
         pub heard_at: Option<Time>,
-        /// Whether its robot is connected: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
-        /// Loss of gauge pressure while it is held, per second of itself; null until it can be told.
+        /// Leak rate: relative loss of gauge pressure per second while the pressure is held; null until it can be
+        /// estimated.
         pub leak_per_s: Option<f64>,
-        /// Lower bound of the 95 % interval.
+        /// Lower bound of the 95 % interval of `leak_per_s`.
         pub leak_low_per_s: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `leak_per_s`.
         pub leak_high_per_s: Option<f64>,
-        /// Loss of length with each contact; null unless it erodes.
+        /// Loss of length per contact, mm; null unless the whisker erodes.
         pub erosion_mm_per_contact: Option<f64>,
-        /// Lower bound of the 95 % interval.
+        /// Lower bound of the 95 % interval of `erosion_mm_per_contact`, mm.
         pub erosion_low_mm_per_contact: Option<f64>,
-        /// Upper bound.
+        /// Upper bound of the 95 % interval of `erosion_mm_per_contact`, mm.
         pub erosion_high_mm_per_contact: Option<f64>,
-        /// Contacts until it is too short to compensate for itself; null unless it erodes.
+        /// Predicted number of contacts until the whisker is too short for self-compensation; null unless it erodes.
         pub contacts_left: Option<f64>,
-        /// Lower bound of the 95 % interval.
+        /// Lower bound of the 95 % interval of `contacts_left`.
         pub contacts_left_low: Option<f64>,
-        /// Upper bound; null if it may not erode at all.
+        /// Upper bound of the 95 % interval of `contacts_left`; null if the whisker may not erode at all.
         pub contacts_left_high: Option<f64>,
-        /// Whether an operator holds it, or its robot: nothing moves it but by hand.
+        /// Whether an operator holds the whisker or its robot: no automatic setpoint is sent to a held whisker.
         pub held: bool,
-        /// The compensation that serves it.
+        /// Number of the compensation in force for this whisker; null if no whisker compensates for it.
         pub compensated_by: Option<i64>,
-        /// The compensation that it serves in.
+        /// Number of the compensation in force in which this whisker is the compensator; null if it compensates for no
+        /// whisker.
         pub serves_in: Option<i64>,
     }
 }
 
 sorts! {
-    /// What a list of whiskers may be sorted by.
+    /// Sort keys of the list of whiskers.
     pub enum WhiskerSort {
-        /// The order in which they became known.
+        /// By the order in which they became known.
         WhiskerId = "whisker_id" Whole Up,
-        /// Estimated length.
+        /// By estimated length.
         LengthMm = "length_mm" Real Up,
-        /// Contacts that were used.
+        /// By number of contacts that were used.
         Contacts = "contacts" Whole Down,
     }
 }
 
-/// Whiskers that are on a robot now.
+/// All whiskers that are on a robot now.
 pub static WHISKERS: List = List {
     what: "list the whiskers",
     select: "SELECT w.whisker_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \

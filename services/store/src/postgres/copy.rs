@@ -1,16 +1,16 @@
-//! Many contacts at once, in the binary format of `COPY`.
+//! Writes many contacts at once, in the binary format of `COPY`.
 
 use sqlx::postgres::PgConnection;
 
 use super::rows;
 use crate::batch::ContactRow;
 
-/// Contacts from which on a `COPY` is worth it.
+/// Number of contacts from which on `COPY` is faster than `INSERT`.
 const COPIED: usize = 2000;
 
-/// Appends contacts: many by `COPY` in its binary format, at half of the server's work of an `INSERT`. But the library writes a
-/// copy and its end one after the other, without TCP_NODELAY: the end waits for the acknowledgement of the rest, which the
-/// system delays by 40 ms. So few are appended by one statement.
+/// Appends contacts. `COPY` in its binary format costs the server half of the work of an `INSERT`. But sqlx sends the
+/// rows and their end in two writes without TCP_NODELAY: the end waits for the acknowledgement of the rows, which the
+/// operating system delays by 40 ms. So few contacts are inserted with a single statement.
 pub(in super::super) async fn append_contacts(tx: &mut PgConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
     if are_copied(contacts) {
         copy_contacts(tx, contacts).await
@@ -19,7 +19,7 @@ pub(in super::super) async fn append_contacts(tx: &mut PgConnection, contacts: &
     }
 }
 
-/// Whether these are so many that they are copied.
+/// Whether there are enough contacts for `COPY`.
 pub(super) fn are_copied(contacts: &[ContactRow]) -> bool {
     contacts.len() >= COPIED
 }
@@ -35,14 +35,14 @@ async fn copy_contacts(tx: &mut PgConnection, contacts: &[ContactRow]) -> sqlx::
     copy.finish().await.map(drop)
 }
 
-/// Columns of a contact.
+/// Number of columns of a contact.
 const CONTACT_COLUMNS: u16 = 15;
-/// Bytes of a contact in a copy at the most: each value has its length in front of it.
+/// Most bytes of a contact in the binary format: each value has its length in front of it.
 const CONTACT_BYTES: usize = 2 + CONTACT_COLUMNS as usize * (4 + 8) + 8;
 
 /// Contacts in the binary format of `COPY`.
 fn copy_of(contacts: &[ContactRow]) -> Vec<u8> {
-    // Signature, flags, and the length of what else there would be in front.
+    // Signature, flags, and the length of the header extension, which is empty.
     let mut copy = Vec::with_capacity(32 + contacts.len() * CONTACT_BYTES);
     copy.extend(b"PGCOPY\n\xff\r\n\0");
     copy.extend([0; 8]);

@@ -1,4 +1,4 @@
-//! What is PostgreSQL's own: the session, one statement for many rows, and one for a whole transaction.
+//! PostgreSQL's part of the store: sessions, statements for many rows, and a statement for a whole transaction.
 
 mod copy;
 mod parts;
@@ -17,10 +17,10 @@ pub(super) use copy::append_contacts;
 pub(super) use parts::{COUNTED, kept};
 pub(super) use rows::{Statement, append_responses, append_rollups, write_robots, write_whiskers};
 
-/// The oldest server, as it numbers its versions.
+/// Version number of the oldest supported server (`server_version_num`).
 const OLDEST: i32 = 150_000;
 
-/// Connections for reading, made when they are needed.
+/// Connection pool for queries; connections are opened when they are needed.
 pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Options) {
     let address = address.clone().named(&format!("vibrissa {supervisor}"));
     let pool =
@@ -28,30 +28,33 @@ pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Option
     (Pool::Postgres(pool.clone()), Either::Postgres((address, pool)))
 }
 
-/// Asks the server how old it is.
+/// Checks that the server is not too old.
 pub(super) async fn check_version(pool: &PgPool, database: &str) -> Result<(), StoreError> {
     let version: String = sqlx::query_scalar("SHOW server_version_num")
         .fetch_one(pool)
         .await
         .map_err(|source| StoreError::Open { database: database.to_owned(), source })?;
     if version.parse().is_ok_and(|version: i32| version < OLDEST) {
-        let version: String =
-            sqlx::query_scalar("SHOW server_version").fetch_one(pool).await.map_err(failed("ask for its version"))?;
+        let version: String = sqlx::query_scalar("SHOW server_version")
+            .fetch_one(pool)
+            .await
+            .map_err(failed("read the server's version"))?;
         return Err(StoreError::TooOld { database: database.to_owned(), version });
     }
     Ok(())
 }
 
-/// What a writer's session rests on, whatever the server's defaults are: a commit is on the disk when it is
-/// answered; a supervisor that freezes in a transaction does not keep its lease locked for longer than half the
-/// shortest time to live; a forgotten statement ends.
+/// Settings that a writer's session needs whatever the server's defaults are: an acknowledged commit is on the disk;
+/// a supervisor that freezes within a transaction does not keep its lease's row locked for longer than half the
+/// shortest time to live; a statement that hangs ends.
 pub(super) async fn prepare_writer(link: &mut PgConnection) -> sqlx::Result<()> {
     for setting in [
         "SET synchronous_commit = on",
         "SET default_transaction_isolation = 'read committed'",
         "SET idle_in_transaction_session_timeout = '500ms'",
         "SET statement_timeout = '20s'",
-        // The same few statements again and again, by keys: they are planned once, and not for the tables being empty.
+        // The same few statements with access by keys are repeated, so each is planned once. Other plans are disabled
+        // because the planner would choose them while the tables are empty.
         "SET plan_cache_mode = force_generic_plan",
         "SET enable_hashjoin = off",
         "SET enable_mergejoin = off",

@@ -1,10 +1,10 @@
-//! The parts of a transaction's statement, and how they become one.
+//! The parts of the statement that writes a whole transaction, and their combination into one.
 
 use std::sync::LazyLock;
 
 use super::rows::{CONTACTS, HOURS, MINUTES, RESPONSES, ROBOTS, WHISKERS};
 
-/// Counts a transaction in the lease's row; also by itself.
+/// Advances the commit counter of the lease and renews it; also used as a statement on its own.
 pub(in super::super) const COUNTED: &str = "UPDATE leases SET commits = $4 + 1, expires_us = clock_us() + $5 \
     WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 RETURNING fleet";
 
@@ -85,8 +85,9 @@ const REFINEMENTS: &str = "INSERT INTO compensation_refinements (compensation_id
 const ALARMS: &str = "INSERT INTO alarms (whisker_id, raised_us, kind) \
     SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::text[]) WHERE OWNED";
 
-/// Each is looked up by itself: of how many alarms stand the server has an idea that can be a thousand times wrong when a fleet
-/// goes offline, and joined by that idea every one would be held against every other.
+/// Each alarm is looked up with its own subquery. The server's estimate of the number of standing alarms can be wrong
+/// by a factor of a thousand when a fleet goes offline, and a join planned with it would compare every alarm with
+/// every other.
 const CLEARED: &str = "UPDATE alarms a SET cleared_us = n.cleared_us \
     FROM (SELECT u.cleared_us, (SELECT s.alarm_id FROM alarms s \
     WHERE s.whisker_id = u.whisker_id AND s.kind = u.kind AND s.cleared_us IS NULL LIMIT 1) AS alarm_id \
@@ -97,15 +98,15 @@ const CHANGES: &str = "INSERT INTO changes (fleet, recorded_us, kind, robot_id, 
     SELECT $1, n.* FROM unnest($2::bigint[], $3::text[], $4::bigint[], $5::bigint[], $6::bigint[], $7::text[]) AS n \
     WHERE OWNED";
 
-/// A transaction that is kept as it is, for now.
+/// Statement of a transaction that writes only an intent.
 static KEPT: LazyLock<String> = LazyLock::new(|| of_parts(&[("counted", COUNTED), ("kept", REDO)]));
 
-/// The statement that keeps one: after what the lease asks for come fleet, number and bytes.
+/// The statement that writes an intent; its parameters are those of the lease, then fleet, number and bytes.
 pub(in super::super) fn kept() -> &'static str {
     &KEPT
 }
 
-/// A transaction in which nothing but contacts has come.
+/// Statement of a transaction that contains only contacts and journal entries.
 pub(super) static ORDINARY: LazyLock<String> = LazyLock::new(|| {
     of_parts(&[
         ("counted", COUNTED),
@@ -115,7 +116,7 @@ pub(super) static ORDINARY: LazyLock<String> = LazyLock::new(|| {
     ])
 });
 
-/// A transaction with all that there may be; most of it is empty.
+/// Statement of a transaction with all kinds of rows; most of its parts usually write nothing.
 pub(super) static WHOLE: LazyLock<String> = LazyLock::new(|| {
     of_parts(&[
         ("counted", COUNTED),
@@ -146,7 +147,7 @@ pub(super) static WHOLE: LazyLock<String> = LazyLock::new(|| {
     ])
 });
 
-/// One statement of named parts, each with its own numbers of parameters.
+/// Combines named parts into one statement, and renumbers the parameters of each part.
 fn of_parts(parts: &[(&str, &str)]) -> String {
     let mut first = 0;
     let parts: Vec<String> = parts

@@ -1,6 +1,7 @@
-//! One statement for many rows of a kind: an array of values for each column.
+//! Statements that write many rows of a kind: each column is an array parameter.
 //!
-//! Each has the word `OWNED` where a condition may stand, and so can be a part of a larger statement ([`super::whole`]).
+//! Each statement has the word `OWNED` in the place of a condition, so it can be a part of a larger statement
+//! ([`super::whole`]).
 
 use sqlx::postgres::{PgArguments, PgConnection};
 use sqlx::query::Query;
@@ -9,10 +10,10 @@ use sqlx::{AssertSqlSafe, Postgres};
 use crate::Resolution;
 use crate::batch::{ContactRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 
-/// A statement whose values are being given.
+/// A statement whose parameters are being bound.
 pub(in super::super) type Statement = Query<'static, Postgres, PgArguments>;
 
-/// Gives a statement's next values: of each row, in arrays.
+/// Binds the next parameters of a statement: for each column an array with a value of each row.
 macro_rules! bind_each {
     ($statement:expr, $rows:expr, |$row:pat_param| $($value:expr),+ $(,)?) => {
         $statement$(.bind($rows.iter().map(|$row| $value).collect::<Vec<_>>()))+
@@ -20,12 +21,12 @@ macro_rules! bind_each {
 }
 pub(super) use bind_each;
 
-/// A statement by itself.
+/// A part as a statement on its own, without a condition.
 pub(super) fn alone(sql: &str) -> Statement {
     sqlx::query(AssertSqlSafe(sql.replace("OWNED", "TRUE")))
 }
 
-/// Brings robots up to date.
+/// Updates robots with their checkpoints.
 pub(super) const ROBOTS: &str = "UPDATE robots r SET boot_id = n.boot_id, connection = n.connection, updated_us = n.updated_us, \
          state = n.state, held = n.held, journal_number = n.journal_number \
          FROM unnest($1::bigint[], $2::text[], $3::text[], $4::bigint[], $5::bytea[], $6::boolean[], $7::bigint[]) \
@@ -45,12 +46,12 @@ pub(super) fn bind_robots(statement: Statement, robots: &[RobotRow]) -> Statemen
     )
 }
 
-/// Brings robots up to date.
+/// Updates robots with their checkpoints.
 pub(in super::super) async fn write_robots(tx: &mut PgConnection, robots: &[RobotRow]) -> sqlx::Result<()> {
     bind_robots(alone(ROBOTS), robots).execute(tx).await.map(drop)
 }
 
-/// Brings whiskers up to date.
+/// Updates whiskers with their checkpoints.
 pub(super) const WHISKERS: &str = "UPDATE whiskers w SET position = n.position, length_mm = n.length_mm, length_sd_mm = n.length_sd_mm, \
          condition = n.condition, fault = n.fault, pressure_mpa = n.pressure_mpa, setpoint_mpa = n.setpoint_mpa, \
          contacts = n.contacts, heard_us = n.heard_us, leak_per_s = n.leak_per_s, \
@@ -97,12 +98,12 @@ pub(super) fn bind_whiskers(statement: Statement, whiskers: &[WhiskerRow]) -> St
     )
 }
 
-/// Brings whiskers up to date.
+/// Updates whiskers with their checkpoints.
 pub(in super::super) async fn write_whiskers(tx: &mut PgConnection, whiskers: &[WhiskerRow]) -> sqlx::Result<()> {
     bind_whiskers(alone(WHISKERS), whiskers).execute(tx).await.map(drop)
 }
 
-/// Appends contacts.
+/// Inserts single contacts.
 pub(super) const CONTACTS: &str = "INSERT INTO contacts (whisker_id, boot, seq, position, t_us, received_us, ratio, deflection_mm, strain, \
          pressure_mpa, temperature_c, used, residual, length_mm, length_sd_mm) \
          SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::bigint[], $4::bigint[], $5::bigint[], $6::bigint[], \
@@ -131,7 +132,7 @@ pub(super) fn bind_contacts(statement: Statement, contacts: &[ContactRow]) -> St
     )
 }
 
-/// Appends the responses of whiskers that serve.
+/// Inserts responses of compensators.
 pub(super) const RESPONSES: &str = "INSERT INTO compensation_responses (compensation_id, t_us, ratio, deflection_mm, after_strain, before_strain, \
          before_origin, target_strain, target_origin) SELECT * FROM unnest($1::bigint[], $2::bigint[], $3::float8[], \
          $4::float8[], $5::float8[], $6::float8[], $7::text[], $8::float8[], $9::text[]) WHERE OWNED";
@@ -152,12 +153,12 @@ pub(super) fn bind_responses(statement: Statement, responses: &[ResponseRow]) ->
     )
 }
 
-/// Appends the responses of whiskers that serve.
+/// Inserts responses of compensators.
 pub(in super::super) async fn append_responses(tx: &mut PgConnection, responses: &[ResponseRow]) -> sqlx::Result<()> {
     bind_responses(alone(RESPONSES), responses).execute(tx).await.map(drop)
 }
 
-/// The rest of the statement that appends minutes or hours. One that is there already is left as it is.
+/// Columns and values of the statement that inserts aggregates. Existing rows are left unchanged.
 macro_rules! rollup_values {
     () => {
         "(whisker_id, start_us, contacts_used, contacts_learning, contacts_unused, residual_mean, residual_sd, \
@@ -169,10 +170,10 @@ macro_rules! rollup_values {
     };
 }
 
-/// Appends minutes.
+/// Inserts aggregates of minutes.
 pub(super) const MINUTES: &str = concat!("INSERT INTO contact_minutes ", rollup_values!());
 
-/// Appends hours.
+/// Inserts aggregates of hours.
 pub(super) const HOURS: &str = concat!("INSERT INTO contact_hours ", rollup_values!());
 
 pub(super) fn bind_rollups(statement: Statement, rows: &[&RollupRow]) -> Statement {
@@ -199,7 +200,7 @@ pub(super) fn bind_rollups(statement: Statement, rows: &[&RollupRow]) -> Stateme
     )
 }
 
-/// Appends minutes or hours; tells how many were not there already.
+/// Inserts aggregates of minutes or hours; returns the number of rows that did not exist before.
 pub(in super::super) async fn append_rollups(
     tx: &mut PgConnection,
     resolution: Resolution,

@@ -1,4 +1,4 @@
-//! A batch's records by kind, if they can be written at once.
+//! Sorts a batch's records by kind, if one statement can write them all.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use crate::batch::{
     RefinementRow, SetpointRow, SetpointStateRow, TrimRow,
 };
 
-/// The records of a batch, by kind, each in their order.
+/// The records of a batch by kind, each kind in its order.
 #[derive(Default)]
 pub(super) struct Sorted<'b> {
     pub(super) health: Vec<&'b HealthRow>,
@@ -17,7 +17,7 @@ pub(super) struct Sorted<'b> {
     pub(super) ended: Vec<&'b EndedRow>,
     pub(super) setpoints: Vec<&'b SetpointRow>,
     pub(super) states: Vec<&'b SetpointStateRow>,
-    /// What the setpoints are in the end that these are of.
+    /// For each setpoint of `states`, its last state.
     pub(super) answered: Vec<Answered<'b>>,
     pub(super) errors: Vec<&'b ErrorRow>,
     pub(super) bins: Vec<Bin<'b>>,
@@ -26,7 +26,7 @@ pub(super) struct Sorted<'b> {
     pub(super) cleared: Vec<&'b AlarmClearedRow>,
 }
 
-/// A decision, with whom it has chosen.
+/// A decision with its chosen candidate.
 pub(super) struct Decided<'b> {
     pub(super) row: &'b DecisionRow,
     pub(super) chosen: Option<&'b CandidateRow>,
@@ -39,20 +39,20 @@ pub(super) struct Asked<'b> {
     pub(super) row: &'b CandidateRow,
 }
 
-/// A setpoint's last state, with the last pressure that was told of it.
+/// The last state of a setpoint, with the last pressure that the robot reported for it.
 pub(super) struct Answered<'b> {
     pub(super) last: &'b SetpointStateRow,
     pub(super) pressure_mpa: Option<f64>,
 }
 
-/// A bin of an error.
+/// A contact-ratio bin of an error.
 pub(super) struct Bin<'b> {
     pub(super) of: &'b ErrorRow,
     pub(super) row: &'b ErrorBinRow,
 }
 
-/// What a record makes or changes: the parts of one statement do not see each other's rows, so that nothing may be touched
-/// twice. Only states may follow each other.
+/// A row that a record inserts or updates. The parts of one statement do not see each other's rows, so each row may
+/// be touched once only. States of a setpoint may follow each other.
 #[derive(PartialEq, Eq, Hash)]
 enum Touched<'b> {
     Compensation(i64),
@@ -62,7 +62,7 @@ enum Touched<'b> {
 }
 
 impl<'b> Sorted<'b> {
-    /// Sorts them; none if there is one of the rare kinds, or something is touched twice.
+    /// Sorts the records; `None` if a kind is too rare to be part of the statement, or a row is touched twice.
     pub(super) fn of(records: &'b [Record]) -> Option<Self> {
         let (mut sorted, mut touched) = (Self::default(), HashSet::new());
         for record in records {

@@ -1,7 +1,7 @@
-//! A whole transaction as one statement: one way to the server and back, and one look at its plan.
+//! Writes a whole transaction as one statement: a single round trip to the server.
 //!
-//! Its first part counts it in the fleet's lease; the others do nothing where that has not counted. What parts write no
-//! other part sees, foreign keys are looked at in the end.
+//! The first part advances the commit counter in the fleet's lease; the other parts write nothing if it did not
+//! advance. No part sees the rows that other parts write; foreign keys are checked at the end of the statement.
 
 use sqlx::postgres::PgConnection;
 use sqlx::{Connection, Row};
@@ -23,7 +23,7 @@ pub(in super::super) struct Whole<'b> {
 }
 
 impl<'b> Whole<'b> {
-    /// None if the batch has layouts or rare records, which are written one by one.
+    /// `None` if the batch has layouts or rare records, which need statements of their own.
     pub(in super::super) fn of(batch: &'b Batch) -> Option<Self> {
         if !batch.layouts.is_empty() {
             return None;
@@ -31,10 +31,12 @@ impl<'b> Whole<'b> {
         Some(Self { batch, sorted: Sorted::of(&batch.records)? })
     }
 
-    /// Writes it, all or nothing, and counts it; false, and nothing, if the lease's row says otherwise.
+    /// Writes the whole batch and advances the commit counter. Returns false, and writes nothing, if the counter did
+    /// not advance.
     ///
-    /// Many contacts have a way of their own, which makes a transaction of it. They come before the lease is held:
-    /// their `COPY` waits for as long as its bytes do, and who freezes in it must not keep the fleet from others.
+    /// Many contacts are written by `COPY`, which needs a transaction around both. They are written before the
+    /// lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
+    /// must not block others from acquiring the fleet.
     pub(in super::super) async fn write(
         &self,
         link: &mut PgConnection,

@@ -1,4 +1,4 @@
-//! The metrics as a document for people: `docs/metrics.md`, which `vibrissa metrics` prints.
+//! The metrics as a Markdown document: `docs/metrics.md`, which `vibrissa metrics` prints.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -11,28 +11,29 @@ use vibrissa_protocol::Name;
 
 use super::{Metrics, RobotSample, WhiskerSample};
 
-/// A label with more values than this is said to have so many, without their names.
+/// Most values of a label that are listed; of a label with more, only their number is shown.
 const VALUES_SHOWN_MAX: usize = 32;
-/// Labels whose values are not the program's.
+/// Labels whose values come from the configuration, from robots or from requests: their values are not listed.
 const FREE: [&str; 11] =
     ["fleet", "robot", "array", "whisker", "version", "database", "broker", "supervisor", "method", "route", "status"];
 
 const HEAD: &str = "\
 # Metrics
 
-What `/metrics` has for Prometheus, in base units. `vibrissa metrics` prints this page. A histogram has `_bucket`, `_sum` and `_count`.
-`fleet` is one of the configuration's fleets. What a fleet contains (robots, whiskers, alarms, errors in force) is told by the supervisor
-that holds its lease, and is 0 or missing elsewhere: take the sum or the maximum over supervisors. No label has a value that
-robots or callers could make up, except in those marked with \u{b9}, which are shown with `metrics.series = \"whiskers\"` only.
+The metrics that `/metrics` exports to Prometheus, in base units. `vibrissa metrics` prints this page. A histogram has
+the series `_bucket`, `_sum` and `_count`. `fleet` is a fleet of the configuration. Counts of a fleet's robots,
+whiskers, alarms and errors in force are exported by the supervisor that holds its lease, and are 0 or missing
+elsewhere: take the sum or the maximum over supervisors. The values of labels are bounded: robots and clients cannot
+add any, except in metrics marked with \u{b9}, which are exported with `metrics.series = \"whiskers\"` only.
 
 | metric | type | labels | meaning |
 | --- | --- | --- | --- |
 ";
 
-/// All metrics as a table in Markdown.
+/// Lists all metrics in a Markdown table.
 ///
 /// # Errors
-/// A metric cannot be declared.
+/// A metric cannot be registered.
 pub fn document() -> Result<String> {
     let mut text = HEAD.to_owned();
     for family in everything()?.registry.gather() {
@@ -41,7 +42,7 @@ pub fn document() -> Result<String> {
     Ok(text)
 }
 
-/// Metrics of which every one is shown: a family without a series would not be.
+/// Metrics with at least one series in each family: a family without series is not exported.
 fn everything() -> Result<Metrics> {
     let metrics = Metrics::new(true)?;
     metrics.is("name", "SQLITE", "EMBEDDED");
@@ -87,13 +88,13 @@ fn labels(family: &MetricFamily) -> Vec<String> {
     first.into_iter().flat_map(|metric| metric.get_label()).map(|pair| pair.name().to_owned()).collect()
 }
 
-/// A label, with its values where they are the program's.
+/// A label with its values, if the program defines them.
 fn label(family: &MetricFamily, name: &str) -> String {
     let pairs = family.get_metric().iter().flat_map(|metric| metric.get_label());
     let values: BTreeSet<&str> = pairs.filter(|pair| pair.name() == name).map(|pair| pair.value()).collect();
     match values.len() {
         _ if FREE.contains(&name) => format!("`{name}`"),
-        // One was shown as an example.
+        // The only value is the example of `everything`.
         1 => format!("`{name}`"),
         count if count > VALUES_SHOWN_MAX => format!("`{name}` ({count})"),
         _ => format!("`{name}` ({})", values.into_iter().collect::<Vec<_>>().join(", ")),

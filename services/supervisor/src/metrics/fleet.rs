@@ -1,21 +1,22 @@
-//! The metrics of a fleet: each is declared in one line below, and nowhere else.
+//! The metrics of a fleet. Each one is defined in a single line below.
 
 use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 
 use super::kinds::{Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
 
-/// 0.20385 and 0.3618 are what the paper measured for its cases 1 and 2.
+/// Buckets of compensation errors. 0.20385 and 0.3618 are the errors that the paper measured in its cases 1 and 2.
 const ERROR_RATIOS: Buckets = &[0.02, 0.05, 0.1, 0.15, 0.20385, 0.25, 0.3, 0.3618, 0.5, 0.75, 1.0];
 const COMMIT_SECONDS: Buckets = &[0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 5.0];
 const LAG_SECONDS: Buckets = &[0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 60.0];
 const SETPOINT_SECONDS: Buckets = &[0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0];
 const CONTACTS: Buckets = &[2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
-/// Spells out what is declared and what a fleet is given of it, so that neither can have what the other has not.
+/// Generates the registration of all metrics and the struct with a fleet's metrics from one list, so that they cannot
+/// differ.
 macro_rules! of_fleet {
     ($($(#[doc = $doc:literal])+ $field:ident: $kind:ty = $name:literal, $help:literal $(, $shape:expr)?;)+) => {
-        /// Every metric that fleets have, declared.
+        /// All metrics of fleets, as registered.
         #[derive(Debug, Clone)]
         pub(super) struct Families {
             $($field: <$kind as OfFleet>::Family,)+
@@ -42,161 +43,171 @@ macro_rules! of_fleet {
 of_fleet! {
     /// Messages received, by topic.
     messages_received: Counters = "vibrissa_messages_received_total", "Messages received from robots.", labels::TOPIC;
-    /// Messages, or contacts of a message, refused, by reason.
+    /// Refused messages and refused contacts of messages, by reason.
     messages_refused: Counters = "vibrissa_messages_refused_total",
-        "Messages, or contacts of a message, refused by the supervisor.", labels::REASON;
-    /// Contacts messages that had been seen before.
+        "Messages, or contacts of messages, that the supervisor refused.", labels::REASON;
+    /// Contacts messages that were received before.
     messages_duplicate: IntCounter = "vibrissa_messages_duplicate_total",
-        "Contacts messages that had been seen before.";
-    /// Contacts messages that filled a gap.
+        "Contacts messages that were duplicates of earlier ones.";
+    /// Contacts messages that arrived after a later one.
     messages_resent: IntCounter = "vibrissa_messages_resent_total",
-        "Contacts messages that filled a gap: sent again, or overtaken.";
-    /// Contacts messages not taken in because the inbox was full; robots send them again.
+        "Contacts messages that arrived after later ones: sent again, or overtaken.";
+    /// Contacts messages that were shed because the inbox was full. Robots send them again.
     messages_shed: IntCounter = "vibrissa_messages_shed_total",
-        "Contacts messages not taken in because the inbox was full; robots send them again.";
-    /// Those of them whose robot held more than its share of the inbox.
+        "Contacts messages shed because the inbox was full; robots send them again.";
+    /// Contacts messages that were shed because their robot exceeded its share of the inbox; `messages_shed` counts
+    /// them, too.
     messages_shed_over_share: IntCounter = "vibrissa_messages_shed_over_share_total",
-        "Contacts messages not taken in because their robot held more than its share of the inbox; they count as shed, too.";
-    /// Contacts messages that are not waited for any more: their robot does not send them again.
+        "Contacts messages shed because their robot exceeded its share of the inbox; also counted as shed.";
+    /// Lost contacts messages: their robots do not send them again.
     messages_given_up: IntCounter = "vibrissa_messages_given_up_total",
-        "Contacts messages not waited for any more: lost.";
-    /// Messages that the database refuses for good, by cause.
+        "Lost contacts messages: robots do not send them again.";
+    /// Messages whose rows the database refused for good, by cause.
     messages_quarantined: Counters = "vibrissa_messages_quarantined_total",
-        "Messages put into quarantine because the database refuses the rows that they lead to.", labels::REJECTION_CAUSE;
-    /// Robots whose messages are tried few at a time, because the database has refused rows of theirs in the last minute.
+        "Messages put into quarantine because the database refused their rows.", labels::REJECTION_CAUSE;
+    /// Robots of which the database refused rows within the last minute. Their messages are committed in small
+    /// batches.
     robots_suspect: IntGauge = "vibrissa_robots_suspect",
-        "Robots of which the database has refused rows within the last minute: their messages are committed few at a time.";
-    /// Contacts taken, by what they were used for.
-    contacts: Counters = "vibrissa_contacts_total", "Contacts taken, by what they were used for.", labels::USED;
-    /// Receipts sent.
+        "Robots of which the database refused rows within the last minute; their messages are committed few at a time.";
+    /// Contacts of accepted messages, by use.
+    contacts: Counters = "vibrissa_contacts_total", "Contacts of accepted messages, by use.", labels::USED;
+    /// Receipts sent to robots.
     receipts_sent: IntCounter = "vibrissa_receipts_sent_total", "Receipts sent to robots.";
-    /// Publications dropped because the broker was away; they are made again.
+    /// Publications dropped because the broker was unreachable or the lease had expired. They are generated again.
     publications_dropped: IntCounter = "vibrissa_publications_dropped_total",
-        "Publications dropped because the broker was away or the lease had run out; they are made again.";
-    /// From the newest contact of a message, by the robot's clock, to its commit.
+        "Publications dropped because the broker was unreachable or the lease had expired; they are generated again.";
+    /// Time from the newest contact of a message, by the robot's clock, to its commit, s.
     contact_to_commit_seconds: Histogram = "vibrissa_contact_to_commit_seconds",
-        "From the newest contact of a message, by the robot's clock, to its commit.", LAG_SECONDS;
-    /// From the receipt of a contacts message to its commit.
+        "Time from the newest contact of a message, by the robot's clock, to its commit.", LAG_SECONDS;
+    /// Time from the receipt of a contacts message to its commit, s.
     received_to_commit_seconds: Histogram = "vibrissa_received_to_commit_seconds",
-        "From the receipt of a contacts message to its commit.", LAG_SECONDS;
-    /// When a contacts message was received last, or else the fleet was taken up here, since 1970 UTC; 0 elsewhere.
+        "Time from the receipt of a contacts message to its commit.", LAG_SECONDS;
+    /// Time of receipt of the last committed contacts message, or else of the acquisition of the fleet, s since 1970
+    /// UTC; 0 if the fleet is supervised elsewhere.
     last_contact_timestamp_seconds: Gauge = "vibrissa_last_contact_timestamp_seconds",
-        "When a contacts message was received last, or else the fleet was taken up here, since 1970 UTC; 0 elsewhere.";
-    /// What waits, by queue.
-    queue_messages: Gauges = "vibrissa_queue_messages", "Messages that wait, by queue.", labels::QUEUE;
-    /// What may wait, by queue.
+        "Time of receipt of the last contacts message, or else of the lease's acquisition; 0 if supervised elsewhere.";
+    /// Waiting messages, by queue.
+    queue_messages: Gauges = "vibrissa_queue_messages", "Waiting messages, by queue.", labels::QUEUE;
+    /// Capacity in messages, by queue.
     queue_capacity_messages: Gauges = "vibrissa_queue_capacity_messages",
-        "Messages that may wait, by queue; beyond that they are left out.", labels::QUEUE;
-    /// Bytes that wait in the inbox.
-    inbox_bytes: IntGauge = "vibrissa_inbox_bytes", "Bytes that wait in the inbox.";
-    /// Bytes that may wait there.
-    inbox_capacity_bytes: IntGauge = "vibrissa_inbox_capacity_bytes", "Bytes that may wait in the inbox.";
+        "Capacity in messages, by queue; further messages are not accepted.", labels::QUEUE;
+    /// Size of the messages that wait in the inbox, bytes.
+    inbox_bytes: IntGauge = "vibrissa_inbox_bytes", "Size of the messages that wait in the inbox.";
+    /// Capacity of the inbox, bytes.
+    inbox_capacity_bytes: IntGauge = "vibrissa_inbox_capacity_bytes", "Capacity of the inbox.";
 
-    /// Robots, by connection.
-    robots: Gauges = "vibrissa_robots", "Robots, by connection.", labels::CONNECTION;
-    /// Whiskers, by fault or else condition.
-    whiskers: Gauges = "vibrissa_whiskers", "Whiskers, by fault or else condition.", labels::HEALTH;
-    /// Trims found.
-    trims: IntCounter = "vibrissa_trims_total", "Trims found.";
-    /// Contacts from the likeliest moment of a cut to the decision that it is one.
+    /// Robots, by connection state.
+    robots: Gauges = "vibrissa_robots", "Robots, by connection state.", labels::CONNECTION;
+    /// Whiskers, by fault, or by condition if they have no fault.
+    whiskers: Gauges = "vibrissa_whiskers",
+        "Whiskers, by fault, or by condition if they have no fault.", labels::HEALTH;
+    /// Number of detected trims.
+    trims: IntCounter = "vibrissa_trims_total", "Detected trims.";
+    /// Contacts of a whisker from the most likely moment of a cut to its detection.
     trim_detection_contacts: Histogram = "vibrissa_trim_detection_contacts",
-        "Contacts of a whisker from the likeliest moment of a cut to the decision that it is one.", CONTACTS;
-    /// Compensations, by case and by each outcome that they came to.
+        "Contacts of a whisker from the most likely moment of a cut to its detection.", CONTACTS;
+    /// Events of compensations, by case of the paper and outcome. A compensation counts in each outcome that it
+    /// reaches.
     compensations: Counters<2> = "vibrissa_compensations_total",
-        "Compensations, by case of the paper and by each outcome that they came to.", labels::CASE_AND_OUTCOME;
-    /// Compensations in force, by case.
+        "Compensations, by case of the paper and by each outcome that they reached.", labels::CASE_AND_OUTCOME;
+    /// Compensations in force, by case of the paper.
     compensations_in_force: Gauges = "vibrissa_compensations_in_force",
-        "Compensations in force, by case; those that wait for approval are not.", labels::CASE;
-    /// Measured compensation errors as they were stated, by case.
+        "Compensations in force, by case of the paper; those that wait for approval are not counted.", labels::CASE;
+    /// Measured compensation errors (Eq. 35), by case of the paper, as ratios.
     compensation_error_ratio: Histograms = "vibrissa_compensation_error_ratio",
-        "Measured compensation errors (Eq. 35) as they were stated.", (labels::CASE, ERROR_RATIOS);
-    /// Mean over the compensations in force of the error that was measured last.
+        "Measured compensation errors (Eq. 35), as ratios.", (labels::CASE, ERROR_RATIOS);
+    /// Mean of the newest measured error of each compensation in force, by case, as a ratio.
     compensation_error_mean_ratio: Quantities = "vibrissa_compensation_error_mean_ratio",
-        "Mean over the compensations in force of the error (Eq. 35) measured last.", labels::CASE;
-    /// The largest of these.
+        "Mean of the newest measured errors (Eq. 35) of the compensations in force.", labels::CASE;
+    /// Largest of the newest measured errors of the compensations in force, by case, as a ratio.
     compensation_error_worst_ratio: Quantities = "vibrissa_compensation_error_worst_ratio",
-        "Largest error (Eq. 35) measured last among the compensations in force.", labels::CASE;
-    /// The same mean with the published gains applied.
+        "Largest of the newest measured errors (Eq. 35) of the compensations in force.", labels::CASE;
+    /// Mean of the newest measured errors with the published gains applied, by case, as a ratio.
     compensation_error_with_gain_mean_ratio: Quantities = "vibrissa_compensation_error_with_gain_mean_ratio",
-        "Mean over the compensations in force of the error measured last, with the published gain applied.", labels::CASE;
-    /// Mean of what was predicted for these compensations.
+        "Mean of the newest measured errors of the compensations in force, with the published gains applied.",
+        labels::CASE;
+    /// Mean predicted error of the compensations in force, by case, as a ratio.
     compensation_predicted_error_mean_ratio: Quantities = "vibrissa_compensation_predicted_error_mean_ratio",
-        "Mean over the compensations in force of the error that was predicted when they were decided.", labels::CASE;
-    /// The policy's limit on predicted errors.
+        "Mean predicted error of the compensations in force, as of their decisions.", labels::CASE;
+    /// Highest predicted error at which the policy starts a compensation, as a ratio.
     compensation_error_limit_ratio: Gauge = "vibrissa_compensation_error_limit_ratio",
-        "The policy's highest predicted error of a compensation.";
-    /// Looks at setpoints, by what came of them.
+        "Highest predicted error at which the policy starts a compensation.";
+    /// Evaluations of setpoints for refinement, by outcome.
     refinements: Counters = "vibrissa_refinements_total",
-        "Looks at the setpoint of a compensation, by what came of them.", labels::REFINEMENT;
+        "Evaluations of compensations' setpoints for refinement, by outcome.", labels::REFINEMENT;
 
-    /// Setpoints, by each state that they came into.
-    setpoints: Counters = "vibrissa_setpoints_total", "Setpoints, by each state that they came into.", labels::STATE;
-    /// Setpoints that a robot refused, by its reason.
+    /// Setpoints, by state. A setpoint counts in each state that it enters.
+    setpoints: Counters = "vibrissa_setpoints_total", "Setpoints, by each state that they entered.", labels::STATE;
+    /// Setpoints that robots rejected, by reason.
     setpoints_rejected: Counters = "vibrissa_setpoints_rejected_total",
-        "Setpoints that robots refused, by their reason.", labels::REJECTION;
-    /// Setpoints that were too old to go out.
+        "Setpoints that robots rejected, by reason.", labels::REJECTION;
+    /// Setpoints that were not sent, or not sent again, because they had expired by the monotonic clock.
     setpoints_expired_unsent: IntCounter = "vibrissa_setpoints_expired_unsent_total",
-        "Setpoints not sent, or not sent again, because their time to live was over by the monotonic clock.";
-    /// Setpoints sent again because they were not answered.
+        "Setpoints not sent, or not sent again, because they had expired by the monotonic clock.";
+    /// Publications of setpoints that were repeated because no answer came.
     setpoints_resent: IntCounter = "vibrissa_setpoints_resent_total",
-        "Setpoints published once more because no answer came.";
+        "Repeated publications of setpoints because no answer came.";
     /// Setpoints without a final answer.
-    setpoints_under_way: IntGauge = "vibrissa_setpoints_under_way", "Setpoints without a final answer yet.";
-    /// From the receipt of what led to a setpoint to its publication.
+    setpoints_under_way: IntGauge = "vibrissa_setpoints_under_way", "Setpoints without a final answer.";
+    /// Time from the receipt of the message that caused a setpoint to the setpoint's publication, by reason, s.
     setpoint_publication_seconds: Histograms = "vibrissa_setpoint_publication_seconds",
-        "From the receipt of the message that led to a setpoint to its publication.",
+        "Time from the receipt of the message that caused a setpoint to the setpoint's publication.",
         (labels::SETPOINT_REASON, SETPOINT_SECONDS);
-    /// From the receipt of what led to a setpoint to the robot's word that it is applied.
+    /// Time from the receipt of the message that caused a setpoint to the robot's answer that it is applied, by
+    /// reason, s.
     setpoint_application_seconds: Histograms = "vibrissa_setpoint_application_seconds",
-        "From the receipt of the message that led to a setpoint to the robot's answer that it is applied.",
+        "Time from the receipt of the message that caused a setpoint to the robot's answer that it is applied.",
         (labels::SETPOINT_REASON, SETPOINT_SECONDS);
 
     /// Alarms raised, by kind.
-    alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised.", labels::ALARM;
-    /// Alarms that stand, by kind.
-    alarms_standing: Gauges = "vibrissa_alarms_standing", "Alarms that stand.", labels::ALARM;
-    /// What operators asked, by kind and by what became of it.
-    actions: Counters<2> = "vibrissa_actions_total", "What operators asked, by what became of it.", labels::ACTION;
+    alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
+    /// Standing alarms, by kind.
+    alarms_standing: Gauges = "vibrissa_alarms_standing", "Standing alarms, by kind.", labels::ALARM;
+    /// Actions of operators, by kind and final state.
+    actions: Counters<2> = "vibrissa_actions_total", "Actions of operators, by kind and final state.", labels::ACTION;
 
-    /// Time of a commit.
-    database_commit_seconds: Histogram = "vibrissa_database_commit_seconds", "Time of a commit.", COMMIT_SECONDS;
-    /// 1 while the fleet's messages are received.
+    /// Duration of a commit, s.
+    database_commit_seconds: Histogram = "vibrissa_database_commit_seconds",
+        "Duration of a commit to the database.", COMMIT_SECONDS;
+    /// 1 while the fleet's messages are received from the broker, else 0.
     broker_connected: IntGauge = "vibrissa_broker_connected",
-        "1 while the fleet's messages are received from the broker, as probes prove.";
-    /// Connections made to the broker on which the fleet's messages are received.
+        "1 while the fleet's messages are received from the broker, as verified by probes.";
+    /// Connections to the broker over which the fleet's messages were received.
     broker_connections: IntCounter = "vibrissa_broker_connections_total",
-        "Connections made to the broker on which the fleet's messages are received.";
-    /// Connections that the broker ended because another client connected with their client id.
+        "Connections to the broker over which the fleet's messages were received.";
+    /// Connections that the broker closed because another client connected with the same client id.
     mqtt_session_takeovers: IntCounter = "vibrissa_mqtt_session_takeovers_total",
-        "Connections that the broker ended because another client connected with their client id.";
-    /// Connections that the broker closed alone, without a reason.
+        "Connections that the broker closed because another client connected with the same client id.";
+    /// Connections that the broker closed without a reason while the fleet's other connection stayed open.
     mqtt_connections_closed: IntCounter = "vibrissa_mqtt_connections_closed_total",
-        "Connections that the broker closed without a reason while the fleet's other one stood; some brokers do so after a takeover.";
-    /// Probes that did not come back in time, by topic.
+        "Connections that the broker closed without a reason while the fleet's other one stayed open.";
+    /// Probes that did not return in time, by topic.
     mqtt_probe_failures: Counters = "vibrissa_mqtt_probe_failures_total",
-        "Probes that the supervisor sent to itself and that did not come back in time, by topic.", labels::TOPIC;
-    /// From the sending of the newest probes to their return.
+        "Probes from the supervisor to itself that did not return in time, by topic.", labels::TOPIC;
+    /// Time from the sending of the newest probes to the return of the last of them, s.
     mqtt_probe_round_trip_seconds: Gauge = "vibrissa_mqtt_probe_round_trip_seconds",
-        "From the sending of the newest probes through the broker to the return of the last of them.";
-    /// 1 while the fleet is supervised here.
-    lease_held: IntGauge = "vibrissa_lease_held", "1 while the fleet is supervised here.";
-    /// The epoch in which it was supervised here last.
+        "Time from the sending of the newest probes through the broker to the return of the last of them.";
+    /// 1 while this supervisor holds the fleet's lease, else 0.
+    lease_held: IntGauge = "vibrissa_lease_held", "1 while this supervisor holds the fleet's lease.";
+    /// Epoch of this supervisor's newest lease of the fleet.
     lease_epoch: IntGauge = "vibrissa_lease_epoch",
-        "The epoch in which the fleet was supervised here last: milliseconds since 1970 at its beginning, or more.";
-    /// Leases taken, and lost or given back.
+        "Epoch of this supervisor's newest lease of the fleet: milliseconds since 1970 at its begin, or more.";
+    /// Leases acquired, and lost or released, by change.
     lease_changes: Counters = "vibrissa_lease_changes_total",
-        "Times that the fleet was taken up here, and lost or given back.", labels::CHANGE;
-    /// 1 for the policy's mode in force.
-    policy_mode: Gauges = "vibrissa_policy_mode", "1 for the policy's mode in force.", labels::MODE;
-    /// The policy's version in force; 0 for the configuration's.
-    policy_version: IntGauge = "vibrissa_policy_version", "The policy's version in force; 0 for the configuration's.";
-    /// Mean number of contacts of a healthy whisker between false alarms of the detector (ARL0), in force.
+        "Leases of the fleet that this supervisor acquired, and lost or released.", labels::CHANGE;
+    /// 1 for the mode of the policy in force, 0 for the others.
+    policy_mode: Gauges = "vibrissa_policy_mode", "1 for the mode of the policy in force.", labels::MODE;
+    /// Version of the policy in force; 0 for the policy of the configuration.
+    policy_version: IntGauge = "vibrissa_policy_version",
+        "Version of the policy in force; 0 for the policy of the configuration.";
+    /// Mean number of contacts of a healthy whisker between false alarms of the detector (ARL0), by the parameters in
+    /// force.
     detector_arl_contacts: Gauge = "vibrissa_detector_arl_contacts",
-        "Mean number of contacts of a healthy whisker between false alarms of the detector (ARL0), in force.";
+        "Mean number of contacts of a healthy whisker between false alarms of the detector in force (ARL0).";
 }
 
 impl FleetMetrics {
-    /// Those that are shown only while they are known.
+    /// The gauges whose series exist only while their values are known.
     pub(super) fn quantities(&self) -> [&Quantities; 4] {
         [
             &self.compensation_error_mean_ratio,
@@ -206,7 +217,7 @@ impl FleetMetrics {
         ]
     }
 
-    /// Says that nothing is known of the fleet here any more.
+    /// Resets the gauges, because this supervisor does not own the fleet any more.
     pub fn forget(&self) {
         let none = |_| 0;
         for gauges in [

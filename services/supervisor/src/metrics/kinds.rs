@@ -1,5 +1,6 @@
-//! Metrics that each fleet has for itself: declared once for all fleets, with the fleet as the first label, and then asked
-//! for by fleet. Labels' values are words of the program, never a robot's: the number of series has a bound.
+//! Kinds of metrics that each fleet has: registered once for all fleets, with `fleet` as their first label, and then
+//! obtained for one fleet. The values of labels are words of the program and never come from robots, so the number of
+//! series is bounded.
 
 use std::sync::Arc;
 
@@ -9,23 +10,23 @@ use prometheus::{
     Registry, Result,
 };
 
-/// The first label of each.
+/// First label of each metric.
 const FLEET: &str = "fleet";
 
-/// A word of the program as a label's value.
+/// A word of the program, as the value of a label.
 pub type Word = &'static str;
 
-/// A metric that each fleet has for itself.
+/// A kind of metric that each fleet has.
 pub(super) trait OfFleet: Sized {
-    /// What it is declared as.
+    /// The registered family of series, for all fleets.
     type Family: Clone + Collector + 'static;
-    /// What must be known of it beside name and help.
+    /// Further properties, beside name and help text: labels or buckets.
     type Shape: Copy;
 
     fn declare(opts: Opts, shape: Self::Shape) -> Result<Self::Family>;
     fn of(family: &Self::Family, fleet: &str, shape: Self::Shape) -> Self;
 
-    /// Declares it in the registry.
+    /// Creates the family and registers it.
     fn register(registry: &Registry, name: &str, help: &str, shape: Self::Shape) -> Result<Self::Family> {
         let family = Self::declare(Opts::new(name, help), shape)?;
         registry.register(Box::new(family.clone()))?;
@@ -33,13 +34,13 @@ pub(super) trait OfFleet: Sized {
     }
 }
 
-/// Labels beside the fleet, with the values that are there from the start: a rate over a series that begins with its first
-/// event misses that event.
+/// Labels beside `fleet`, with all combinations of values whose series exist from the start. (The rate of a series
+/// that appears with its first event would miss that event.)
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Labels<const N: usize> {
-    /// Their names.
+    /// Names of the labels.
     pub(super) names: [&'static str; N],
-    /// Their values.
+    /// Combinations of the labels' values.
     pub(super) values: fn() -> Vec<[Word; N]>,
 }
 
@@ -104,7 +105,7 @@ impl OfFleet for Histogram {
     }
 }
 
-/// Metrics of one fleet by the values of their labels, found without a lock or a copy.
+/// Metrics of one fleet by the values of their labels, found without a lock or an allocation.
 #[derive(Debug, Clone)]
 pub(super) struct By<M, const N: usize> {
     known: Arc<[([Word; N], M)]>,
@@ -133,13 +134,13 @@ pub struct Counters<const N: usize = 1> {
 }
 
 impl<const N: usize> Counters<N> {
-    /// The one with these values.
+    /// The counter with these values.
     #[must_use]
     pub fn of(&self, words: [Word; N]) -> IntCounter {
         self.by.find(words).cloned().unwrap_or_else(|| self.family.with_label_values(&values(&self.fleet, &words)))
     }
 
-    /// Counts one.
+    /// Increments the counter with these values.
     pub fn count(&self, words: [Word; N]) {
         match self.by.find(words) {
             Some(counter) => counter.inc(),
@@ -162,14 +163,14 @@ impl<const N: usize> OfFleet for Counters<N> {
     }
 }
 
-/// Whole numbers that go up and down, by one label.
+/// Integer gauges by one label.
 #[derive(Debug, Clone)]
 pub struct Gauges {
     by: By<IntGauge, 1>,
 }
 
 impl Gauges {
-    /// Sets each to what `count` says.
+    /// Sets each gauge to `count` of its label value.
     pub fn set_all(&self, count: impl Fn(Word) -> i64) {
         for ([word], gauge) in self.by.known.iter() {
             gauge.set(count(word));
@@ -190,7 +191,7 @@ impl OfFleet for Gauges {
     }
 }
 
-/// Quantities that may be unknown, by one label: a series is there while its quantity is known.
+/// Gauges of values that may be unknown, by one label. The series of an unknown value does not exist.
 #[derive(Debug, Clone)]
 pub struct Quantities {
     family: GaugeVec,
@@ -199,13 +200,13 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// Sets each to what `quantity` says; unknown ones are not shown.
+    /// Sets each gauge to `quantity` of its label value; removes the series if it is `None`.
     pub fn set_all(&self, quantity: impl Fn(Word) -> Option<f64>) {
         for words in self.words.iter() {
             let values = values(&self.fleet, words);
             match quantity(words[0]) {
                 Some(quantity) => self.family.with_label_values(&values).set(quantity),
-                // It was not shown before either, perhaps.
+                // The series may not exist.
                 None => drop(self.family.remove_label_values(&values)),
             }
         }
@@ -234,7 +235,7 @@ pub struct Histograms {
 }
 
 impl Histograms {
-    /// The one of this word.
+    /// The histogram with this label value.
     #[must_use]
     pub fn of(&self, word: Word) -> Histogram {
         self.by.find([word]).cloned().unwrap_or_else(|| self.family.with_label_values(&[&*self.fleet, word]))

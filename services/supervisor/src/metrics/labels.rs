@@ -1,4 +1,4 @@
-//! The labels' values: the words of the core's closed enums, as in the contract, the database and REST.
+//! Values of labels: the words of the core's closed enums, as in the contract, the database and the REST API.
 
 use vibrissa_core::policy::{Case, Mode};
 use vibrissa_core::robot::effect::{
@@ -13,30 +13,30 @@ use super::kinds::{Labels, Word};
 use vibrissa_edge::actions::CALIBRATION;
 use vibrissa_store::RejectionCause;
 
-/// The case of a decision that found nobody.
+/// Case of a decision that found no compensator.
 pub const NO_CASE: Word = "NONE";
-/// Outcomes of a decision, before those that end it.
+/// Outcome of a decision: the compensation starts.
 pub const STARTED: Word = "STARTED";
-/// It waits for an operator.
+/// Outcome of a decision: the compensation waits for an operator's approval.
 pub const PROPOSED: Word = "PROPOSED";
-/// An operator has approved it.
+/// Outcome of a proposal: an operator approved it.
 pub const APPROVED: Word = "APPROVED";
-/// Nobody can serve.
+/// Outcome of a decision: no whisker can compensate.
 pub const UNSERVED: Word = "UNSERVED";
-/// A lease was taken.
+/// A lease was acquired.
 pub const TAKEN: Word = "TAKEN";
-/// A lease was lost or given back.
+/// A lease was lost or released.
 pub const LOST: Word = "LOST";
-/// What waits to be handled.
+/// Queue of received messages.
 pub const INBOX: Word = "inbox";
-/// What waits to be published.
+/// Queue of messages to publish.
 pub const OUTBOX: Word = "outbox";
 
 const fn by_one(name: &'static str, values: fn() -> Vec<[Word; 1]>) -> Labels<1> {
     Labels { names: [name], values }
 }
 
-/// The words of a closed enum.
+/// All words of a closed enum.
 fn all<T: Words>() -> Vec<[Word; 1]> {
     T::all().into_iter().map(|one| [one.word()]).collect()
 }
@@ -44,7 +44,7 @@ fn all<T: Words>() -> Vec<[Word; 1]> {
 pub(super) const TOPIC: Labels<1> = by_one("topic", || {
     RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).map(|kind| [kind.as_str()]).collect()
 });
-/// What [`vibrissa_protocol::Refusal`], [`vibrissa_edge::EdgeError`] and the engine say.
+/// Reasons of [`vibrissa_protocol::Refusal`], [`vibrissa_edge::EdgeError`] and the engine.
 pub(super) const REASON: Labels<1> = by_one("reason", || {
     [
         "bad_name",

@@ -1,8 +1,8 @@
-//! What the service counts, in base units; each metric is declared once: those of the program here, those of fleets in
-//! [`fleet`], those of single whiskers, which are off unless asked for, in [`whiskers`].
+//! Metrics of the service, in base units. Each metric is defined once: those of the program here, those of fleets in
+//! [`fleet`], and those of single robots and whiskers, which are off by default, in [`whiskers`].
 //!
-//! Labels have values of the program or of its configuration alone. Robots' names come from topics, and whoever may
-//! publish can make them up.
+//! All other labels have values of the program or of its configuration only: names of robots come from topics, and
+//! any client that may publish can make them up.
 
 mod document;
 mod fleet;
@@ -23,63 +23,70 @@ pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
 pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
 pub use whiskers::{RobotSample, WhiskerMetrics, WhiskerSample};
 
-/// Every metric.
+/// All metrics of the program.
 #[derive(Debug, Clone)]
 pub struct Metrics {
     registry: Registry,
     families: Arc<fleet::Families>,
     build: IntGaugeVec,
-    /// Failed attempts at the database.
+    /// Failed attempts to use the database.
     pub database_errors: IntCounter,
-    /// Whether the last attempt at the database succeeded.
+    /// 1 while the last attempt to use the database succeeded, else 0.
     pub database_up: IntGauge,
-    /// Spans of traces that no collector has taken.
+    /// Trace spans that no collector accepted.
     pub trace_spans_dropped: IntCounter,
-    /// When the tables were last found, or put, in order.
+    /// Time of the last successful upkeep of the tables, s since 1970 UTC; 0 before.
     pub upkeep_timestamp_seconds: Gauge,
-    /// Failed attempts at that.
+    /// Failed rounds of upkeep.
     pub upkeep_errors: IntCounter,
-    /// Partitions that were dropped because all of them was too old.
+    /// Partitions that were dropped because all their rows were too old.
     pub partitions_dropped: IntCounter,
-    /// Rows that were removed one by one because they were too old.
+    /// Rows that were deleted because they were too old, outside of dropped partitions.
     pub old_rows_removed: IntCounter,
-    /// Requests over HTTP.
+    /// Metrics of the HTTP servers.
     pub http: HttpMetrics,
-    /// Single robots and whiskers, if they are wanted.
+    /// Metrics of single robots and whiskers, if they are enabled.
     pub whiskers: Option<WhiskerMetrics>,
 }
 
 impl Metrics {
-    /// Declares every metric; those of single robots and whiskers only if they are wanted.
+    /// Registers all metrics; those of single robots and whiskers only if `per_whisker` is set.
     ///
     /// # Errors
-    /// Two have the same name.
+    /// Two metrics have the same name.
     pub fn new(per_whisker: bool) -> Result<Self> {
         let registry = Registry::new();
         #[cfg(target_os = "linux")]
         registry.register(Box::new(prometheus::process_collector::ProcessCollector::for_self()))?;
         let build = IntGaugeVec::new(
-            Opts::new("vibrissa_build_info", "1, with what this program is and works with."),
+            Opts::new(
+                "vibrissa_build_info",
+                "Always 1; its labels state the program's version, database, broker and supervisor.",
+            ),
             &["version", "database", "broker", "supervisor"],
         )?;
-        let database_errors = IntCounter::new("vibrissa_database_errors_total", "Failed attempts at the database.")?;
+        let database_errors =
+            IntCounter::new("vibrissa_database_errors_total", "Failed attempts to use the database.")?;
         let trace_spans_dropped =
-            IntCounter::new("vibrissa_trace_spans_dropped_total", "Spans of traces that no collector has taken.")?;
-        let database_up = IntGauge::new("vibrissa_database_up", "1 while the last attempt at the database succeeded.")?;
+            IntCounter::new("vibrissa_trace_spans_dropped_total", "Trace spans that no collector accepted.")?;
+        let database_up =
+            IntGauge::new("vibrissa_database_up", "1 while the last attempt to use the database succeeded.")?;
         let upkeep_timestamp_seconds = Gauge::new(
             "vibrissa_upkeep_timestamp_seconds",
-            "When partitions were last all there and nothing too old was left, since 1970 UTC; 0 before.",
+            "Time at which all partitions existed and no row was too old, since 1970 UTC; 0 before the first.",
         )?;
         let upkeep_errors = IntCounter::new(
             "vibrissa_upkeep_errors_total",
-            "Failed attempts to make partitions or to remove what is too old.",
+            "Failed attempts to create partitions or to delete old rows.",
         )?;
         let partitions_dropped = IntCounter::new(
             "vibrissa_partitions_dropped_total",
-            "Partitions dropped because all of them was too old.",
+            "Partitions dropped because all their rows were too old.",
         )?;
-        let old_rows_removed =
-            IntCounter::new("vibrissa_old_rows_removed_total", "Rows removed one by one because they were too old.")?;
+        let old_rows_removed = IntCounter::new(
+            "vibrissa_old_rows_removed_total",
+            "Rows deleted because they were too old, outside of dropped partitions.",
+        )?;
         registry.register(Box::new(upkeep_timestamp_seconds.clone()))?;
         for counter in [&upkeep_errors, &partitions_dropped, &old_rows_removed] {
             registry.register(Box::new(counter.clone()))?;
@@ -108,27 +115,27 @@ impl Metrics {
         })
     }
 
-    /// Says what this program is and works with.
+    /// Sets the labels of `vibrissa_build_info`.
     pub fn is(&self, supervisor: &str, database: Word, broker: Word) {
         self.build.with_label_values(&[env!("CARGO_PKG_VERSION"), database, broker, supervisor]).set(1);
     }
 
-    /// The metrics of one fleet of the configuration. Asking for them makes them be shown.
+    /// Metrics of a fleet of the configuration. The call creates their series, with the value 0.
     #[must_use]
     pub fn of_fleet(&self, fleet: &Name) -> FleetMetrics {
         self.families.of(fleet.as_str())
     }
 
-    /// Counts an attempt at the database that failed.
+    /// Counts a failed attempt to use the database.
     pub fn database_failed(&self) {
         self.database_errors.inc();
         self.database_up.set(0);
     }
 
-    /// Prometheus' text format.
+    /// All metrics in Prometheus' text format.
     ///
     /// # Errors
-    /// A metric cannot be written down.
+    /// A metric cannot be encoded.
     pub fn text(&self) -> Result<Vec<u8>> {
         let mut text = Vec::new();
         TextEncoder::new().encode(&self.registry.gather(), &mut text)?;

@@ -91,7 +91,10 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
     assert!(text.contains(&format!("vibrissa_whisker_length_meters{place} 0.065\n")), "{text}");
     assert!(text.contains(&format!("vibrissa_whisker_setpoint_pascals{place} 100000\n")), "{text}");
     assert!(text.contains("vibrissa_robot_heard_timestamp_seconds{fleet=\"f\",robot=\"r\"} 12.5\n"), "{text}");
-    assert!(!text.contains("vibrissa_whisker_pressure_pascals{"), "not measured yet: {text}");
+    assert!(
+        !text.contains("vibrissa_whisker_pressure_pascals{"),
+        "a pressure that was not measured is not exported: {text}"
+    );
     whiskers.show("f", Vec::new());
     assert!(!shown(&metrics).contains("robot="));
     assert_eq!(whiskers.desc().len(), 5);
@@ -100,5 +103,5 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
 #[test]
 fn the_document_of_the_metrics_is_what_they_are() {
     let written = include_str!("../../../../docs/metrics.md");
-    assert_eq!(written, document().unwrap(), "write it anew: vibrissa metrics > docs/metrics.md");
+    assert_eq!(written, document().unwrap(), "regenerate it: vibrissa metrics > docs/metrics.md");
 }

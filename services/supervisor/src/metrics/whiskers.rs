@@ -1,5 +1,6 @@
-//! Single robots and whiskers: three series and a health for each whisker, so only where somebody wants them and
-//! Prometheus can take them. They show what the fleets' owners have seen last, and vanish with the robot.
+//! Metrics of single robots and whiskers: four series for each whisker, so they are exported only if the
+//! configuration enables them. They show the last values that the fleets' owners have sampled, and vanish with the
+//! robot.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,42 +15,42 @@ const ROBOT: [&str; 2] = ["fleet", "robot"];
 const WHISKER: [&str; 4] = ["fleet", "robot", "array", "whisker"];
 const WHISKER_AND_HEALTH: [&str; 5] = ["fleet", "robot", "array", "whisker", "health"];
 
-/// A robot as it is shown.
+/// Exported values of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotSample {
-    /// Its name.
+    /// Name of the robot.
     pub robot: String,
-    /// When it was heard of last, since 1970 UTC; none if never.
+    /// Time of its last message, s since 1970 UTC; `None` before the first.
     pub heard_s: Option<f64>,
-    /// Its whiskers.
+    /// Whiskers on the robot.
     pub whiskers: Vec<WhiskerSample>,
 }
 
-/// A whisker as it is shown.
+/// Exported values of a whisker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WhiskerSample {
-    /// Its array's name.
+    /// Name of its array.
     pub array: String,
-    /// Its number there.
+    /// Number of the whisker in its array.
     pub whisker: u16,
-    /// Length.
+    /// Estimated length, m.
     pub length_m: f64,
-    /// Pressure as last measured.
+    /// Pressure as last measured, Pa; `None` before the first measurement.
     pub pressure_pa: Option<f64>,
-    /// Pressure that the robot holds or moves to.
+    /// Pressure that the robot holds or moves to, Pa.
     pub setpoint_pa: f64,
-    /// Fault, or else condition.
+    /// Fault, or condition if it has no fault.
     pub health: Word,
 }
 
-/// Single robots and whiskers.
+/// Metrics of single robots and whiskers.
 #[derive(Debug, Clone)]
 pub struct WhiskerMetrics {
     seen: Arc<Mutex<BTreeMap<String, Vec<RobotSample>>>>,
     descriptions: Vec<Desc>,
 }
 
-/// One scrape's worth of series.
+/// The series of one scrape.
 struct Series {
     heard: GaugeVec,
     length: GaugeVec,
@@ -64,13 +65,21 @@ impl Series {
         Ok(Self {
             heard: gauges(
                 "vibrissa_robot_heard_timestamp_seconds",
-                "When the robot was heard of last, since 1970 UTC.",
+                "Time of the last message of the robot, since 1970 UTC.",
                 &ROBOT,
             )?,
             length: gauges("vibrissa_whisker_length_meters", "Estimated length of a whisker.", &WHISKER)?,
             pressure: gauges("vibrissa_whisker_pressure_pascals", "Chamber pressure as last measured.", &WHISKER)?,
-            setpoint: gauges("vibrissa_whisker_setpoint_pascals", "Pressure that is held or moved to.", &WHISKER)?,
-            health: gauges("vibrissa_whisker_health", "1 for the fault or else condition.", &WHISKER_AND_HEALTH)?,
+            setpoint: gauges(
+                "vibrissa_whisker_setpoint_pascals",
+                "Pressure that the robot holds or moves to.",
+                &WHISKER,
+            )?,
+            health: gauges(
+                "vibrissa_whisker_health",
+                "1 for the fault, or for the condition if there is no fault.",
+                &WHISKER_AND_HEALTH,
+            )?,
         })
     }
 
@@ -102,7 +111,7 @@ impl WhiskerMetrics {
         Ok(Self { seen: Arc::default(), descriptions })
     }
 
-    /// Shows these robots of a fleet, and no others; none where the fleet is supervised elsewhere.
+    /// Replaces the exported robots of a fleet; pass none if the fleet is supervised elsewhere.
     pub fn show(&self, fleet: &str, robots: Vec<RobotSample>) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         if robots.is_empty() {
@@ -119,7 +128,7 @@ impl Collector for WhiskerMetrics {
     }
 
     fn collect(&self) -> Vec<MetricFamily> {
-        // The names were found good when they were declared.
+        // The names were valid when the descriptions were created.
         let Ok(series) = Series::declare() else { return Vec::new() };
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         for (fleet, robots) in seen.iter() {

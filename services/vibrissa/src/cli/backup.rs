@@ -1,4 +1,4 @@
-//! `vibrissa backup`: a copy of a SQLite database.
+//! `vibrissa backup`: copies a SQLite database while it is in use.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,22 +14,22 @@ use vibrissa_store::{DatabaseAddress, backup};
 /// Arguments of `vibrissa backup`.
 #[derive(Debug, Args)]
 pub struct BackupArgs {
-    /// The copy to make, on any disk; nothing is overwritten.
+    /// File of the copy, on any disk; an existing file is never overwritten.
     file: PathBuf,
     #[command(flatten)]
     database: DatabaseArgs,
 }
 
-/// Copies, checks, and says what came of it; progress goes to standard error.
+/// Copies the database, checks the copy, and prints its size. Progress goes to standard error.
 ///
 /// # Errors
-/// There is no such database, the copy's name is taken, it cannot be written, or the copy is damaged.
+/// The database does not exist, a file with the copy's name exists, or the copy cannot be written or is damaged.
 pub fn run(args: &BackupArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let address = args.database.read()?.database;
     let DatabaseAddress::Sqlite(from) = &address else {
         bail!(
-            "{address} is a PostgreSQL: back it up with its own tools, such as `pg_dump --format=custom` \
-             (docs/operations.md has the commands)"
+            "{address} is a PostgreSQL database: back it up with its own tools, such as `pg_dump --format=custom` \
+             (see docs/operations.md for the commands)"
         );
     };
     let told = |written: u64, most: u64| {
@@ -40,7 +40,7 @@ pub fn run(args: &BackupArgs, out: &mut impl Write) -> anyhow::Result<()> {
             copied = backup::copy(from, &args.file, told) => Ok(copied?),
             asked = stop::asked() => {
                 asked?;
-                Err(anyhow::Error::from(Stopped("there is no copy, and nothing of it is left")))
+                Err(anyhow::Error::from(Stopped("no back-up was made, and no file is left behind")))
             }
         }
     })?;
