@@ -39,7 +39,7 @@ pub struct World {
 impl World {
     /// The first robot of a scenario, connected.
     pub fn new(scenario: &Scenario, params: Params) -> Self {
-        scenario.check().expect("a good scenario");
+        scenario.check().expect("a valid scenario");
         let config = RobotConfig::all(scenario).next().expect("a robot");
         let robot = SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot");
         let mut world = Self {

@@ -158,7 +158,7 @@ impl Starts {
 
     fn take_before(&mut self, place: usize) -> Result<()> {
         if place <= STEPS || self.contacts[place - 1] == 0 {
-            return Err(counts::refused("a start as none"));
+            return Err(counts::refused("a start refers to a missing one"));
         }
         self.contacts[place] = self.contacts[place - 1];
         self.lacking.iter_mut().for_each(|one| one[place] = one[place - 1]);

@@ -33,11 +33,11 @@ fn decoded(channel: Channel, message: &Value) -> Result<Message, Refusal> {
 #[test]
 fn the_files_in_docs_are_what_the_program_writes() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    const MEND: &str = "mend it with: cargo run -- contract --write docs";
+    const MEND: &str = "write it with: cargo run -- contract --write docs";
     let written = files();
     for file in &written {
         let there = fs::read_to_string(docs.join(&file.path)).unwrap_or_default();
-        assert!(there == file.text, "docs/{} is not what the code says; {MEND}", file.path);
+        assert!(there == file.text, "docs/{} differs from the code; {MEND}", file.path);
     }
     for entry in fs::read_dir(docs.join("schemas")).unwrap() {
         let path = format!("schemas/{}", entry.unwrap().file_name().into_string().unwrap());

@@ -79,6 +79,6 @@ mod tests {
             std::fs::write(path, markdown()).unwrap();
         }
         let written = std::fs::read_to_string(path).unwrap();
-        assert!(written == markdown(), "docs/contract-rules.md is old: VIBRISSA_WRITE_DOCS=1 writes it anew");
+        assert!(written == markdown(), "docs/contract-rules.md is out of date: VIBRISSA_WRITE_DOCS=1 writes it again");
     }
 }
