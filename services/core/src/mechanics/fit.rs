@@ -1,8 +1,8 @@
 //! Fits a whisker's own calibration to readings under pressure without contact: eq. 32 and 33, then least squares.
 //!
 //! Each axial strain gives one modulus by eq. 33, hence one k2 = E2 / E. Readings have a roughly constant
-//! *relative* error (of the gauge factor and the amplifier), so the logarithms are fitted with equal weights: `ln
-//! k2 = ln(c + a exp(-b Q))`. On a linear scale the soft, high-pressure end, where setpoints are most sensitive to
+//! *relative* error (of the gauge factor and the amplifier), so the logarithms are fitted with equal weights:
+//! `ln k2 = ln(c + a exp(-b Q))`. On a linear scale the soft, high-pressure end, where setpoints are most sensitive to
 //! errors, would hardly count. The elongation gain is the mean logarithm of `delta_l k2(Q) E / Q` over the rows
 //! that have an elongation, with the fitted k2.
 //!

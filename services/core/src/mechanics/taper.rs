@@ -30,8 +30,8 @@ fn ln_1p_over(z: f64) -> f64 {
 /// Polynomial of second degree in the contact distance A: value and slope.
 ///
 /// A bending moment is linear in A, so the derivative of an energy is quadratic in A, and each cone contributes
-/// three numbers. The expansion is about `pole_mm`, the apex of the cone: with w = pole - A the polynomial is `s0 -
-/// s1 w + s2 w^2`.
+/// three numbers. The expansion is about `pole_mm`, the apex of the cone: with w = pole - A the polynomial is
+/// `s0 - s1 w + s2 w^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Quadratic {
     pub(super) pole_mm: f64,
