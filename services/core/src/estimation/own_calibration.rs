@@ -5,11 +5,11 @@
 //! values, and so predict its response at a new pressure.
 //!
 //! Linear and Gaussian: the deviation from the model over contact ratio a and pressure Q is
-//! `o(a) + sum_i w_i (g_i(a, Q) - g_i(a, Q_nominal))`. `o` is a parabola (gauge, gluing and all other effects that do not depend on
-//! pressure); `g_i` is the change of ln s for one step of the i-th parameter ([`Family`]). The weights w have the
-//! prior "uniform within 10 %, either formulation". Each visit of a trimmed whisker adds one unknown, its length
-//! error. The posterior is one solution of the normal equations, so it depends only on the measurements and not on
-//! their order; it is also bounded.
+//! `o(a) + sum_i w_i (g_i(a, Q) - g_i(a, Q_nominal))`. `o` is a parabola (gauge, gluing and all other effects that
+//! do not depend on pressure); `g_i` is the change of ln s for one step of the i-th parameter ([`Family`]). The
+//! weights w have the prior "uniform within 10 %, either formulation". Each visit of a trimmed whisker adds one
+//! unknown, its length error. The posterior is one solution of the normal equations, so it depends only on the
+//! measurements and not on their order; it is also bounded.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix5};
