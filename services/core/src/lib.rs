@@ -1,9 +1,8 @@
-//! What a whisker array is and what to do about it, with no clock, no I/O and no randomness.
+//! Model and decisions for arrays of soft whiskers, with no clock, no I/O and no randomness.
 //!
-//! Read in this order: [`units`], then [`mechanics`] (the paper's equations and their inverses),
-//! [`estimation`] (what one contact says about a whisker's length), [`detection`] (when a change is no
-//! longer chance), [`policy`] (who compensates for whom), and [`robot`], where
-//! `step(state, params, now, event)` puts them together.
+//! Read in this order: [`units`], [`mechanics`] (the paper's equations and their inverses), [`estimation`] (a
+//! whisker's length and offset from its contacts), [`detection`] (changes that are no longer chance), [`policy`]
+//! (the choice of compensators), and [`robot`], whose `step(params, now, event)` puts them together.
 
 mod counts;
 pub mod text;

@@ -1,6 +1,6 @@
 //! Units as types, checked once where a value enters.
 //!
-//! Inside a formula a raw `f64` carries its unit last in its name (`deflection_mm`).
+//! In formulas, the name of a raw `f64` ends with its unit (`deflection_mm`).
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -8,11 +8,11 @@ use borsh::{BorshDeserialize, BorshSerialize};
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{quantity} is {value}, but must be {range}")]
 pub struct OutOfUnitRange {
-    /// The quantity in the reader's words, with its unit.
+    /// Name of the quantity, with its unit, for people.
     pub quantity: &'static str,
-    /// What was given.
+    /// The rejected value.
     pub value: f64,
-    /// What is allowed.
+    /// The permitted range.
     pub range: &'static str,
 }
 
@@ -24,10 +24,10 @@ macro_rules! unit {
         pub struct $name(f64);
 
         impl $name {
-            /// Checks the range once.
+            /// Checks the range.
             ///
             /// # Errors
-            /// The value is not finite or not in the range that the type's description gives.
+            /// The value is not finite or not in the range stated by the type's documentation.
             pub fn new(value: f64) -> Result<Self, OutOfUnitRange> {
                 let check: fn(f64) -> bool = $check;
                 if value.is_finite() && check(value) {
@@ -37,17 +37,17 @@ macro_rules! unit {
                 }
             }
 
-            /// A value known to be in range: for constants and for results of the mechanics.
+            /// Wraps a value known to be in range: for constants and results of the mechanics.
             ///
             /// # Panics
-            /// In debug builds, when it is not in range after all.
+            /// In debug builds, if the value is out of range.
             #[must_use]
             pub fn known(value: f64) -> Self {
                 debug_assert!(Self::new(value).is_ok(), concat!($quantity, " out of range: {}"), value);
                 Self(value)
             }
 
-            /// The bare number, in the unit of the type.
+            /// The number in the unit of the type.
             #[must_use]
             pub fn $getter(self) -> f64 {
                 self.0
@@ -76,7 +76,7 @@ unit!(
 );
 
 impl Megapascal {
-    /// The highest pressure that the paper examined, and that any setpoint may have: 0.2 MPa.
+    /// Highest pressure that the paper examined, and the limit of all setpoints: 0.2 MPa.
     pub const EXAMINED_MAX: Self = Self(0.2);
     /// No gauge pressure.
     pub const ZERO: Self = Self(0.0);
@@ -89,30 +89,30 @@ impl ContactRatio {
 
 /// A point in time or a span, in microseconds; points count from 1970 UTC.
 ///
-/// Two clocks exist, the supervisor's and each robot's; a name says which (`now`, `robot_time`).
+/// There are two clocks, the supervisor's and each robot's; a variable's name says which (`now`, `robot_time`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, BorshSerialize, BorshDeserialize)]
 pub struct Micros(pub u64);
 
 impl Micros {
-    /// From seconds; negative or not finite counts as zero.
+    /// Converts seconds; negative values and NaN become zero.
     #[must_use]
     pub fn from_s(seconds: f64) -> Self {
         Self((seconds.max(0.0) * 1e6) as u64)
     }
 
-    /// In seconds.
+    /// Converts to seconds.
     #[must_use]
     pub fn as_s(self) -> f64 {
         self.0 as f64 / 1e6
     }
 
-    /// The time `span` later, at most the end of time.
+    /// The time `span` later, saturating.
     #[must_use]
     pub fn after(self, span: Self) -> Self {
         Self(self.0.saturating_add(span.0))
     }
 
-    /// How long since `earlier`; zero if that lies ahead.
+    /// Time since `earlier`; zero if `earlier` is later.
     #[must_use]
     pub fn since(self, earlier: Self) -> Self {
         Self(self.0.saturating_sub(earlier.0))

@@ -1,4 +1,5 @@
-//! What operators ask, as it is stored and sent, becomes the core's actions: a word for the kind, and a JSON object.
+//! Converts operators' actions from their stored form (a word for the kind and a JSON object) to the core's
+//! actions.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -8,35 +9,35 @@ use vibrissa_core::robot::{OperatorAction, Place, Scope};
 
 use crate::words::{Word, named};
 
-/// Bounds of the policy's numbers, as in the configuration.
+/// Upper limit of the policy's numbers, as in the configuration.
 const NUMBER_MAX: f64 = 10.0;
 
-/// The kind of an action that puts a calibration in force.
+/// Kind of the action that activates a calibration.
 pub const CALIBRATION: &str = "CALIBRATION";
 
-/// What is asked.
+/// Kind of an operator's action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActionKind {
-    /// A proposed compensation shall begin.
+    /// Starts a proposed compensation.
     Approve,
-    /// A proposed compensation shall not begin.
+    /// Rejects a proposed compensation.
     Refuse,
-    /// A pressure by hand.
+    /// Sets a pressure by hand.
     Setpoint,
-    /// No automatic setpoints any more.
+    /// Stops automatic setpoints.
     Hold,
-    /// Automatic setpoints again.
+    /// Permits automatic setpoints again.
     Release,
-    /// A new whisker is in the place of the old one.
+    /// Marks a whisker as replaced by a new one.
     Replaced,
-    /// A whisker's readings are learned anew.
+    /// Relearns the baseline of a whisker.
     Rebaseline,
-    /// Another policy for the fleet.
+    /// Changes the policy of the fleet.
     Policy,
 }
 
 impl ActionKind {
-    /// Every kind.
+    /// All kinds of actions.
     pub const ALL: [Self; 8] = [
         Self::Approve,
         Self::Refuse,
@@ -49,47 +50,47 @@ impl ActionKind {
     ];
 }
 
-/// What an action is about, besides the robot.
+/// The whisker or compensation of an action; the robot is given separately.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Subject<'a> {
-    /// A whisker's array; with `whisker` or not at all.
+    /// Name of the whisker's array; present if `whisker` is.
     pub array: Option<&'a str>,
-    /// A whisker's number.
+    /// Number of the whisker in its array.
     pub whisker: Option<u16>,
-    /// A compensation's number on its robot.
+    /// Number of the compensation on its robot.
     pub compensation: Option<u32>,
 }
 
-/// An action that can be carried out.
+/// A valid action.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request<'a> {
-    /// Of one robot.
+    /// An action on one robot.
     Operator(OperatorAction<'a>),
-    /// Of the whole fleet.
+    /// A change of the fleet's policy.
     Policy(PolicyChange),
 }
 
-/// Another policy; what it does not say stays as it is in force.
+/// A change of the policy; absent values stay as they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolicyChange {
-    /// The version that must be in force for this to be done; 0 while it is the configuration's.
+    /// Version of the policy that must be in force; 0 for the policy of the configuration.
     pub expected_version: i64,
-    /// Who says that compensations begin.
+    /// Who starts compensations.
     pub mode: Mode,
-    /// What a setpoint is solved for.
+    /// Quantity that setpoints are solved for.
     pub objective: Option<Objective>,
-    /// When a longer whisker may stand in for a shorter one.
+    /// When a longer whisker may compensate for a shorter one.
     pub longer_for_shorter: Option<LongerForShorter>,
     /// Highest mean predicted error, as a ratio, 0 to 10.
     pub predicted_error_max: Option<f64>,
     /// Cost of a neighbour's own role, in units of mean error, 0 to 10.
     pub own_role_cost: Option<f64>,
-    /// Gain that a change of assignment must have, in units of mean error, 0 to 10.
+    /// Least gain that changes an assignment, in units of mean error, 0 to 10.
     pub change_margin: Option<f64>,
 }
 
 impl PolicyChange {
-    /// The policy that it makes of the one in force.
+    /// The given policy with these changes.
     #[must_use]
     pub fn over(&self, base: PolicyParams) -> PolicyParams {
         PolicyParams {
@@ -103,40 +104,40 @@ impl PolicyChange {
     }
 }
 
-/// Why an action cannot even be understood. The texts are for people.
+/// Why an action is invalid. The texts are for people.
 #[derive(Debug, thiserror::Error)]
 pub enum ActionError {
-    /// No such kind.
-    #[error("no action is called {0:?}")]
+    /// There is no such kind of action.
+    #[error("unknown action {0:?}")]
     UnknownKind(String),
-    /// Its parameters.
-    #[error("the parameters of {kind} are not as they must be: {source}")]
+    /// The parameters are invalid.
+    #[error("invalid parameters of {kind}: {source}")]
     Parameters {
-        /// The kind.
+        /// Kind of the action.
         kind: &'static str,
-        /// What is wrong.
+        /// Error of the JSON reader.
         source: serde_json::Error,
     },
-    /// A parameter's value.
+    /// The value of a parameter is invalid.
     #[error("{name} must be {range}")]
     Value {
-        /// Which parameter.
+        /// Name of the parameter.
         name: &'static str,
-        /// What is allowed.
+        /// The permitted values.
         range: &'static str,
     },
-    /// Something is missing that it is about, or is too much.
-    #[error("{kind} is about {what}")]
+    /// The action needs another subject.
+    #[error("{kind} applies to {what}")]
     Subject {
-        /// The kind.
+        /// Kind of the action.
         kind: &'static str,
-        /// What it is about.
+        /// The subject that it needs.
         what: &'static str,
     },
 }
 
 impl ActionError {
-    /// One word for programs.
+    /// One word for the error, for programs.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
@@ -168,11 +169,11 @@ struct PolicyParameters {
     change_margin: Option<f64>,
 }
 
-/// What is asked, from the kind's word and the JSON object of its parameters. Pressures are held against the whisker's
-/// range when it is carried out, and whether anything of that name is there is seen then.
+/// Parses an action from the word of its kind and the JSON object of its parameters. Whether the subject exists,
+/// and whether a pressure is within the whisker's range, is checked when the action is executed.
 ///
 /// # Errors
-/// It cannot be understood.
+/// The action is invalid.
 pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result<Request<'a>, ActionError> {
     let known = named::<ActionKind>(kind).ok_or_else(|| ActionError::UnknownKind(kind.to_owned()))?;
     let kind = known.word();
@@ -248,19 +249,19 @@ fn policy(kind: &'static str, parameters: &str, subject: Subject<'_>) -> Result<
     })
 }
 
-/// The mode of that name.
+/// The mode with this name.
 #[must_use]
 pub fn mode(word: &str) -> Option<Mode> {
     named(word)
 }
 
-/// The objective of that name.
+/// The objective with this name.
 #[must_use]
 pub fn objective(word: &str) -> Option<Objective> {
     named(word)
 }
 
-/// That answer to when a longer whisker may stand in for a shorter one.
+/// The policy for case 2 with this name.
 #[must_use]
 pub fn longer_for_shorter(word: &str) -> Option<LongerForShorter> {
     named(word)

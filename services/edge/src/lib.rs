@@ -1,6 +1,6 @@
-//! The edge: checked messages become the core's events, once. Nothing behind it sees MQTT or JSON.
+//! The edge: converts checked messages to the core's events, once. The code behind it sees neither MQTT nor JSON.
 //!
-//! Here are also the wall clock, which the core must not read, and the identifiers that several parts derive alike.
+//! The wall clock, which the core must not read, and identifiers that several crates derive are here, too.
 
 pub mod actions;
 pub mod clock;
@@ -14,26 +14,24 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, OutOfUnitRange, Strain};
 use vibrissa_protocol as protocol;
 
-/// Why a message that keeps the contract still cannot be taken.
+/// Why a message that satisfies the contract still cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EdgeError {
-    /// A value is outside what the core takes.
+    /// A value is outside the range of the core's unit.
     #[error(transparent)]
     Range(#[from] OutOfUnitRange),
     /// A factsheet names a whisker model that was not loaded.
-    #[error(
-        "whisker model {model:?} is not known here; known are {known}: load its calibration file with --calibration"
-    )]
+    #[error("unknown whisker model {model:?}; known models are {known}: load its calibration file with --calibration")]
     UnknownModel {
-        /// What the factsheet says.
+        /// Model in the factsheet.
         model: String,
-        /// What is loaded.
+        /// Names of the loaded models.
         known: String,
     },
 }
 
 impl EdgeError {
-    /// The metric's label.
+    /// Label of the error for metrics.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
@@ -43,7 +41,7 @@ impl EdgeError {
     }
 }
 
-/// The connection's state.
+/// State of a robot's connection.
 #[must_use]
 pub fn link(state: protocol::ConnectionState) -> Link {
     match state {
@@ -53,7 +51,7 @@ pub fn link(state: protocol::ConnectionState) -> Link {
     }
 }
 
-/// What is on a robot. `known` are the models that are loaded.
+/// Arrays and whiskers of a robot. `known` are the names of the loaded models.
 ///
 /// # Errors
 /// A value is out of range, or a model is not loaded.
@@ -87,7 +85,7 @@ fn whisker_sheet(whisker: &protocol::WhiskerFacts, known: &[&str]) -> Result<Whi
     })
 }
 
-/// One contact.
+/// One contact of a whisker.
 ///
 /// # Errors
 /// A value is out of range.
@@ -103,7 +101,7 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
     })
 }
 
-/// One chamber's and gauge's condition.
+/// Condition of one chamber and its gauge.
 ///
 /// # Errors
 /// A value is out of range.
@@ -130,7 +128,8 @@ pub fn status(entry: &protocol::WhiskerStatus) -> Result<WhiskerStatus<'_>, Edge
     })
 }
 
-/// What became of a setpoint. `commanded` is its pressure, for a robot that does not say what it reached.
+/// Progress or result of a setpoint. `commanded` is its pressure, which is used if the robot does not report the
+/// measured one.
 ///
 /// # Errors
 /// A value is out of range.
@@ -147,7 +146,7 @@ pub fn setpoint_report(state: &protocol::SetpointState, commanded: Megapascal) -
     })
 }
 
-/// A refusal without a reason, or for a reason that belongs to a failure, is taken for "not now".
+/// A rejection without a reason, or with a reason that belongs to a failure, counts as "not now".
 fn rejection(error: Option<protocol::SetpointError>) -> Rejection {
     use protocol::SetpointError as Told;
     match error {

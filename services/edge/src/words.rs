@@ -1,7 +1,7 @@
-//! The core's closed enums in the words of the contract, the database, REST and the metrics.
+//! The words of the core's closed enums in the contract, the database, REST and the metrics.
 //!
-//! The OpenAPI schema (`http/words.rs`), the label values of metrics (`metrics/labels.rs`) and the console list some of these words
-//! again.
+//! The OpenAPI schema (`http/words.rs`), the label values of metrics (`metrics/labels.rs`) and the console repeat
+//! some of these words.
 
 use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::mechanics::Objective;
@@ -15,9 +15,9 @@ use vibrissa_protocol::{SetpointError, SetpointReason};
 
 use crate::actions::ActionKind;
 
-/// A closed enum with one word per variant, in upper snake case.
+/// A closed enum with one word for each variant, in upper snake case.
 pub trait Word {
-    /// The word.
+    /// The word of this value.
     fn word(self) -> &'static str;
 }
 
@@ -27,12 +27,13 @@ pub trait Words: Word + Sized {
     fn all() -> Vec<Self>;
 }
 
-/// The value that a word stands for.
+/// The value of a word.
 pub fn named<T: Words + Copy>(word: &str) -> Option<T> {
     T::all().into_iter().find(|one| one.word() == word)
 }
 
-/// Declares the word of each variant: `Variant => "WORD"`, and behind a semicolon the variant that has the words of another enum.
+/// Declares the word of each variant: `Variant => "WORD"`; after a semicolon, the variant that uses the words of
+/// another enum.
 macro_rules! words {
     ($($enum:ident {
         $($variant:ident $(($inner:path))? => $word:literal),+ $(,)? $(; $other:ident($others:ident))?
@@ -214,7 +215,7 @@ impl Word for ActionProblem {
     }
 }
 
-/// The contract's word for why a setpoint is sent.
+/// The contract's word for the reason of a setpoint.
 #[must_use]
 pub fn setpoint_reason(reason: Reason) -> SetpointReason {
     match reason {
@@ -227,7 +228,7 @@ pub fn setpoint_reason(reason: Reason) -> SetpointReason {
     }
 }
 
-/// The contract's word for why a robot refuses a setpoint.
+/// The contract's word for the reason of a rejection.
 #[must_use]
 pub fn setpoint_error(rejection: Rejection) -> SetpointError {
     match rejection {
@@ -240,10 +241,10 @@ pub fn setpoint_error(rejection: Rejection) -> SetpointError {
     }
 }
 
-/// 1.96: half a 95 % interval in standard deviations.
+/// 1.96: half the width of a 95 % interval, in standard deviations.
 pub const Z95: f64 = 1.959_963_985;
 
-/// A 95 % interval of a length, mm.
+/// The 95 % interval of a length, in mm.
 #[must_use]
 pub fn length_interval_mm(estimate: &LengthEstimate) -> (f64, f64) {
     let half = Z95 * estimate.sd_mm;

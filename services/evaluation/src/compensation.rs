@@ -1,10 +1,10 @@
-//! The paper's compensation experiment on simulated plants that are not the model.
+//! The paper's compensation experiment on simulated plants that deviate from the model.
 //!
-//! A plant is one batch of rubber: k2's three parameters and the elongation gain are each off by up to 10 %, and
-//! every second one follows the other formulation. On each, compensators of several lengths serve one target, as
-//! in the paper's Fig. 9 and 10, and a whisker is trimmed to several lengths and serves itself. Everything that
-//! the core knows it learns as in service: from noisy contacts, through a cold start, a cut that it finds itself,
-//! and a regulator that dithers. What comes of it is judged by the plant itself, without noise.
+//! A plant is one batch of rubber: k2's three parameters and the elongation gain each deviate by up to 10 %, and
+//! every second plant follows the other formulation. On each plant, compensators of several lengths serve one
+//! target, as in the paper's Fig. 9 and 10, and a whisker is trimmed to several lengths and serves itself. The core
+//! learns everything as in service: from noisy contacts, through a cold start, a cut that it detects itself, and a
+//! dithering regulator. The plant itself, without noise, gives the true result.
 
 mod summary;
 mod truth;
@@ -28,19 +28,19 @@ pub use truth::Truth;
 
 use crate::World;
 
-/// Both whiskers start there, as in the paper, MPa.
+/// Initial pressure of both whiskers, as in the paper, MPa.
 pub const START_MPA: f64 = 0.1;
-/// How far a plant's parameters may be off, relative.
+/// Largest relative deviation of a plant's parameters.
 pub const PLANT_ERROR: f64 = 0.1;
-/// Contacts of each whisker while whole.
+/// Contacts of each whisker before the cut.
 pub const WHOLE_CONTACTS: u64 = 3000;
-/// Contacts of each whisker from the cut on.
+/// Contacts of each whisker after the cut.
 pub const CONTACTS_AFTER: u64 = 8000;
-/// A target that a neighbour shall serve is cut to this: too short to serve itself.
+/// Remaining length of a target that a neighbour shall serve, in mm: too short to serve itself.
 const CUT_MM: f64 = 45.0;
 const CONTACTS_PER_SECOND: f64 = 100.0;
 
-/// Which of the paper's experiments.
+/// One of the paper's experiments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
     /// Case 1: compensators of 65 to 69 mm for a target of 70 mm.
@@ -51,11 +51,11 @@ pub enum Case {
     Longer,
 }
 
-/// All of them, in order.
+/// All experiments, in order.
 pub const CASES: [Case; 3] = [Case::Shorter, Case::Itself, Case::Longer];
 
 impl Case {
-    /// The target's length, mm.
+    /// Length of the target, mm.
     #[must_use]
     pub fn target_mm(self) -> f64 {
         match self {
@@ -64,7 +64,7 @@ impl Case {
         }
     }
 
-    /// The compensators' lengths, mm.
+    /// Lengths of the compensators, mm.
     #[must_use]
     pub fn lengths_mm(self) -> [f64; 5] {
         match self {
@@ -73,7 +73,7 @@ impl Case {
         }
     }
 
-    /// The highest pressure that it allows, MPa.
+    /// Highest permitted pressure, MPa.
     fn highest_mpa(self) -> f64 {
         match self {
             Self::Itself => START_MPA,
@@ -85,59 +85,59 @@ impl Case {
 /// One compensation on one plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Which experiment.
+    /// Experiment that the trial belongs to.
     pub case: Case,
-    /// The compensator's length, mm.
+    /// Length of the compensator, mm.
     pub length_mm: f64,
-    /// The plant's number.
+    /// Number of the plant.
     pub plant: usize,
-    /// The plant.
+    /// Rubber of the plant.
     pub rubber: Rubber,
-    /// Where its contacts and noise start.
+    /// Seed of its contacts and noise.
     pub seed: u64,
 }
 
 /// Eq. 35 on the plant itself: by contact ratio, and the mean.
 pub type TrueError = ErrorProfile;
 
-/// What came of a trial that was served.
+/// Result of a trial in which the target was served.
 #[derive(Debug, Clone)]
 pub struct Served {
-    /// The trial.
+    /// The trial with this result.
     pub trial: Trial,
-    /// The first decision's candidate.
+    /// Chosen candidate of the first decision.
     pub chosen: CandidateRecord,
-    /// Eq. 34's setpoint, as the core decided it: MPa and error.
+    /// Setpoint by eq. 34, as the core decided it: pressure in MPa, and its error on the plant.
     pub tip: (f64, TrueError),
-    /// The setpoint that the model's least mean error would have been, by what the core knew then.
+    /// Setpoint with the least mean error by the model, from the core's knowledge at that time.
     pub mean: (f64, TrueError),
-    /// The pressure that was held in the end.
+    /// Pressure that was held at the end, with its error on the plant.
     pub closed: (f64, TrueError),
-    /// The same with the gain that was published last.
+    /// Error at that pressure with the last published gain.
     pub with_gain: TrueError,
-    /// The best single pressure on this plant, by brute force.
+    /// Best single pressure on this plant, by brute force.
     pub best: (f64, TrueError),
-    /// Setpoints that were sent.
+    /// Number of setpoints sent.
     pub setpoints: usize,
-    /// Every look at the setpoint.
+    /// All reviews of the setpoint.
     pub looks: Vec<Refinement>,
-    /// Contacts at the last pressure when the last gain was published; 0 if the one that came with the
-    /// pressure stood.
+    /// Number of contacts at the last pressure when the last gain was published; 0 if the gain that came with the
+    /// pressure was never replaced.
     pub gain_contacts: u32,
-    /// The last gain.
+    /// The last published gain, at [`CONTACT_RATIOS`].
     pub gain: [f64; CONTACT_RATIOS.len()],
 }
 
-/// What came of a trial.
+/// Result of a trial.
 #[derive(Debug, Clone)]
 pub enum Outcome {
-    /// The compensator served.
+    /// A compensator served the target.
     Served(Box<Served>),
-    /// Nobody could.
+    /// No compensator served the target.
     Unserved(Trial),
 }
 
-/// The plants of a seed, every second one of the other formulation.
+/// The plants of a seed; every second one has the other formulation.
 #[must_use]
 pub fn plants(seed: u64, count: usize) -> Vec<Rubber> {
     let mut stream = ChaCha8Rng::seed_from_u64(seed);
@@ -153,7 +153,7 @@ pub fn plants(seed: u64, count: usize) -> Vec<Rubber> {
         .collect()
 }
 
-/// Every length of every case on every plant.
+/// The trials: each length of each case on each plant.
 #[must_use]
 pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
     let plants = plants(seed, count);
@@ -170,7 +170,7 @@ pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
     trials
 }
 
-/// Runs trials on all processors; the order and the results are those of the trials.
+/// Runs the trials on all processors; the results are in the order of the trials.
 pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     trials
         .par_iter()
@@ -186,7 +186,7 @@ pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
 #[must_use]
 pub fn run(trial: &Trial) -> Outcome {
     let mut params = Params::nguyen_2021(Formulation::Published);
-    // Whoever can serve shall be tried.
+    // Any candidate with a solution is tried.
     params.policy.predicted_error_max = f64::INFINITY;
     let mut world = World::new(&scenario(trial), params);
     let whole_s = WHOLE_CONTACTS as f64 / CONTACTS_PER_SECOND;
@@ -206,7 +206,7 @@ pub fn run(trial: &Trial) -> Outcome {
     served(trial, &world, mean_mpa).map_or(Outcome::Unserved(*trial), |served| Outcome::Served(Box::new(served)))
 }
 
-/// The objective that the core was not told to use.
+/// The setpoint with the other objective, which the core does not use here.
 fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: Offset) -> Option<f64> {
     let one = world.core.whisker(index)?;
     let model = world.params.model(&one.sheet.model)?;
@@ -307,7 +307,7 @@ pub fn scenario(trial: &Trial) -> Scenario {
 }
 
 impl Outcome {
-    /// Of which trial.
+    /// The trial of this outcome.
     #[must_use]
     pub fn trial(&self) -> &Trial {
         match self {

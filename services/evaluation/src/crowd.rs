@@ -1,8 +1,8 @@
-//! A crowd of healthy robots in the core, with no messages around it: for its speed and its size.
+//! A crowd of healthy robots in the core, without messages, for measurements of speed and size.
 //!
-//! Every whisker is felt in turn, at random contact ratios and depths, with the noise of strains and pressures, and each
-//! robot tells its status every second. The readings are drawn once and gone round, so that making them costs next to
-//! nothing beside the core.
+//! The whiskers have contacts in turn, at random contact ratios and deflections, with noise on strains and
+//! pressures. Each robot sends a status every second. The readings are drawn once and reused in a cycle, so that
+//! they cost almost nothing compared with the core.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -22,19 +22,19 @@ const PRESSURE_MPA: f64 = 0.1;
 const WHOLE_MM: f64 = 70.0;
 /// Standard deviation of the log sensitivity of one contact.
 const NOISE: f64 = 0.03;
-/// Standard deviation of a pressure reading, and what it is rounded to, MPa.
+/// Standard deviation and resolution of a pressure reading, MPa.
 const PRESSURE_NOISE_MPA: (f64, f64) = (0.0004, 0.0002);
-/// How far the rubber of the whiskers is off the model, as log sensitivity.
+/// Deviation of the whiskers' rubber from the model, in log sensitivity.
 const OFFSET: f64 = 0.04;
-/// Readings that are gone round: a prime, so that no whisker gets the same ones again and again.
+/// Number of readings in the cycle: a prime, so that no whisker always gets the same ones.
 const READINGS: usize = 8191;
-/// From one contact of a robot to the next: 50 a second.
+/// Time between two contacts of a robot, in microseconds: 50 contacts per second.
 const CONTACT_US: u64 = 20_000;
-/// From one status to the next.
+/// Time between two statuses, in microseconds.
 const STATUS_US: u64 = 1_000_000;
 const START_US: u64 = 1_795_248_000_000_000;
 
-/// One reading at a contact.
+/// The readings of one contact.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     ratio: ContactRatio,
@@ -47,26 +47,26 @@ struct Reading {
 #[derive(Debug, Clone)]
 struct Member {
     robot: Robot,
-    /// Messages of contacts so far.
+    /// Number of contacts messages so far.
     seq: u64,
-    /// Its contacts so far.
+    /// Number of contacts so far.
     contacts: u64,
-    /// Where its readings are.
+    /// Position in the cycle of readings.
     at: usize,
     now_us: u64,
     status_us: u64,
 }
 
-/// What is used again and again, so that the crowd itself asks for no memory.
+/// Reusable buffers, so that the crowd itself allocates nothing.
 #[derive(Debug, Clone, Default)]
 pub struct Buffers {
-    /// What the last step wanted done.
+    /// Effects of the last step.
     pub effects: Vec<Effect>,
     message: Vec<Contact<'static>>,
     told: Vec<WhiskerStatus<'static>>,
 }
 
-/// Robots with as many whiskers each, in one array.
+/// Robots with the same number of whiskers, in one array each.
 #[derive(Debug, Clone)]
 pub struct Crowd {
     params: Params,
@@ -76,7 +76,7 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// Robots that are connected, and of whose whiskers nothing is known beyond the factsheet.
+    /// Connected robots; of their whiskers only the factsheet is known.
     #[must_use]
     pub fn new(robots: usize, whiskers: u16) -> Self {
         let params = Params::nguyen_2021(Formulation::Published);
@@ -98,7 +98,8 @@ impl Crowd {
         crowd
     }
 
-    /// Every whisker feels so many contacts, in messages of one contact each whisker. `done` is called after each robot.
+    /// Makes this many contacts for each whisker, in messages of one contact per whisker. `done` is called after
+    /// each robot.
     pub fn learn(&mut self, contacts: u32, done: &(dyn Fn() + Sync)) {
         let (params, whiskers, readings) = (&self.params, self.whiskers, &self.readings);
         self.members.par_iter_mut().for_each_init(Buffers::default, |buffers, member| {
@@ -112,38 +113,38 @@ impl Crowd {
         });
     }
 
-    /// One message of so many contacts from a robot, each of the next whisker.
+    /// Steps one message of a robot; its contacts are of consecutive whiskers.
     pub fn contacts(&mut self, robot: usize, contacts: usize, buffers: &mut Buffers) -> Outcome {
         self.members[robot].contacts(&self.params, &self.readings, self.whiskers, contacts, buffers)
     }
 
-    /// A robot's status of all its whiskers, a second later.
+    /// Steps a robot's status of all whiskers, one second later.
     pub fn status(&mut self, robot: usize, buffers: &mut Buffers) -> Outcome {
         let member = &mut self.members[robot];
         member.now_us += STATUS_US;
         member.status(&self.params, self.whiskers, &self.readings, buffers)
     }
 
-    /// Time goes on for a robot.
+    /// Steps a tick of a robot.
     pub fn tick(&mut self, robot: usize, buffers: &mut Buffers) -> Outcome {
         buffers.effects.clear();
         let member = &mut self.members[robot];
         member.robot.step(&self.params, Micros(member.now_us), &Event::Tick, &mut buffers.effects)
     }
 
-    /// A robot as the core knows it.
+    /// State of a robot in the core.
     #[must_use]
     pub fn robot(&self, robot: usize) -> &Robot {
         &self.members[robot].robot
     }
 
-    /// How many robots there are.
+    /// Number of robots.
     #[must_use]
     pub fn robots(&self) -> usize {
         self.members.len()
     }
 
-    /// Mean number of bytes that a whisker takes where it is stored.
+    /// Mean size of a stored whisker, in bytes.
     #[must_use]
     pub fn stored_bytes_a_whisker(&self) -> f64 {
         let each = |member: &Member| -> usize {
@@ -234,20 +235,20 @@ fn readings(params: &Params) -> Vec<Reading> {
     (0..READINGS).map(&mut one).collect()
 }
 
-/// What a crowd takes.
+/// Memory that a crowd takes.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
-    /// Whiskers in the core.
+    /// Number of whiskers in the core.
     pub whiskers: usize,
-    /// Memory of the whole process, bytes; 0 where the system does not tell.
+    /// Resident memory of the process, in bytes; 0 if unknown.
     pub resident_bytes: u64,
-    /// The most that it ever was.
+    /// Peak of the resident memory, in bytes; 0 if unknown.
     pub resident_max_bytes: u64,
-    /// Mean of a whisker's bytes where it is stored.
+    /// Mean size of a stored whisker, in bytes.
     pub stored_bytes_a_whisker: f64,
 }
 
-/// Makes a crowd in which every whisker feels so many contacts, and says what it takes. `done` is called after each robot.
+/// Measures the memory of a crowd in which each whisker had `contacts` contacts. `done` is called after each robot.
 #[must_use]
 pub fn size(robots: usize, whiskers: u16, contacts: u32, done: &(dyn Fn() + Sync)) -> Size {
     let mut crowd = Crowd::new(robots, whiskers);

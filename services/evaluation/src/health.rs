@@ -1,12 +1,13 @@
-//! Is everything called by its name, and nothing else a trim? Simulated arrays in which one thing is wrong at most.
+//! Is each fault classified correctly, and is nothing else called a trim? Simulated arrays with at most one fault
+//! each.
 //!
-//! Each case is one array of 3 to 12 whiskers. Its robot notices nothing by itself: it says that regulators and
-//! gauges are in order, whatever happens to them. The verdict is the first definite statement of the core about the
-//! whisker (or the array) that has the case; a statement about any other whisker makes the case wrong.
+//! Each case is one array of 3 to 12 whiskers. Its robot detects no faults: it reports regulators and gauges as OK,
+//! whatever happens to them. The verdict is the core's first definite statement about the affected whisker (or the
+//! array); a statement about any other whisker makes the case wrong.
 
 mod cases;
 mod report;
-#[expect(clippy::wildcard_enum_match_arm, reason = "of many effects it looks at a few")]
+#[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects matter")]
 mod verdict;
 
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 pub use report::{ClassReport, Report};
 pub use verdict::{Called, Outcome};
 
-/// What a simulated case is, in truth.
+/// True class of a simulated case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// Nothing happens.
@@ -23,24 +24,24 @@ pub enum Class {
     Trim,
     /// A whisker loses 0.001 to 0.008 mm with each contact.
     Erosion,
-    /// All sensitivities of the array change by 3 to 15 %: temperature, or deflections told wrongly.
+    /// All sensitivities of the array change by 3 to 15 %: temperature, or wrongly reported deflections.
     ArrayShift,
-    /// A gauge's zero wanders by 40 to 160 times the noise floor, either way.
+    /// A gauge's zero drifts by 40 to 160 times the noise floor, in either direction.
     BaselineDrift,
-    /// A chamber loses 0.5 to 10 kPa per second, and its regulator makes it good.
+    /// A chamber loses 0.5 to 10 kPa per second, and its regulator refills it.
     Leak,
     /// A gauge's circuit is broken.
     GaugeOpen,
     /// A gauge's circuit is shorted.
     GaugeShort,
-    /// A gauge has a ceiling that 5 to 70 % of the contacts reach.
+    /// A gauge saturates at a strain that 5 to 70 % of the contacts reach.
     GaugeSaturated,
-    /// Nothing is told of a whisker any more, while its robot is online.
+    /// The robot sends nothing about a whisker, but is online.
     Silent,
 }
 
 impl Class {
-    /// All of them, in the order of the matrix.
+    /// All classes, in the order of the matrix.
     pub const ALL: [Self; 10] = [
         Self::Healthy,
         Self::Trim,
@@ -54,7 +55,7 @@ impl Class {
         Self::Silent,
     ];
 
-    /// Its word in tables and JSON.
+    /// Word of the class in tables and JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -72,19 +73,19 @@ impl Class {
     }
 }
 
-/// What is evaluated.
+/// Parameters of the evaluation.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The same seed gives the same cases, whatever the number of threads.
+    /// Seed: the same seed gives the same cases, whatever the number of threads.
     pub seed: u64,
-    /// Cases of each class.
+    /// Number of cases of each class.
     pub cases: u32,
-    /// The classes.
+    /// The evaluated classes.
     pub classes: Vec<Class>,
 }
 
 impl Plan {
-    /// Cases in all.
+    /// Number of cases of all classes.
     #[must_use]
     pub fn total(&self) -> u64 {
         u64::from(self.cases) * self.classes.len() as u64

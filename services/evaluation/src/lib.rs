@@ -1,12 +1,12 @@
-//! How well the core does, measured: detection, health and compensation on simulated whiskers whose truth is
-//! known. Nothing here is given to the core that the service would not have.
+//! Measures the core's performance in detection, health and compensation on simulated whiskers with known true
+//! state. The core gets no information that it would not have in service.
 
-#[expect(clippy::wildcard_enum_match_arm, reason = "of many effects it looks at a few")]
+#[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects matter")]
 pub mod compensation;
 pub mod crowd;
 pub mod detection;
 pub mod health;
-#[expect(clippy::wildcard_enum_match_arm, reason = "of many effects and messages it looks at a few")]
+#[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects and messages matter")]
 pub mod world;
 
 pub use world::World;

@@ -1,4 +1,4 @@
-//! A simulated robot and the core face to face, in simulated time: real messages, no network, no waiting.
+//! A simulated robot connected directly to the core, in simulated time: real messages, no network, no waiting.
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
@@ -10,7 +10,8 @@ use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Tim
 use vibrissa_simulator::robot::Outgoing;
 use vibrissa_simulator::{Robot as SimulatedRobot, RobotConfig, Scenario};
 
-/// The simulated start: an arbitrary moment, so that nothing depends on today.
+/// Start of the simulated time, in microseconds since 1970 UTC: arbitrary, so that nothing depends on the present
+/// date.
 pub const START_US: u64 = 1_795_248_000_000_000;
 const TICK_US: u64 = 250_000;
 
@@ -18,17 +19,17 @@ const TICK_US: u64 = 250_000;
 pub struct World {
     /// The robot with its true whiskers.
     pub robot: SimulatedRobot,
-    /// What the core knows.
+    /// State of the robot in the core.
     pub core: Robot,
-    /// The core's parameters.
+    /// Parameters of the core.
     pub params: Params,
-    /// What the core wanted done, except for single contacts and responses.
+    /// Effects of the core with their times, except single contacts and responses.
     pub effects: Vec<(Micros, Effect)>,
-    /// Contacts that were recorded, and how many of them were used.
+    /// Number of recorded contacts.
     pub contacts: u64,
-    /// Contacts that entered estimation.
+    /// Number of contacts that entered estimation.
     pub used: u64,
-    /// Whether an operator approves each proposal in the moment that it is made.
+    /// Whether an operator approves each proposal immediately.
     pub approves_at_once: bool,
     now_us: u64,
     next_tick_us: u64,
@@ -38,7 +39,7 @@ pub struct World {
 impl World {
     /// The first robot of a scenario, connected.
     pub fn new(scenario: &Scenario, params: Params) -> Self {
-        scenario.check().expect("a good scenario");
+        scenario.check().expect("a valid scenario");
         let config = RobotConfig::all(scenario).next().expect("a robot");
         let robot = SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot");
         let mut world = Self {
@@ -72,7 +73,7 @@ impl World {
         }
     }
 
-    /// Time passes, but nothing that the robot says arrives.
+    /// Time passes, but the robot's messages are lost.
     pub fn silent_for_s(&mut self, seconds: f64) {
         let end_us = self.now_us + (seconds * 1e6) as u64;
         while self.now_us < end_us {
@@ -116,7 +117,7 @@ impl World {
                 self.step(&Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers });
             }
             Message::SetpointState(told) => self.setpoint_state(&told),
-            other => panic!("a robot does not say {other:?}"),
+            other => panic!("a robot does not send {other:?}"),
         }
     }
 
@@ -134,7 +135,7 @@ impl World {
         self.step(&Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time });
     }
 
-    /// Steps the core and carries out what it wants done.
+    /// Steps the core and executes its effects.
     pub fn step(&mut self, event: &Event<'_>) -> Outcome {
         let mut effects = Vec::new();
         let outcome = self.core.step(&self.params, Micros(self.now_us), event, &mut effects);
@@ -208,7 +209,7 @@ impl World {
         self.deliver(answers);
     }
 
-    /// The effects of one kind, in order.
+    /// The effects that `pick` selects, in order.
     pub fn picked<T>(&self, pick: impl Fn(&Effect) -> Option<T>) -> Vec<T> {
         self.effects.iter().filter_map(|(_, effect)| pick(effect)).collect()
     }

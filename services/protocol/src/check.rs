@@ -1,24 +1,24 @@
-//! Ranges of the contract's quantities: each stated once, for the check on the way in and for the schemas.
+//! Ranges of the contract's quantities, each defined once for both the check of messages and the schemas.
 
 use crate::{INTEGER_LIMIT, Refusal};
 
-/// The most characters of a free text: a model's name, a command's, a boot's.
+/// Longest free text (name of a model, command id, boot id), in characters.
 pub(crate) const TEXT_MAX_CHARS: usize = 64;
 
-/// What a quantity can be.
+/// Permitted values of a quantity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Range {
     pub(crate) least: f64,
-    /// Whether `least` itself is too little.
+    /// Whether `least` itself is outside the range.
     pub(crate) is_least_excluded: bool,
     pub(crate) most: f64,
-    /// Values other than 0 must have at least this magnitude: smaller ones are not measurements. 0 means no such limit.
+    /// Least magnitude of values other than 0; smaller ones are not measurements. 0 for no such limit.
     pub(crate) least_magnitude: f64,
-    /// The same for people.
+    /// Description of the range for people.
     allowed: &'static str,
 }
 
-/// A range and its text, from the same numbers.
+/// Defines a range and its description from the same numbers.
 macro_rules! range {
     (above $least:literal to $most:literal $unit:literal) => {
         Range {
@@ -49,31 +49,33 @@ macro_rules! range {
     };
 }
 
-/// The paper's contact ratio a. Below its least the contact would be on the chamber of every whisker there is.
+/// Contact ratio a of the paper. Below the lower limit, the contact would lie on the chamber of any existing
+/// whisker.
 pub(crate) const RATIO: Range = range!(between 0.01 and 1 "");
-/// A whisker's length in mm.
+/// Length of a whisker, in mm.
 pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
-/// A deflection in mm. No sensor of a robot tells less than its least from none.
+/// Deflection, in mm. The lower limit is below the resolution of any sensor on a robot.
 pub(crate) const DEFLECTION_MM: Range = range!(between 0.01 and 1000 " mm");
-/// A place on the robot in mm.
+/// Position on the robot, in mm.
 pub(crate) const PLACE_MM: Range = range!(between -100000 and 100000 " mm");
-/// A strain in m/m. A dead gauge reads 0; a thousandth of what the best amplifiers resolve is no reading.
+/// Strain, in m/m. A dead gauge reads 0; other values below a thousandth of the best amplifiers' resolution are
+/// invalid.
 pub(crate) const STRAIN: Range = range!(zero or magnitude 1e-9 to 1 " (m/m)");
-/// A gauge pressure in MPa.
+/// Gauge pressure, in MPa.
 pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
-/// A temperature in degrees Celsius.
+/// Temperature, in degrees Celsius.
 pub(crate) const TEMPERATURE_C: Range = range!(between -100 and 300 " degrees Celsius");
-/// How fast a pressure may change.
+/// Rate of change of a pressure, in MPa/s.
 pub(crate) const SLEW_MPA_PER_S: Range = range!(above 0 to 10 " MPa/s");
-/// A factor on a strain.
+/// Factor on a strain, dimensionless.
 pub(crate) const GAIN: Range = range!(above 0 to 1000 "");
 
 impl Range {
-    /// Refuses a number that lies outside.
+    /// Returns a refusal if the number is outside the range.
     pub(crate) fn check(&self, path: &str, value: f64) -> Result<(), Refusal> {
         let is_enough = if self.is_least_excluded { value > self.least } else { value >= self.least }
             && (value == 0.0 || value.abs() >= self.least_magnitude);
-        // The path is only built for a refusal: this runs for every contact.
+        // The path is allocated only for a refusal: this runs for every contact.
         number(path, value, is_enough && value <= self.most, self.allowed)
     }
 }
@@ -82,27 +84,28 @@ fn number(path: &str, value: f64, holds: bool, allowed: &'static str) -> Result<
     if holds { Ok(()) } else { Err(Refusal::OutOfRange { path: path.to_owned(), value, allowed }) }
 }
 
-/// An integer that every JSON reader keeps exact: `seq`, `t_us`, `epoch`, `version`.
+/// Checks an integer that every JSON reader represents exactly: `seq`, `t_us`, `epoch`, `version`.
 pub(crate) fn integer(path: &str, value: u64) -> Result<(), Refusal> {
     number(path, value as f64, value < INTEGER_LIMIT, "an integer from 0 and below 2^53")
 }
 
-/// The length of a list.
+/// Checks the length of a list.
 pub(crate) fn count(path: &str, count: usize, most: usize) -> Result<(), Refusal> {
     if count <= most { Ok(()) } else { Err(Refusal::TooMany { path: path.to_owned(), count, most }) }
 }
 
-/// Whether a free text is short, and has no control character: databases refuse some of these, and terminals obey others.
+/// Whether a free text has 1 to 64 characters and no control characters. Some databases reject control characters,
+/// and terminals execute them.
 pub(crate) fn is_identifier(text: &str) -> bool {
     (1..=TEXT_MAX_CHARS).contains(&text.chars().count()) && !text.chars().any(char::is_control)
 }
 
-/// The rule of [`is_identifier`], as an error text.
+/// The rule of [`is_identifier`] as an error text.
 pub(crate) fn identifier_rule() -> String {
     format!("must have 1 to {TEXT_MAX_CHARS} characters, none of them a control character")
 }
 
-/// A free text that identifies something, such as a command.
+/// Checks a free text that identifies something, such as a command.
 pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
     if is_identifier(text) {
         Ok(())
@@ -111,7 +114,7 @@ pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
     }
 }
 
-/// Checks each element and names its place in the list.
+/// Checks each element and adds its index in the list to a refusal's path.
 pub(crate) fn each<T>(list: &str, items: &[T], check: impl Fn(&T) -> Result<(), Refusal>) -> Result<(), Refusal> {
     items.iter().enumerate().try_for_each(|(index, item)| check(item).map_err(|refusal| refusal.within(list, index)))
 }

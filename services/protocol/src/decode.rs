@@ -1,4 +1,4 @@
-//! From bytes to a checked message or a labelled refusal, and back.
+//! Decodes bytes to a checked message or a labelled refusal, and encodes messages.
 
 mod plain;
 
@@ -14,34 +14,34 @@ use crate::{
     RobotTopic, Setpoint, SetpointState, Status, SupervisorState, Topic,
 };
 
-/// A message that keeps the contract.
+/// A message that satisfies the contract.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Message {
     /// From a robot: its birth, farewell or will.
     Connection(Connection),
-    /// From a robot: what is on it.
+    /// From a robot: its arrays and whiskers.
     Factsheet(Factsheet),
     /// From a robot: a batch of contacts.
     Contacts(Contacts),
     /// From a robot: the condition of its chambers and gauges.
     Status(Status),
-    /// From a robot: what became of a setpoint.
+    /// From a robot: progress or result of a setpoint.
     SetpointState(SetpointState),
-    /// From the supervisor: how far contacts are committed.
+    /// From the supervisor: which contacts are committed.
     Receipt(Receipt),
     /// From the supervisor: a pressure to hold.
     Setpoint(Setpoint),
-    /// From the supervisor: send something again.
+    /// From the supervisor: asks for a message again.
     Request(Request),
-    /// From the supervisor: whether it is there.
+    /// From the supervisor: whether it owns the fleet.
     SupervisorState(SupervisorState),
 }
 
-/// Reads and checks the payload that came on a topic.
+/// Decodes and checks the payload received on a topic.
 ///
 /// # Errors
-/// Why the message is not taken. It changes nothing; [`envelope`] can still say which one it was.
+/// The reason of the refusal. [`envelope`] may still identify the message.
 pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
     limited(payload)?;
     match topic {
@@ -59,11 +59,11 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
     }
 }
 
-/// Reads and checks the payload of a `contacts` message as [`decode`] does. The list of a message that is done with can
-/// be used again: what is in `list` is overwritten, and nothing is allocated while it is long enough.
+/// Decodes and checks the payload of a `contacts` message like [`decode`], but reuses the allocation of `list`,
+/// whose contents are discarded.
 ///
 /// # Errors
-/// As [`decode`].
+/// Those of [`decode`].
 pub fn decode_contacts(payload: &[u8], mut list: Vec<Contact>) -> Result<Contacts, Refusal> {
     limited(payload)?;
     let plain = std::str::from_utf8(payload).ok().and_then(|text| plain::contacts(text, &mut list));
@@ -79,10 +79,10 @@ fn limited(payload: &[u8]) -> Result<(), Refusal> {
     Err(Refusal::TooLarge { bytes: payload.len(), most: PAYLOAD_MAX_BYTES })
 }
 
-/// Writes a message as JSON.
+/// Encodes a message as JSON.
 ///
 /// # Panics
-/// Never for the messages of this crate: writing structs of numbers and texts into memory cannot fail.
+/// Never for the messages of this crate: serializing numbers and texts into memory cannot fail.
 #[must_use]
 pub fn encode(message: &impl Serialize) -> Vec<u8> {
     serde_json::to_vec(message).expect("a message has only numbers, texts and lists of them")
@@ -94,14 +94,14 @@ fn read<T: DeserializeOwned + Checked>(payload: &[u8]) -> Result<T, Refusal> {
     Ok(message)
 }
 
-/// Reads a payload that cannot be read once more, slowly, to say where it went wrong.
+/// Decodes an invalid payload again with a slower reader that reports the path of the error.
 fn explain<T: DeserializeOwned>(payload: &[u8]) -> Refusal {
     let mut reader = serde_json::Deserializer::from_slice(payload);
     let (path, error) = match serde_path_to_error::deserialize::<_, T>(&mut reader) {
         Err(error) => (error.path().to_string(), error.into_inner()),
-        // The message itself is whole: what follows it was the trouble.
+        // The message itself is valid; other text follows it.
         Ok(_) => {
-            return Refusal::NotJson { problem: "something follows the message".to_owned() };
+            return Refusal::NotJson { problem: "unexpected text after the message".to_owned() };
         }
     };
     let problem = shortened(&error.to_string());
@@ -111,7 +111,8 @@ fn explain<T: DeserializeOwned>(payload: &[u8]) -> Refusal {
     }
 }
 
-/// Start and end of what a reader says: it quotes whole fields, and ends with what it expected and where.
+/// First and last part of an error text: readers quote whole fields, and end with the expected value and the
+/// position.
 fn shortened(text: &str) -> String {
     const KEPT: usize = 150;
     let count = text.chars().count();
@@ -122,28 +123,28 @@ fn shortened(text: &str) -> String {
     start.chain(" ... ".chars()).chain(text.chars().skip(count - KEPT)).collect()
 }
 
-/// Which message it was: the two fields that every message carries.
+/// Identity of a message: the two fields that every message has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Envelope {
-    /// The sender's boot.
+    /// Boot of the sender.
     pub boot_id: BootId,
-    /// Its number in that boot and topic.
+    /// Sequence number within the boot and the topic.
     pub seq: u64,
 }
 
-/// Reads only the envelope, of a message that was otherwise refused.
+/// Reads only the envelope of a refused message.
 ///
-/// A refused `contacts` message can then still be counted as consumed: without that its robot would send
-/// it again for ever. Stops at the second of the two fields, so what comes after need not even be JSON.
+/// A refused `contacts` message can then still be receipted; otherwise its robot would send it again forever.
+/// Reading stops at the second of the two fields, so the rest need not be JSON.
 #[must_use]
 pub fn envelope(payload: &[u8]) -> Option<Envelope> {
     let mut found = Found::default();
-    // The result does not matter: the search ends with an error on purpose once both are found.
+    // The result is irrelevant: the search ends with a deliberate error once both fields are found.
     let _ = found.deserialize(&mut serde_json::Deserializer::from_slice(payload));
     Some(Envelope { boot_id: found.boot_id?, seq: found.seq.filter(|&seq| seq < INTEGER_LIMIT)? })
 }
 
-/// What the search for the envelope has found so far.
+/// Fields of the envelope found so far.
 #[derive(Default)]
 struct Found {
     boot_id: Option<BootId>,

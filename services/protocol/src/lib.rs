@@ -1,11 +1,11 @@
 //! Topics and messages of the whisker MQTT contract, version 1.
 //!
-//! What robots, the supervisor and other people's tools say to each other, and nothing about how it
-//! travels: no MQTT client, no clock. Read in this order: [`topic`], [`messages`], then [`mod@decode`], where
-//! bytes become a checked message or a labelled [`Refusal`].
+//! Defines the messages between robots, the supervisor and other tools, but not their transport: no MQTT client, no
+//! clock. Read in this order: [`topic`], [`messages`], then [`mod@decode`], which turns bytes into a checked
+//! message or a labelled [`Refusal`].
 //!
-//! A message is checked once, on its way in. Fields that a receiver does not know are ignored; a missing
-//! or wrong one refuses that message and nothing else.
+//! A message is checked once, when it is received. Unknown fields are ignored; a message with a missing or wrong
+//! field is refused, without effect on other messages.
 
 mod check;
 pub mod decode;
@@ -34,17 +34,18 @@ pub use words::{
     SetpointReason, SupervisorPresence,
 };
 
-/// Sequence numbers and times stay below this (2^53), so that every JSON reader keeps them exact.
+/// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers
+/// exactly.
 pub const INTEGER_LIMIT: u64 = 1 << 53;
-/// The largest payload of any message, in bytes (256 KiB).
+/// Largest payload of a message, in bytes (256 KiB).
 pub const PAYLOAD_MAX_BYTES: usize = 256 * 1024;
-/// The most contacts in one `contacts` message.
+/// Largest number of contacts in one `contacts` message.
 pub const CONTACTS_MAX: usize = 1000;
-/// The most arrays in one `factsheet`.
+/// Largest number of arrays in one `factsheet`.
 pub const ARRAYS_MAX: usize = 64;
-/// The most whiskers in one array.
+/// Largest number of whiskers in one array.
 pub const WHISKERS_MAX: usize = 1024;
-/// The most `held` ranges in one `receipt`.
+/// Largest number of `held` ranges in one `receipt`.
 pub const HELD_MAX: usize = 1000;
-/// The most points in the `gain` of one `setpoint`.
+/// Largest number of points in the `gain` of one `setpoint`.
 pub const GAIN_POINTS_MAX: usize = 64;

@@ -1,4 +1,4 @@
-//! Names of fleets, robots and arrays, and the mark of a boot.
+//! Names of fleets, robots and arrays, and boot ids.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,29 +11,29 @@ use smol_str::SmolStr;
 use crate::check;
 use crate::schema;
 
-/// The most characters of a name.
+/// Longest name, in characters.
 const NAME_MAX_CHARS: usize = 64;
 
-/// A text that is no name; the message says what a name is.
+/// A text that is not a valid name or boot id; the message states the rule.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BadName {
-    /// Wrong length or a character that is not allowed.
-    #[error("{0:?} is no name: a name has 1 to 64 letters A-Z a-z, digits, '_' or '-'")]
+    /// Wrong length, or a character that is not permitted.
+    #[error("{0:?} is not a valid name: a name has 1 to 64 letters A-Z a-z, digits, '_' or '-'")]
     NotAName(String),
-    /// `supervisor` where a robot's name is expected.
-    #[error("a robot cannot be named \"supervisor\": that level belongs to the supervisor")]
+    /// The reserved name `supervisor` for a robot.
+    #[error("a robot cannot be named \"supervisor\": that topic level belongs to the supervisor")]
     Reserved,
     /// A boot id of the wrong length or with control characters.
-    #[error("{0:?} is no boot id: a boot id has 1 to 64 characters, none of them a control character")]
+    #[error("{0:?} is not a valid boot id: a boot id has 1 to 64 characters, none of them a control character")]
     NotABootId(String),
 }
 
-/// Shortens a foreign text for an error message.
+/// Shortens an invalid text for an error message.
 fn excerpt(text: &str) -> String {
     text.chars().take(80).collect()
 }
 
-/// Defines a checked string with serde, ordering and display. Up to 23 bytes lie in place, so that reading one
+/// Defines a checked string with serde, ordering and display. Up to 23 bytes are stored inline, so that reading one
 /// allocates nothing; clones share a longer text.
 macro_rules! text {
     ($(#[$doc:meta])* $name:ident, $expecting:literal, $check:expr, $schema:expr, $error:expr) => {
@@ -42,16 +42,16 @@ macro_rules! text {
         pub struct $name(SmolStr);
 
         impl $name {
-            /// Checks the text once.
+            /// Checks the text.
             ///
             /// # Errors
-            /// The text is not what the type's description says.
+            /// The text is not what the documentation of the type states.
             pub fn new(text: &str) -> Result<Self, BadName> {
                 let check: fn(&str) -> bool = $check;
                 if check(text) { Ok(Self(SmolStr::new(text))) } else { Err($error(excerpt(text))) }
             }
 
-            /// The text itself.
+            /// Returns the text.
             #[must_use]
             pub fn as_str(&self) -> &str {
                 &self.0
@@ -77,7 +77,7 @@ macro_rules! text {
             }
         }
 
-        // Maps keyed by the type can be asked with a `&str`: order and hash are the text's own.
+        // Maps keyed by the type can be queried with a `&str`: order and hash are those of the text.
         impl std::borrow::Borrow<str> for $name {
             fn borrow(&self) -> &str {
                 &self.0
@@ -121,7 +121,7 @@ macro_rules! text {
 }
 
 text!(
-    /// The name of a fleet, a robot or an array: `[A-Za-z0-9_-]{1,64}`.
+    /// Name of a fleet, a robot or an array: `[A-Za-z0-9_-]{1,64}`.
     Name,
     "a name as text",
     |text| (1..=NAME_MAX_CHARS).contains(&text.len())
@@ -130,7 +130,7 @@ text!(
     BadName::NotAName
 );
 text!(
-    /// New at each start of its sender: 1 to 64 characters without control characters.
+    /// Identifies a start of a sender, and is new at each one: 1 to 64 characters without control characters.
     BootId,
     "a boot id as text",
     check::is_identifier,
@@ -139,31 +139,31 @@ text!(
 );
 
 impl Name {
-    /// The level of the supervisor, and therefore no robot's name.
+    /// Topic level of the supervisor, which no robot may have as its name.
     pub const RESERVED: &str = "supervisor";
 
-    /// What a name is, as a regular expression of ECMA 262.
+    /// Regular expression (ECMA 262) of a valid name.
     #[must_use]
     pub fn pattern() -> String {
         format!("^[A-Za-z0-9_-]{{1,{NAME_MAX_CHARS}}}$")
     }
 
-    /// What a robot's name is, as a regular expression of ECMA 262.
+    /// Regular expression (ECMA 262) of a valid name of a robot.
     #[must_use]
     pub fn robot_pattern() -> String {
         format!("^(?!{}$)[A-Za-z0-9_-]{{1,{NAME_MAX_CHARS}}}$", Self::RESERVED)
     }
 
-    /// A robot's name: any name but `supervisor`.
+    /// Checks the name of a robot: any name but `supervisor`.
     ///
     /// # Errors
-    /// The text is no name, or it is the reserved one.
+    /// The text is not a valid name, or it is the reserved one.
     pub fn robot(text: &str) -> Result<Self, BadName> {
         if text == Self::RESERVED { Err(BadName::Reserved) } else { Self::new(text) }
     }
 }
 
-/// For serde's `deserialize_with`: a short free text without control characters, such as a model's name.
+/// For serde's `deserialize_with`: a short free text without control characters, such as the name of a model.
 pub(crate) fn short_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let text = String::deserialize(deserializer)?;
     if check::is_identifier(&text) { Ok(text) } else { Err(D::Error::custom(check::identifier_rule())) }

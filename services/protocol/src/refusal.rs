@@ -1,92 +1,92 @@
-//! Why a message was not taken.
+//! Reasons for refusing a message.
 
 use crate::name::BadName;
 
-/// Why a message was not taken: a closed set, so that each kind is counted under its label.
+/// Why a message was refused: a closed set, so that each kind is counted under its label.
 ///
-/// The display names the field, what it held and what is allowed, for the person who builds the sender.
+/// The text names the field, its value and the permitted values, for the developer of the sender.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// The topic is not one of the contract.
-    #[error("{topic:?} is no topic of this contract: {expected}")]
+    /// The topic is not part of the contract.
+    #[error("{topic:?} is not a topic of this contract: {expected}")]
     UnknownTopic {
-        /// The topic, shortened.
+        /// The topic, truncated.
         topic: String,
-        /// What would have been one.
+        /// Form of valid topics.
         expected: &'static str,
     },
-    /// A level of the topic is no name.
+    /// A level of the topic is not a valid name.
     #[error("topic level {level}: {source}")]
     BadName {
         /// `fleet` or `robot`.
         level: &'static str,
-        /// What is wrong with it.
+        /// The violated rule.
         source: BadName,
     },
     /// The payload is longer than [`crate::PAYLOAD_MAX_BYTES`].
     #[error("the payload has {bytes} bytes, but must have at most {most}")]
     TooLarge {
-        /// Its length.
+        /// Length of the payload, in bytes.
         bytes: usize,
-        /// The limit.
+        /// Largest permitted length, in bytes.
         most: usize,
     },
     /// The payload is not JSON in UTF-8.
     #[error("the payload is not JSON: {problem}")]
     NotJson {
-        /// What the JSON reader says, with line and column.
+        /// Error of the JSON reader, with line and column.
         problem: String,
     },
-    /// A field is missing, of the wrong type, or holds a word that is not in its list.
+    /// A field is missing, has the wrong type, or has a word that is not in its list.
     #[error("{path}: {problem}")]
     Malformed {
-        /// Where, such as `contacts[3].ratio`; `.` for the message as a whole.
+        /// Path of the field, such as `contacts[3].ratio`; `.` for the whole message.
         path: String,
-        /// What is wrong.
+        /// Description of the error.
         problem: String,
     },
-    /// A number is outside what its quantity can be.
+    /// A number is outside the range of its quantity.
     #[error("{path} is {value}, but must be {allowed}")]
     OutOfRange {
-        /// Where.
+        /// Path of the number.
         path: String,
-        /// What it held.
+        /// The refused value.
         value: f64,
-        /// What is allowed.
+        /// The permitted range.
         allowed: &'static str,
     },
-    /// A list is longer than allowed.
+    /// A list is longer than permitted.
     #[error("{path} has {count} entries, but must have at most {most}")]
     TooMany {
-        /// Where.
+        /// Path of the list.
         path: String,
-        /// Its length.
+        /// Length of the list.
         count: usize,
-        /// The limit.
+        /// Largest permitted length.
         most: usize,
     },
-    /// The same array or whisker twice in one message.
-    #[error("{path}: {what} is in the message more than once")]
+    /// An array or whisker occurs twice in one message.
+    #[error("{path}: {what} occurs more than once in the message")]
     Duplicate {
-        /// Where the second one is.
+        /// Path of the second occurrence.
         path: String,
-        /// Which.
+        /// The repeated array or whisker.
         what: String,
     },
-    /// A whisker names a neighbour that its array does not have.
+    /// A whisker has an invalid neighbour.
     #[error("{path}: whisker {neighbour} cannot be a neighbour here: {why}")]
     WrongNeighbour {
-        /// Where.
+        /// Path of the neighbour.
         path: String,
-        /// The number given.
+        /// Number of the invalid neighbour.
         neighbour: u16,
-        /// Why not.
+        /// Reason why it is invalid.
         why: &'static str,
     },
 }
 
 impl Refusal {
-    /// Every label, in the order of the variants: to set up counters that start at zero.
+    /// All labels, in the order of the variants, for counters that start at zero.
     pub const LABELS: [&'static str; 9] = [
         "unknown_topic",
         "bad_name",
@@ -99,7 +99,7 @@ impl Refusal {
         "wrong_neighbour",
     ];
 
-    /// The kind as a word in `snake_case`, for metrics.
+    /// Label of the refusal in `snake_case`, for metrics.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
@@ -115,7 +115,7 @@ impl Refusal {
         }
     }
 
-    /// Puts the element's place before the field's: checks know only what is below them.
+    /// Puts the element's position before the path, since checks only know the path below the element.
     pub(crate) fn within(mut self, list: &str, index: usize) -> Self {
         match &mut self {
             Self::Malformed { path, .. }

@@ -1,5 +1,4 @@
-//! What the contract asks of a robot, rule by rule: each has a name that stays the same, so that tools, tests and people
-//! speak of the same thing.
+//! Rules of the contract for robots. Each has a permanent name for tools, tests and documents.
 //!
 //! `vibrissa check-robot` tests a robot against them, and the simulator can break each one on purpose.
 
@@ -9,64 +8,64 @@ use std::fmt;
 
 pub use table::markdown;
 
-/// Of which robots it is asked.
+/// Robots to which a rule applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Scope {
-    /// Of every robot.
+    /// It applies to all robots.
     Every,
-    /// Of robots that send contacts again until they are receipted, which is to say: with quality of service 0.
+    /// It applies to robots that send contacts again until they are receipted, that is, with quality of service 0.
     Receipts,
 }
 
-/// How it can be seen from outside whether a robot keeps it.
+/// How a test from outside can verify that a robot obeys a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Visible {
-    /// By talking to the robot.
+    /// By an exchange of messages with the robot.
     Talking,
-    /// Only while somebody takes the robot's power away and gives it back.
+    /// Only while the robot is switched off and on again.
     Restarting,
     /// Not at all, for this reason.
     Not(&'static str),
 }
 
-/// Defines the rules: the enum, and what each one is.
+/// Defines the rules: the enum and the properties of each.
 macro_rules! rules {
     ($($variant:ident = $id:literal, $topic:literal, $scope:ident, $visible:expr, $asked:literal;)+) => {
-        /// A rule that a robot must keep.
+        /// A rule for robots.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Rule {
             $(#[doc = $asked] $variant,)+
         }
 
         impl Rule {
-            /// Every rule, in the order of the contract's topics.
+            /// All rules, in the order of the contract's topics.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// Its name, in kebab case; it never changes.
+            /// Name of the rule, in kebab case; it never changes.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$variant => $id,)+ }
             }
 
-            /// The topic that it is about.
+            /// Topic that the rule applies to.
             #[must_use]
             pub const fn topic(self) -> &'static str {
                 match self { $(Self::$variant => $topic,)+ }
             }
 
-            /// Of which robots it is asked.
+            /// Robots to which the rule applies.
             #[must_use]
             pub const fn scope(self) -> Scope {
                 match self { $(Self::$variant => Scope::$scope,)+ }
             }
 
-            /// How it can be seen from outside.
+            /// How a test from outside can verify the rule.
             #[must_use]
             pub const fn visible(self) -> Visible {
                 match self { $(Self::$variant => $visible,)+ }
             }
 
-            /// What is asked, in one sentence.
+            /// Text of the rule, in one sentence.
             #[must_use]
             pub const fn asked(self) -> &'static str {
                 match self { $(Self::$variant => $asked,)+ }
@@ -79,83 +78,83 @@ use Visible::{Not, Restarting, Talking};
 
 rules! {
     Birth = "birth", "connection", Every, Talking,
-        "After it has connected and subscribed, the robot says ONLINE, retained.";
+        "After it has connected and subscribed, the robot publishes ONLINE, retained.";
     Will = "will", "connection", Every, Restarting,
-        "The last will says CONNECTION_BROKEN with the boot_id of the birth of the same connection.";
+        "The last will is CONNECTION_BROKEN with the boot_id of the birth of the same connection.";
     WillRetained = "will-retained", "connection", Every, Restarting,
         "The last will is retained.";
     BootIdNew = "boot-id-new", "connection", Every, Restarting,
-        "Each start of the robot has a boot_id that none before had.";
-    Farewell = "farewell", "connection", Every, Not("nothing that is sent to a robot makes it leave"),
-        "A robot that leaves in good order says OFFLINE, retained, before it disconnects.";
+        "Each start of the robot has a boot_id that was never used before.";
+    Farewell = "farewell", "connection", Every, Not("no message makes a robot disconnect"),
+        "Before a deliberate disconnect the robot publishes OFFLINE, retained.";
 
     FactsheetAfterBirth = "factsheet-after-birth", "factsheet", Every, Talking,
-        "The factsheet follows each birth.";
+        "The robot sends its factsheet after each birth.";
     FactsheetRetained = "factsheet-retained", "factsheet", Every, Talking,
         "The factsheet is retained.";
     FactsheetOnRequest = "factsheet-on-request", "factsheet", Every, Talking,
-        "The factsheet is sent again when request asks for FACTSHEET.";
+        "The robot sends its factsheet again on a request for FACTSHEET.";
 
     StatusPeriod = "status-period", "status", Every, Talking,
-        "A status comes every 1 to 10 s, also if nothing changes.";
+        "The robot sends a status every 1 to 10 s, even if nothing changes.";
     StatusOnRequest = "status-on-request", "status", Every, Talking,
-        "A status is sent when request asks for STATUS.";
+        "The robot sends a status on a request for STATUS.";
     StatusWhiskers = "status-whiskers", "status", Every, Talking,
-        "A status names each whisker of the factsheet once, and no other.";
+        "A status contains each whisker of the factsheet once, and no others.";
     StatusOnChange = "status-on-change", "status", Every, Not("only the robot knows when its regulators and gauges change"),
-        "A status is sent when the condition of a regulator or a gauge changes.";
+        "The robot sends a status when the condition of a regulator or a gauge changes.";
     ContactsDropped = "contacts-dropped", "status", Receipts, Not("a robot's memory cannot be filled in a reasonable time"),
-        "Contacts messages that were dropped because too many were kept are counted in contacts_dropped.";
+        "Contacts messages dropped because of a full store are counted in contacts_dropped.";
 
     MessageForm = "message-form", "all", Every, Talking,
-        "Every message is JSON in UTF-8 with all fields of its kind, and words and names as the contract has them.";
+        "Every message is JSON in UTF-8 with all required fields, and with words and names of the contract.";
     SeqWithoutGaps = "seq-without-gaps", "all", Every, Talking,
-        "In a boot, seq grows by one from message to message of a topic, and names one message only.";
+        "Within a boot, seq rises by one with each message of a topic, and identifies one message only.";
     SeqFromZero = "seq-from-zero", "all", Every, Restarting,
         "In each boot the first message of a topic has seq 0.";
     Clock = "clock", "all", Every, Talking,
-        "Times are of the present: microseconds since 1970 UTC, or RFC 3339 in UTC, right to 2 s.";
+        "Times are microseconds since 1970 UTC, or RFC 3339 in UTC, and correct to 2 s.";
     TimeForward = "time-forward", "all", Every, Talking,
-        "In a boot, the times of status, setpoint_state and factsheet do not run backwards.";
+        "Within a boot, the times of status, setpoint_state and factsheet do not decrease.";
     QualityOfService = "qos", "all", Every, Talking,
         "Quality of service is 1 for connection, factsheet and setpoint_state, 0 for status, and 0 or 1 for contacts.";
     NotRetained = "not-retained", "all", Every, Talking,
         "Contacts, status and setpoint_state are not retained.";
 
     ContactsInRange = "contacts-in-range", "contacts", Every, Talking,
-        "The numbers of a contact are ones that there can be: ratio from 0.01 to 1, deflection from 0.01 mm on, and so on.";
+        "The numbers of a contact are within their ranges: ratio from 0.01 to 1, deflection from 0.01 mm, and so on.";
     ContactsOnFactsheet = "contacts-on-factsheet", "contacts", Every, Talking,
-        "Contacts are of whiskers that are on the factsheet.";
+        "Contacts are of whiskers in the factsheet.";
     ContactsResent = "contacts-resent", "contacts", Receipts, Talking,
-        "A contacts message that no receipt covers is sent again.";
+        "The robot sends a contacts message again if no receipt covers it.";
     ResendOldestFirst = "resend-oldest-first", "contacts", Receipts, Talking,
-        "Of the messages to be sent again the oldest goes first.";
+        "The robot sends the oldest uncovered message again first.";
     ResendBackoff = "resend-backoff", "contacts", Receipts, Talking,
-        "While no receipt comes, the pauses between two sendings of a message grow exponentially.";
+        "Without receipts, the intervals between transmissions of a message grow exponentially.";
     ResendSame = "resend-same", "contacts", Receipts, Talking,
-        "What is sent again has the same seq and the same content.";
+        "A message that is sent again has the same seq and content.";
 
     ReceiptNext = "receipt-next", "receipt", Receipts, Talking,
-        "What lies below a receipt's next is not sent again.";
+        "Messages below a receipt's next are not sent again.";
     ReceiptHeld = "receipt-held", "receipt", Receipts, Talking,
-        "What lies in a receipt's held ranges is not sent again.";
+        "Messages in a receipt's held ranges are not sent again.";
     ReceiptGap = "receipt-gap", "receipt", Receipts, Talking,
-        "What lies between a receipt's next and its held ranges is sent again.";
+        "Messages between a receipt's next and its held ranges are sent again.";
     ReceiptBoot = "receipt-boot", "receipt", Receipts, Talking,
         "A receipt for another boot covers nothing.";
     ContactsBounded = "contacts-bounded", "contacts", Receipts, Not("a robot's memory cannot be filled in a reasonable time"),
-        "A bounded number of contacts messages is kept, of which the oldest are dropped.";
+        "The robot stores a limited number of contacts messages and drops the oldest.";
 
     SetpointAnswers = "setpoint-answers", "setpoint_state", Every, Talking,
-        "A setpoint that is taken is answered RECEIVED, then APPLYING, then with one final state.";
+        "An accepted setpoint is answered RECEIVED, then APPLYING, then with one final state.";
     SetpointApplied = "setpoint-applied", "setpoint_state", Every, Talking,
-        "A setpoint that is right is APPLIED, and the chamber then has its pressure within 0.005 MPa.";
+        "A valid setpoint is APPLIED, and the chamber then has its pressure within 0.005 MPa.";
     SetpointInStatus = "setpoint-in-status", "status", Every, Talking,
         "The status shows the setpoint in force as setpoint_mpa.";
     Slew = "slew", "setpoint", Every, Talking,
         "The pressure changes no faster than slew_mpa_per_s.";
     RefuseStaleVersion = "refuse-stale-version", "setpoint", Every, Talking,
-        "A version that is not higher than any seen for the whisker in that epoch is REJECTED as STALE.";
+        "A version not higher than all versions seen for the whisker in that epoch is REJECTED as STALE.";
     RefuseStaleEpoch = "refuse-stale-epoch", "setpoint", Every, Talking,
         "An epoch below the highest seen for the whisker is REJECTED as STALE, whatever the version.";
     RefuseExpired = "refuse-expired", "setpoint", Every, Talking,
@@ -165,34 +164,34 @@ rules! {
     RefuseOutOfRange = "refuse-out-of-range", "setpoint", Every, Talking,
         "A pressure above the factsheet's pressure_max_mpa is REJECTED as OUT_OF_RANGE.";
     RefuseUnknownWhisker = "refuse-unknown-whisker", "setpoint", Every, Talking,
-        "A setpoint for a whisker that is not on the factsheet is REJECTED as UNKNOWN_WHISKER.";
+        "A setpoint for a whisker that is not in the factsheet is REJECTED as UNKNOWN_WHISKER.";
     CommandAgainAnswered = "command-again-answered", "setpoint", Every, Talking,
-        "The same command_id again is answered again, with what became of it.";
+        "A repeated command_id is answered again, with the state of its setpoint.";
     CommandAgainNotApplied = "command-again-not-applied", "setpoint", Every, Talking,
-        "The same command_id again is not applied again.";
+        "A repeated command_id is not applied again.";
     Supersede = "supersede", "setpoint", Every, Talking,
-        "A newer setpoint takes the place of one that is being applied, which is answered SUPERSEDED.";
-    FailedWithReason = "failed-with-reason", "setpoint_state", Every, Not("supply and chambers cannot be broken from outside"),
-        "A setpoint that was taken and cannot be reached is answered FAILED, with the reason.";
-    OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Not("when the supervisor counts as lost is the robot's affair"),
-        "Without a supervisor the robot does what its factsheet's on_supervisor_loss says.";
+        "A newer setpoint replaces one that is being applied, which is answered SUPERSEDED.";
+    FailedWithReason = "failed-with-reason", "setpoint_state", Every, Not("a test cannot break the supply or a chamber"),
+        "An accepted setpoint that cannot be reached is answered FAILED, with the reason.";
+    OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Not("the robot decides when it regards the supervisor as lost"),
+        "Without a supervisor the robot behaves as its factsheet's on_supervisor_loss states.";
 
     UnknownFields = "unknown-fields", "all", Every, Talking,
-        "Fields that the robot does not know are ignored, and the message counts.";
+        "The robot ignores unknown fields and processes the message.";
     MalformedHarmless = "malformed-harmless", "all", Every, Talking,
-        "A message that cannot be read changes nothing: the robot goes on, in the same boot.";
-    OwnLevel = "own-level", "all", Every, Not("what a user may do is the broker's access list's to say"),
-        "A robot publishes and subscribes below its own level only.";
+        "An invalid message has no effect: the robot continues in the same boot.";
+    OwnLevel = "own-level", "all", Every, Not("the broker's access list controls the permissions of its users"),
+        "A robot publishes and subscribes only below its own topic level.";
 }
 
 impl Rule {
-    /// The rule of that name.
+    /// The rule with this name.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|rule| rule.id() == id)
     }
 
-    /// Whether it can be tested from outside.
+    /// Whether a test from outside can verify the rule.
     #[must_use]
     pub const fn is_testable(self) -> bool {
         match self.visible() {

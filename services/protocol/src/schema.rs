@@ -1,4 +1,4 @@
-//! What the checks enforce, in the words of JSON Schema: used by the derives on the messages.
+//! The ranges of the checks as JSON Schema, for the derives on the messages.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use crate::check::{GAIN, RATIO, Range, TEXT_MAX_CHARS};
 use crate::{GAIN_POINTS_MAX, HELD_MAX, INTEGER_LIMIT, SetpointOutcome};
 
 impl Range {
-    /// Adds the range to a number's schema, or to one of a number that may be null.
+    /// Adds the range to the schema of a number, or of a nullable number.
     pub(crate) fn in_schema(self) -> impl FnMut(&mut Schema) {
         move |schema| {
             let least = if self.is_least_excluded { "exclusiveMinimum" } else { "minimum" };
@@ -22,22 +22,22 @@ impl Range {
     }
 }
 
-/// A whole number is written without decimals.
+/// Writes a whole number without decimals.
 fn plain(number: f64) -> Value {
     if number.fract() == 0.0 { json!(number as i64) } else { json!(number) }
 }
 
-/// Adds the limit of [`crate::check::integer`].
+/// Adds the upper limit of [`crate::check::integer`].
 pub(crate) fn exact_integer(schema: &mut Schema) {
     schema.insert("maximum".to_owned(), json!(INTEGER_LIMIT - 1));
 }
 
-/// A text of that pattern.
+/// Schema of a text that matches a pattern.
 pub(crate) fn matching(pattern: &str) -> Schema {
     json_schema!({ "type": "string", "pattern": pattern })
 }
 
-/// A text as [`crate::check::is_identifier`] takes it.
+/// Schema of a text that [`crate::check::is_identifier`] accepts.
 pub(crate) fn identifier() -> Schema {
     json_schema!({
         "type": "string",
@@ -47,12 +47,12 @@ pub(crate) fn identifier() -> Schema {
     })
 }
 
-/// [`identifier`] for a field of another type.
+/// [`identifier`] for a field with another Rust type.
 pub(crate) fn identifier_field(_: &mut SchemaGenerator) -> Schema {
     identifier()
 }
 
-/// Pairs of contact ratio and factor.
+/// Schema of the pairs of contact ratio and factor.
 pub(crate) fn gain(_: &mut SchemaGenerator) -> Schema {
     let number = |range: Range, description: &str| {
         let mut schema = json_schema!({ "type": "number", "description": description });
@@ -63,7 +63,7 @@ pub(crate) fn gain(_: &mut SchemaGenerator) -> Schema {
     list_of_pairs(GAIN_POINTS_MAX, &json!({ "prefixItems": points }))
 }
 
-/// Ranges of `seq`, both ends included.
+/// Schema of ranges of `seq`, both ends inclusive.
 pub(crate) fn held(_: &mut SchemaGenerator) -> Schema {
     let seq = json!({ "type": "integer", "minimum": 0, "maximum": INTEGER_LIMIT - 1 });
     list_of_pairs(HELD_MAX, &json!({ "items": seq }))
@@ -77,14 +77,14 @@ fn list_of_pairs(most: usize, pair: &Value) -> Schema {
     json_schema!({ "type": "array", "maxItems": most, "items": items })
 }
 
-/// Adds that those outcomes which [`SetpointOutcome::needs_error`] names must say why.
+/// Adds that outcomes for which [`SetpointOutcome::needs_error`] is true require `error`.
 pub(crate) fn error_where_due(schema: &mut Schema) {
     let due: Vec<&str> = SetpointOutcome::ALL.iter().filter(|one| one.needs_error()).map(|one| one.as_str()).collect();
     schema.insert("if".to_owned(), json!({ "properties": { "state": { "enum": due } }, "required": ["state"] }));
     schema.insert("then".to_owned(), json!({ "properties": { "error": { "type": "string" } }, "required": ["error"] }));
 }
 
-/// Leaves out Rust's names of number types: validators that know only standard formats stumble over them.
+/// Removes Rust's number formats: validators that know only standard formats reject them.
 pub(crate) fn without_number_formats(schema: &mut Schema) {
     schemars::transform::transform_subschemas(&mut without_number_formats, schema);
     if schema.get("format").is_some_and(|format| format != "date-time") {

@@ -1,4 +1,4 @@
-//! Points in time as RFC 3339 text: UTC with milliseconds.
+//! Times as RFC 3339 text: UTC with milliseconds.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,25 +6,25 @@ use std::str::FromStr;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A point in time, in microseconds since 1970 UTC; as text with milliseconds, `2026-11-21T08:00:00.000Z`.
+/// A time in microseconds since 1970 UTC; as text `2026-11-21T08:00:00.000Z`.
 ///
-/// Written with milliseconds (the rest is cut off), read with any number of decimals in up to 64 characters.
+/// Written with milliseconds (truncated), read with any number of decimals in up to 64 characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Timestamp(pub u64);
 
-/// A text that is no timestamp.
+/// A text that is not a valid timestamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("no timestamp: expected RFC 3339 in UTC such as 2026-11-21T08:00:00.000Z, not before 1970")]
+#[error("invalid timestamp: expected RFC 3339 in UTC such as 2026-11-21T08:00:00.000Z, not before 1970")]
 pub struct BadTimestamp;
 
-/// The longest text that is read: with some forty decimals.
+/// Longest text that is read; it has room for some forty decimals.
 const TEXT_MAX_BYTES: usize = 64;
 const US_PER_S: u64 = 1_000_000;
 const S_PER_DAY: u64 = 86_400;
 
 /// Year, month and day of the proleptic Gregorian calendar, from days since 1970-01-01.
 ///
-/// Counts in eras of 400 years that begin on 1 March, so that the leap day is the last of its year.
+/// Counts in eras of 400 years that begin on 1 March, so that the leap day is the last day of its year.
 fn date_of(days: u64) -> (u64, u64, u64) {
     let shifted = days + 719_468;
     let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
@@ -66,7 +66,7 @@ impl FromStr for Timestamp {
     }
 }
 
-/// Digits at fixed places of a text.
+/// Parses the digits at fixed positions of a text.
 fn digits(text: &str, from: usize, to: usize) -> Option<u64> {
     let part = text.get(from..to)?;
     if part.bytes().all(|b| b.is_ascii_digit()) { part.parse().ok() } else { None }
@@ -95,7 +95,7 @@ fn parse(text: &str) -> Option<u64> {
         }
     };
     let seconds = days * S_PER_DAY + hour * 3_600 + minute * 60 + second;
-    // The leap second after the last minute would be written with five digits of a year.
+    // The leap second after the last minute of 9999 would need a year of five digits.
     (seconds < days_of(9999, 12, 31)? * S_PER_DAY + S_PER_DAY).then_some(seconds * US_PER_S + fraction_us)
 }
 
@@ -105,7 +105,8 @@ impl Serialize for Timestamp {
     }
 }
 
-/// What [`Timestamp`] reads, but for the days of the month. RFC 3339 would allow other offsets and earlier years.
+/// The texts that [`Timestamp`] reads, except for the number of days in a month. RFC 3339 also allows other offsets
+/// and earlier years.
 const PATTERN: &str = "^(19[7-9][0-9]|[2-9][0-9]{3})-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])[Tt]\
                        ([01][0-9]|2[0-3]):[0-5][0-9]:([0-5][0-9]|60)([.][0-9]+)?([Zz]|[+]00:00)$";
 

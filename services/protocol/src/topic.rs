@@ -7,38 +7,38 @@ use crate::{Name, Refusal};
 const ROOT: &str = "whisker/v1/";
 const EXPECTED: &str = "expected whisker/v1/{fleet}/{robot}/{topic} or whisker/v1/{fleet}/supervisor/state";
 
-/// What MQTT promises about a message: the two levels that the contract uses.
+/// The two MQTT qualities of service that the contract uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum QualityOfService {
-    /// QoS 0.
+    /// QoS 0: the message may be lost.
     AtMostOnce,
-    /// QoS 1.
+    /// QoS 1: the message may arrive more than once.
     AtLeastOnce,
 }
 
 /// The last level of a robot's topics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RobotTopic {
-    /// Robot: online, offline, or (as last will) broken.
+    /// From the robot: online, offline, or (as last will) connection broken.
     Connection,
-    /// Robot: what is on it.
+    /// From the robot: its arrays and whiskers.
     Factsheet,
-    /// Robot: a batch of contacts.
+    /// From the robot: a batch of contacts.
     Contacts,
-    /// Robot: chamber pressures, regulator and gauge condition.
+    /// From the robot: chamber pressures, condition of regulators and gauges.
     Status,
-    /// Supervisor: how far the robot's contacts are committed.
+    /// From the supervisor: which contacts are committed.
     Receipt,
-    /// Supervisor: a pressure to hold.
+    /// From the supervisor: a pressure to hold.
     Setpoint,
-    /// Robot: what became of a setpoint.
+    /// From the robot: progress or result of a setpoint.
     SetpointState,
-    /// Supervisor: send something again.
+    /// From the supervisor: asks for a message again.
     Request,
 }
 
 impl RobotTopic {
-    /// All of them, in the contract's order.
+    /// All topics, in the contract's order.
     pub const ALL: [Self; 8] = [
         Self::Connection,
         Self::Factsheet,
@@ -50,7 +50,7 @@ impl RobotTopic {
         Self::Request,
     ];
 
-    /// The level's text.
+    /// Text of the topic level.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -65,7 +65,7 @@ impl RobotTopic {
         }
     }
 
-    /// Whether the robot sends it; otherwise the supervisor does.
+    /// Whether the robot sends the message; otherwise the supervisor does.
     #[must_use]
     pub const fn is_from_robot(self) -> bool {
         match self {
@@ -74,7 +74,7 @@ impl RobotTopic {
         }
     }
 
-    /// The quality of service it is sent with; for contacts, that of robots that send again by receipt.
+    /// Quality of service of the message; for contacts, that of robots that send again without a receipt.
     #[must_use]
     pub const fn quality_of_service(self) -> QualityOfService {
         match self {
@@ -85,7 +85,7 @@ impl RobotTopic {
         }
     }
 
-    /// Whether the broker retains it.
+    /// Whether the broker retains the message.
     #[must_use]
     pub const fn is_retained(self) -> bool {
         match self {
@@ -96,20 +96,20 @@ impl RobotTopic {
         }
     }
 
-    /// The subscription to this topic of every robot of a fleet: `whisker/v1/{fleet}/+/contacts`.
+    /// Subscription to this topic of all robots of a fleet: `whisker/v1/{fleet}/+/contacts`.
     #[must_use]
     pub fn fleet_filter(self, fleet: &Name) -> String {
         format!("{ROOT}{fleet}/+/{self}")
     }
 
-    /// The topic of the supervisor's probes for [`Self::fleet_filter`]: `whisker/v1/{fleet}/supervisor/contacts`. The filter
-    /// matches it as it matches robots' topics, and no robot may publish there.
+    /// Topic of the supervisor's probes for [`Self::fleet_filter`]: `whisker/v1/{fleet}/supervisor/contacts`. The
+    /// filter matches it like robots' topics, and no robot may publish there.
     #[must_use]
     pub fn probe_topic(self, fleet: &Name) -> String {
         format!("{ROOT}{fleet}/{}/{self}", Name::RESERVED)
     }
 
-    /// The topic that a probe on `topic` is for; none if `topic` is not a probe's.
+    /// The topic that a probe received on `topic` tests; `None` if `topic` is not that of a probe.
     #[must_use]
     pub fn probed_on(topic: &str) -> Option<Self> {
         let (fleet, kind) = topic.strip_prefix(ROOT)?.split_once('/')?;
@@ -118,7 +118,7 @@ impl RobotTopic {
         Self::ALL.into_iter().filter(|one| one.is_from_robot()).find(|one| one.as_str() == kind)
     }
 
-    /// This topic of one robot.
+    /// This topic for one robot.
     #[must_use]
     pub fn of(self, fleet: &Name, robot: &Name) -> Topic {
         Topic::Robot { fleet: fleet.clone(), robot: robot.clone(), kind: self }
@@ -134,27 +134,28 @@ impl fmt::Display for RobotTopic {
 /// A topic of the contract.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Topic {
-    /// Of one robot.
+    /// A topic of one robot.
     Robot {
-        /// Its fleet.
+        /// Fleet of the robot.
         fleet: Name,
-        /// Its name, never `supervisor`.
+        /// Name of the robot, never `supervisor`.
         robot: Name,
-        /// The last level.
+        /// Last level of the topic.
         kind: RobotTopic,
     },
-    /// Whether a supervisor owns the fleet.
+    /// The topic that states whether a supervisor owns the fleet.
     SupervisorState {
-        /// The fleet.
+        /// Name of the fleet.
         fleet: Name,
     },
 }
 
 impl Topic {
-    /// Reads a topic.
+    /// Parses a topic.
     ///
     /// # Errors
-    /// [`Refusal::UnknownTopic`] if it is not one of the contract, [`Refusal::BadName`] if a level is no name.
+    /// [`Refusal::UnknownTopic`] if it is not part of the contract, [`Refusal::BadName`] if a level is not a valid
+    /// name.
     pub fn parse(text: &str) -> Result<Self, Refusal> {
         let unknown = || Refusal::UnknownTopic { topic: text.chars().take(200).collect(), expected: EXPECTED };
         let mut levels = text.strip_prefix(ROOT).ok_or_else(unknown)?.split('/');
@@ -171,7 +172,7 @@ impl Topic {
         Ok(Self::Robot { fleet, robot, kind })
     }
 
-    /// The fleet that it belongs to.
+    /// Fleet of the topic.
     #[must_use]
     pub fn fleet(&self) -> &Name {
         match self {

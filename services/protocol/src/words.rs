@@ -1,11 +1,11 @@
-//! The closed lists of words in messages.
+//! Closed lists of words in messages.
 
 use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Defines a closed list of words: the enum, its texts, and all of them in order.
+/// Defines a closed list of words: the enum, the word of each variant, and the list of all in order.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$word_doc:meta])* $variant:ident = $word:literal,)+ }) => {
         $(#[$doc])*
@@ -16,10 +16,10 @@ macro_rules! words {
         }
 
         impl $name {
-            /// Every word, in order.
+            /// All words, in order.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// The word as it is in messages.
+            /// The word as written in messages.
             #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self {
@@ -27,7 +27,7 @@ macro_rules! words {
                 }
             }
 
-            /// The variant of a word, if it is one of the list.
+            /// The variant of a word, if the list contains it.
             #[must_use]
             pub fn from_word(word: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|known| known.as_str() == word)
@@ -43,144 +43,144 @@ macro_rules! words {
 }
 
 words!(
-    /// Whether a robot is there.
+    /// State of a robot's connection.
     ConnectionState {
-        /// Connected.
+        /// The robot is connected.
         Online = "ONLINE",
-        /// Left in good order.
+        /// The robot has disconnected deliberately.
         Offline = "OFFLINE",
-        /// The broker's word that the connection broke (the last will).
+        /// The connection broke; the broker publishes this as the last will.
         ConnectionBroken = "CONNECTION_BROKEN",
     }
 );
 words!(
     /// Whether a supervisor owns the fleet.
     SupervisorPresence {
-        /// Connected.
+        /// A supervisor owns the fleet and is connected.
         Online = "ONLINE",
-        /// Left, or its connection broke.
+        /// The supervisor has left, or its connection broke.
         Offline = "OFFLINE",
     }
 );
 words!(
-    /// What a whisker array can do about a shortened whisker.
+    /// Ways in which a whisker array can compensate for a shortened whisker.
     ArrayType {
-        /// An array: a neighbour compensates for the shortened whisker, or the shortened whisker itself does.
+        /// A neighbour or the shortened whisker itself compensates.
         Type1 = "TYPE_1",
-        /// Single whiskers: the shortened whisker compensates for itself.
+        /// Single whiskers: only the shortened whisker itself compensates.
         Type2 = "TYPE_2",
     }
 );
 words!(
-    /// What a robot does with its chambers when the supervisor is gone.
+    /// Behaviour of a robot's chambers without a supervisor.
     OnSupervisorLoss {
         /// Keep the last setpoint.
         Hold = "HOLD",
-        /// Go back to the factsheet's pressure.
+        /// Return to the factsheet's pressure.
         Nominal = "NOMINAL",
-        /// Let the air out.
+        /// Vent the chambers.
         Vent = "VENT",
     }
 );
 words!(
-    /// The condition of a chamber's pressure regulator.
+    /// Condition of a chamber's pressure regulator.
     Regulator {
-        /// Holds its setpoint.
+        /// The regulator holds its setpoint.
         Ok = "OK",
-        /// On its way up.
+        /// The regulator raises the pressure.
         Filling = "FILLING",
-        /// On its way down.
+        /// The regulator lowers the pressure.
         Venting = "VENTING",
-        /// The supply cannot give the setpoint.
+        /// The supply cannot provide the setpoint.
         SupplyLow = "SUPPLY_LOW",
-        /// Air is lost faster than a tight chamber loses it.
+        /// The chamber loses air faster than a tight one.
         Leak = "LEAK",
-        /// Does not work.
+        /// The regulator does not work.
         Fault = "FAULT",
     }
 );
 words!(
-    /// The condition of a strain gauge.
+    /// Condition of a strain gauge.
     Gauge {
-        /// Reads.
+        /// The gauge works.
         Ok = "OK",
-        /// At the end of its range.
+        /// The gauge is at the end of its range.
         Saturated = "SATURATED",
-        /// Its circuit is broken.
+        /// The gauge's circuit is open.
         Open = "OPEN",
-        /// Its circuit is shorted.
+        /// The gauge's circuit is shorted.
         Short = "SHORT",
     }
 );
 words!(
-    /// Why the supervisor sets a pressure.
+    /// Reason of a setpoint.
     SetpointReason {
         /// A shortened whisker regains its own sensitivity.
         SelfCompensation = "SELF_COMPENSATION",
-        /// A shorter neighbour takes the place of a longer target.
+        /// A shorter neighbour compensates for a longer target.
         ShorterForLonger = "SHORTER_FOR_LONGER",
-        /// A longer neighbour takes the place of a shorter target.
+        /// A longer neighbour compensates for a shorter target.
         LongerForShorter = "LONGER_FOR_SHORTER",
-        /// A correction from what was measured since.
+        /// A correction from measurements since the compensation began.
         Refinement = "REFINEMENT",
-        /// Back to the factsheet's pressure.
+        /// Return to the factsheet's pressure.
         Release = "RELEASE",
-        /// A person asked for it.
+        /// An operator requested it.
         Operator = "OPERATOR",
     }
 );
 words!(
-    /// What became of a setpoint.
+    /// Progress or result of a setpoint.
     SetpointOutcome {
-        /// Taken, not yet begun.
+        /// Accepted, not started.
         Received = "RECEIVED",
-        /// The chamber is on its way.
+        /// The chamber is moving toward the pressure.
         Applying = "APPLYING",
-        /// The chamber holds the pressure.
+        /// The chamber has reached the pressure.
         Applied = "APPLIED",
-        /// Not taken, for the reason in `error`.
+        /// Not accepted, for the reason in `error`.
         Rejected = "REJECTED",
-        /// Taken but not reached, for the reason in `error`.
+        /// Accepted but not reached, for the reason in `error`.
         Failed = "FAILED",
         /// Replaced by a newer one while it was being applied.
         Superseded = "SUPERSEDED",
     }
 );
 words!(
-    /// Why a setpoint was rejected or failed.
+    /// Reason why a setpoint was rejected or failed.
     SetpointError {
-        /// Rejected: (`epoch`, `version`) is not higher than any seen for that whisker.
+        /// Rejected: (`epoch`, `version`) is not higher than all seen for that whisker.
         Stale = "STALE",
         /// Rejected: `expires_us` has passed on the robot's clock.
         Expired = "EXPIRED",
-        /// Rejected: the pressure is not in the factsheet's range.
+        /// Rejected: the pressure is outside the factsheet's range.
         OutOfRange = "OUT_OF_RANGE",
         /// Rejected: the robot has no such whisker.
         UnknownWhisker = "UNKNOWN_WHISKER",
-        /// Rejected: it was meant for another boot of the robot.
+        /// Rejected: it is for another boot of the robot.
         WrongBoot = "WRONG_BOOT",
-        /// Rejected: the robot cannot take setpoints now.
+        /// Rejected: the robot cannot accept setpoints now.
         NotReady = "NOT_READY",
-        /// Failed: the supply cannot give the pressure.
+        /// Failed: the supply cannot provide the pressure.
         SupplyLow = "SUPPLY_LOW",
-        /// Failed: the chamber loses more air than the valve gives.
+        /// Failed: the chamber loses more air than the valve supplies.
         Leak = "LEAK",
         /// Failed: the regulator does not work.
         Fault = "FAULT",
     }
 );
 words!(
-    /// What a robot is asked to send again.
+    /// Message that a robot shall send again.
     RequestKind {
-        /// Its factsheet.
+        /// The robot's factsheet.
         Factsheet = "FACTSHEET",
-        /// Its status.
+        /// The robot's status.
         Status = "STATUS",
     }
 );
 
 impl SetpointOutcome {
-    /// Whether it must say why.
+    /// Whether the outcome requires a reason in `error`.
     #[must_use]
     pub const fn needs_error(self) -> bool {
         match self {
@@ -189,7 +189,7 @@ impl SetpointOutcome {
         }
     }
 
-    /// Whether nothing follows it.
+    /// Whether no further state follows.
     #[must_use]
     pub const fn is_final(self) -> bool {
         match self {

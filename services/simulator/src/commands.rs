@@ -1,4 +1,4 @@
-//! When a robot takes a setpoint: the contract's rules, without the chambers.
+//! Rules of the contract for accepting a setpoint, without the chambers.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -6,37 +6,37 @@ use vibrissa_protocol::{BootId, Setpoint, SetpointError, SetpointOutcome};
 
 use crate::scenario::Misbehaviour;
 
-/// Commands whose answer is remembered.
+/// Number of commands whose answer is remembered.
 const REMEMBERED: usize = 1024;
 
-/// What to do with a setpoint.
+/// Decision about a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
-    /// Take it.
+    /// Accept it.
     Take,
-    /// It was answered before: answer again, apply nothing.
+    /// It was answered before: repeat the answer, apply nothing.
     Again(Answer),
-    /// Refuse it.
+    /// Reject it.
     Reject(SetpointError),
 }
 
-/// What became of a command so far.
+/// Latest state of a command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) outcome: SetpointOutcome,
     pub(crate) error: Option<SetpointError>,
 }
 
-/// The whisker that a setpoint is for: what of it decides.
+/// The properties of the addressed whisker that matter for the decision.
 #[derive(Debug)]
 pub(crate) struct Addressee<'a> {
-    /// The highest (epoch, version) seen for it.
+    /// Highest (epoch, version) seen for the whisker.
     pub(crate) seen: &'a mut Option<(u64, u64)>,
-    /// The highest pressure that the factsheet allows, in MPa.
+    /// Highest pressure that the factsheet allows, in MPa.
     pub(crate) pressure_max_mpa: f64,
 }
 
-/// The answers of one boot.
+/// Answers of one boot.
 #[derive(Debug, Default)]
 pub(crate) struct Commands {
     answers: BTreeMap<String, Answer>,
@@ -44,7 +44,7 @@ pub(crate) struct Commands {
 }
 
 impl Commands {
-    /// Judges a setpoint by the contract's rules; `addressee` is `None` if the robot has no such whisker.
+    /// Decides about a setpoint by the contract's rules; `addressee` is `None` if the robot has no such whisker.
     pub(crate) fn judge(
         &self,
         setpoint: &Setpoint,
@@ -63,7 +63,7 @@ impl Commands {
         let Some(addressee) = addressee else {
             return Verdict::Reject(SetpointError::UnknownWhisker);
         };
-        // Before the order is looked at: a setpoint for another boot says nothing about this one's.
+        // Checked before the order: a setpoint for another boot must not change the highest order seen.
         if setpoint.robot_boot_id != *boot_id && keeps(Misbehaviour::TakesOtherBoots) {
             return Verdict::Reject(SetpointError::WrongBoot);
         }
@@ -82,7 +82,7 @@ impl Commands {
         Verdict::Take
     }
 
-    /// Remembers what became of a command.
+    /// Stores the latest state of a command.
     pub(crate) fn remember(&mut self, command_id: &str, answer: Answer) {
         if self.answers.insert(command_id.to_owned(), answer).is_none() {
             self.order.push_back(command_id.to_owned());
@@ -95,7 +95,7 @@ impl Commands {
     }
 }
 
-/// Whether an order is not higher than the highest seen.
+/// Whether an order is not higher than the highest one seen.
 fn is_stale(order: (u64, u64), seen: (u64, u64), fault: Option<Misbehaviour>) -> bool {
     match fault {
         Some(Misbehaviour::TakesOldVersions) => order.0 < seen.0,

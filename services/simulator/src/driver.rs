@@ -1,7 +1,7 @@
 //! One robot's connection: a thin driver around [`crate::Robot`].
 //!
-//! One task polls the MQTT event loop and does nothing else; another works with the robot. A connection is
-//! used once: after it broke, a new client starts clean, subscribes anew and gives the robot's birth again.
+//! One task only polls the MQTT event loop; another one works with the robot. Each connection is used once: after
+//! it breaks, a new client makes a clean start, subscribes again and publishes the robot's birth again.
 
 use std::time::Duration;
 
@@ -18,32 +18,32 @@ use crate::fleet::{Broker, RobotHandle, now_us};
 use crate::robot::Outgoing;
 use crate::scenario::Misbehaviour;
 
-/// The robot is not polled more often than this: small work is done together.
+/// Shortest pause between two polls of the robot, so that small work is done together.
 const WAKE_PAUSE: Duration = Duration::from_millis(20);
 const RECONNECT_START: Duration = Duration::from_millis(250);
 const RECONNECT_MAX: Duration = Duration::from_secs(10);
 const KEEP_ALIVE_S: u16 = 10;
-/// Requests that may wait for the polling task.
+/// Capacity of the queue of requests to the polling task.
 const REQUESTS: usize = 256;
-/// Unacknowledged messages at QoS 1 at a time.
+/// Largest number of unacknowledged QoS 1 messages.
 const IN_FLIGHT: u16 = 32;
-/// A broker that takes nothing for this long is given up.
+/// A broker that accepts no message for this long counts as lost.
 const PUBLISH_TIMEOUT: Duration = Duration::from_secs(15);
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// What the polling task reports.
+/// Report of the polling task.
 enum Report {
     /// The broker has accepted the connection.
     Connected,
-    /// The broker has made the subscriptions.
+    /// The broker has confirmed the subscriptions.
     Subscribed,
-    /// A message came.
+    /// A message has arrived.
     Received(RobotTopic, Vec<u8>),
-    /// The connection is gone.
+    /// The connection has ended, for this reason.
     Gone(String),
 }
 
-/// A connection, from the attempt to its end. Dropped, it is cut without a farewell.
+/// A connection, from the attempt to its end. If dropped, it is cut without a farewell.
 struct Connection {
     client: AsyncClient,
     reports: mpsc::UnboundedReceiver<Report>,
@@ -56,7 +56,7 @@ impl Drop for Connection {
     }
 }
 
-/// Runs a robot until it is told to stop.
+/// Runs a robot until `stopping` changes.
 pub(crate) async fn run(robot: RobotHandle, broker: Broker, transport: Transport, mut stopping: watch::Receiver<bool>) {
     let mut driver = Driver::new(robot, broker, transport);
     loop {
@@ -71,7 +71,7 @@ pub(crate) async fn run(robot: RobotHandle, broker: Broker, transport: Transport
     driver.farewell().await;
 }
 
-/// The next report of a connection; never, if there is none.
+/// The next report of a connection; pending forever without a connection.
 async fn next_report(connection: &mut Option<Connection>) -> Report {
     match connection {
         Some(connection) => connection.reports.recv().await.unwrap_or(Report::Gone("polling ended".to_owned())),
@@ -112,7 +112,7 @@ impl Driver {
         kind.of(&self.fleet, self.robot.name()).to_string()
     }
 
-    /// Lets the robot do what is due, and plans the next time.
+    /// Polls the robot and plans the next time.
     async fn work(&mut self) {
         let (outgoing, deadline_us, has_changed) =
             self.robot.with(|robot| (robot.poll(now_us()), robot.next_deadline(), robot.take_change()));
@@ -120,7 +120,7 @@ impl Driver {
             self.robot.changed.notify_one();
         }
         self.send(outgoing).await;
-        // By the clock, not by adding pauses: what takes long is caught up with.
+        // From the clock rather than by adding pauses, so that a delay is caught up.
         let ahead = Duration::from_micros(deadline_us.saturating_sub(now_us()));
         self.wake_at = Instant::now() + ahead.clamp(WAKE_PAUSE, Duration::from_secs(1));
     }
@@ -129,13 +129,15 @@ impl Driver {
         let will = self.robot.with(|robot| robot.will(now_us()));
         let is_will_retained = self.fault != Some(Misbehaviour::WillNotRetained);
         let topic = self.topic(RobotTopic::Connection);
-        // The client id is the robot's place in the contract: a second robot of that name takes it over.
+        // The client id is the robot's topic prefix in the contract: a second robot of that name takes over the
+        // session.
         let id = format!("{}.{}", self.fleet, self.robot.name());
         let mut options = MqttOptions::new(id, (self.broker.host.clone(), self.broker.port));
         options
             .set_keep_alive(KEEP_ALIVE_S)
             .set_clean_start(true)
-            // The library sets aside its tables for this many at once: 16 MB a connection for its 65535.
+            // The library allocates its tables for this number in advance: 16 MB per connection for its default of
+            // 65535.
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_max_packet_size(u32::try_from(PAYLOAD_MAX_BYTES + 1024).ok())
             .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, is_will_retained, None));
@@ -143,14 +145,14 @@ impl Driver {
             options.set_credentials(user, password.into_bytes());
         }
         options.set_transport(self.transport.clone());
-        // The library's own address has no brackets around IPv6.
+        // The library's own address lacks the brackets around IPv6.
         let address = self.broker.address();
         options.set_socket_connector(move |_, network| rumqttc::default_socket_connect(address.clone(), network));
         let mut network = NetworkOptions::new();
         network.set_tcp_nodelay(true);
         options.set_network_options(network);
         let (client, event_loop) = AsyncClient::builder(options).capacity(REQUESTS).build();
-        // Unbounded, so that polling never waits for work; what comes is a few receipts per second.
+        // Unbounded, so that polling never waits for the robot; only a few receipts arrive per second.
         let (sender, reports) = mpsc::unbounded_channel();
         let poller = tokio::spawn(poll(event_loop, sender));
         self.connection = Some(Connection { client, reports, poller });
@@ -168,7 +170,7 @@ impl Driver {
             Report::Received(topic, payload) => {
                 let outgoing = self.robot.with(|robot| robot.receive(topic, &payload, now_us()));
                 self.send(outgoing).await;
-                // A receipt may have made the next window due at once.
+                // A receipt may have made the next window due immediately.
                 self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
             }
             Report::Gone(reason) => self.lose(&reason),
@@ -185,7 +187,7 @@ impl Driver {
         }
     }
 
-    /// Publishes in order; what cannot be published is lost, and contacts among it are sent again in time.
+    /// Publishes in order. Messages that cannot be published are lost; contacts among them are sent again later.
     async fn send(&mut self, outgoing: Vec<Outgoing>) {
         for item in outgoing {
             let Some(connection) = &self.connection else {
@@ -206,12 +208,12 @@ impl Driver {
             match sent {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => return self.lose(&error.to_string()),
-                Err(_) => return self.lose("the broker takes nothing any more"),
+                Err(_) => return self.lose("the broker accepts no messages"),
             }
         }
     }
 
-    /// The connection is over, for whatever reason; the next attempt comes after a pause that grows.
+    /// Ends the connection; the next attempt follows after a growing pause.
     fn lose(&mut self, reason: &str) {
         if self.connection.take().is_none() {
             return;
@@ -222,7 +224,7 @@ impl Driver {
         self.reconnect_pause = (self.reconnect_pause * 2).min(RECONNECT_MAX);
     }
 
-    /// Says farewell and disconnects in good order, if it can be done in time.
+    /// Publishes the farewell and disconnects cleanly, if that succeeds in time.
     async fn farewell(mut self) {
         let outgoing = self.robot.with(|robot| robot.farewell(now_us()));
         let Some(mut connection) = self.connection.take() else {
@@ -236,20 +238,21 @@ impl Driver {
                 };
                 let publish =
                     connection.client.publish_tracked(topic.clone(), payload, publish_options(kind, self.fault));
-                // A disconnect may overtake what waits: the broker's word for the farewell comes first.
+                // A disconnect may overtake queued messages, so wait for the broker's acknowledgement of the
+                // farewell.
                 if let Ok(notice) = publish.await
                     && let Err(error) = notice.wait_async().await
                 {
-                    tracing::warn!(robot = %self.robot.name(), %error, "the farewell did not arrive");
+                    tracing::warn!(robot = %self.robot.name(), %error, "farewell not acknowledged");
                 }
             }
             if connection.client.disconnect().await.is_ok() {
-                // The polling task ends by itself when the disconnect is out.
+                // The polling task ends once the disconnect has been sent.
                 let _ = (&mut connection.poller).await;
             }
         };
         if timeout(FAREWELL_TIMEOUT, end).await.is_err() {
-            tracing::warn!(robot = %self.robot.name(), "no orderly farewell in time");
+            tracing::warn!(robot = %self.robot.name(), "farewell timed out");
         }
     }
 }
@@ -272,7 +275,7 @@ fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>) -> PublishOpti
     PublishOptions::new(quality).retain(is_retained)
 }
 
-/// Polls until the connection ends.
+/// Polls the connection until it ends.
 async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>) {
     loop {
         let report = match event_loop.poll().await {
@@ -282,15 +285,15 @@ async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>)
         };
         let Some(report) = report else { continue };
         let ends = matches!(report, Report::Gone(_));
-        // Nobody listens any more: the connection was given up.
+        // Without a receiver, the driver has dropped the connection.
         if reports.send(report).is_err() || ends {
             return;
         }
     }
 }
 
-/// What of a packet matters to the robot.
-#[expect(clippy::wildcard_enum_match_arm, reason = "the library's packets: a robot has no use for the others")]
+/// The part of a packet that matters to the robot.
+#[expect(clippy::wildcard_enum_match_arm, reason = "the other packets of the library do not matter to a robot")]
 fn report_of(packet: Packet) -> Option<Report> {
     match packet {
         Packet::ConnAck(_) => Some(Report::Connected),

@@ -1,4 +1,4 @@
-//! A fleet over real MQTT, by the wall clock.
+//! A fleet over real MQTT, driven by the wall clock.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,44 +17,45 @@ use crate::scenario::BadScenario;
 use crate::state::{StateError, StateFile};
 use crate::{Robot, RobotConfig, Scenario};
 
-/// How long robots have to end in good order.
+/// Time that robots have to stop cleanly.
 const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Where the broker is, and as whom to connect.
+/// Address of the broker, and the credentials to connect with.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Broker {
-    /// Its host name or address; IPv6 without brackets.
+    /// Host name or address; IPv6 without brackets.
     pub host: String,
-    /// Its port.
+    /// Port of the broker.
     pub port: u16,
-    /// User name and password, if it asks for them. In the name `{fleet}` and `{robot}` stand for each robot's.
+    /// User name and password, if the broker requires them. `{fleet}` and `{robot}` in the user name are replaced
+    /// for each robot.
     pub credentials: Option<(String, String)>,
-    /// Who its certificate may come from; none speaks in plain text.
+    /// Certificate authorities for TLS; `None` for a connection without TLS.
     pub tls: Option<Authorities>,
 }
 
-/// Where the certificates of authorities are.
+/// Source of the certificate authorities.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Authorities {
-    /// The system's.
+    /// The system's certificate store.
     System,
-    /// Those in a file, in PEM.
+    /// A file with certificates in PEM.
     File(PathBuf),
 }
 
 /// Why a fleet cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum CannotStart {
-    /// The broker's address cannot be read. It is not repeated: it may hold a password by mistake.
-    #[error("not a broker's URL ({0}): expected mqtt://host[:1883], or mqtts://host[:8883] for TLS")]
+    /// The broker's URL is invalid. The error does not repeat it, because it may contain a password by mistake.
+    #[error("invalid broker URL ({0}): expected mqtt://host[:1883], or mqtts://host[:8883] for TLS")]
     Address(String),
-    /// The broker's certificate could not be checked.
-    #[error("the certificates of authorities in {0} cannot be used: {1}")]
+    /// The certificate authorities cannot be loaded.
+    #[error("cannot use the certificate authorities from {0}: {1}")]
     Authorities(String, String),
-    /// The scenario cannot be simulated.
+    /// The scenario is invalid.
     #[error(transparent)]
     Scenario(#[from] BadScenario),
-    /// A whisker cannot be simulated.
+    /// The mechanics of a whisker are invalid.
     #[error(transparent)]
     Mechanics(#[from] ModelError),
     /// The state file cannot be used.
@@ -71,12 +72,12 @@ impl std::fmt::Debug for Broker {
 }
 
 impl Broker {
-    /// A broker that asks for no credentials, in plain text.
+    /// A broker without credentials and TLS.
     pub fn new(host: impl Into<String>, port: u16) -> Self {
         Self { host: host.into(), port, credentials: None, tls: None }
     }
 
-    /// Reads `mqtt://host[:port]` or `mqtts://host[:port]`; the port is 1883 or 8883 unless given.
+    /// Parses `mqtt://host[:port]` or `mqtts://host[:port]`; the default port is 1883 or 8883.
     ///
     /// # Errors
     /// [`CannotStart::Address`] for anything else.
@@ -89,10 +90,10 @@ impl Broker {
             _ => return Err(bad("neither mqtt:// nor mqtts://")),
         };
         if !url.username().is_empty() || url.password().is_some() {
-            return Err(bad("user and password belong into --mqtt-username and --mqtt-password-file"));
+            return Err(bad("give user and password as --mqtt-username and --mqtt-password-file"));
         }
         if !matches!(url.path(), "" | "/") {
-            return Err(bad("something follows the port"));
+            return Err(bad("unexpected text after the port"));
         }
         let host = url.host_str().unwrap_or_default().trim_matches(['[', ']']).to_owned();
         if host.is_empty() {
@@ -101,7 +102,7 @@ impl Broker {
         Ok(Self { host, port: url.port().unwrap_or(usual_port), credentials: None, tls })
     }
 
-    /// Host and port as the network wants them: `h:1883`, `[::1]:1883`.
+    /// Host and port for the network library: `h:1883`, `[::1]:1883`.
     pub(crate) fn address(&self) -> String {
         if self.host.contains(':') {
             format!("[{}]:{}", self.host, self.port)
@@ -110,14 +111,14 @@ impl Broker {
         }
     }
 
-    /// The user of a robot, and its password.
+    /// User name and password of a robot.
     pub(crate) fn credentials_of(&self, fleet: &Name, robot: &Name) -> Option<(String, String)> {
         let (user, password) = self.credentials.as_ref()?;
         let user = user.replace("{fleet}", fleet.as_str()).replace("{robot}", robot.as_str());
         Some((user, password.clone()))
     }
 
-    /// How its certificate is checked; none in plain text.
+    /// Transport to the broker, with or without TLS.
     fn transport(&self) -> Result<Transport, CannotStart> {
         let refused = |whose: String, why: String| CannotStart::Authorities(whose, why);
         match &self.tls {
@@ -128,7 +129,7 @@ impl Broker {
                 let whose = || path.display().to_string();
                 let certificates = std::fs::read(path).map_err(|why| refused(whose(), why.to_string()))?;
                 if !String::from_utf8_lossy(&certificates).contains("-----BEGIN CERTIFICATE-----") {
-                    return Err(refused(whose(), "there is no certificate in PEM".to_owned()));
+                    return Err(refused(whose(), "the file contains no certificate in PEM".to_owned()));
                 }
                 Ok(Transport::tls(certificates, None, None))
             }
@@ -136,7 +137,7 @@ impl Broker {
     }
 }
 
-/// Robots that run until [`Fleet::stop`]; dropped without it, their connections break.
+/// Robots that run until [`Fleet::stop`]; if dropped before, their connections break.
 #[derive(Debug)]
 pub struct Fleet {
     robots: Vec<RobotHandle>,
@@ -146,23 +147,25 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// Starts every robot of a scenario; they connect, and connect again, by themselves.
+    /// Starts all robots of a scenario; each connects and reconnects on its own.
     ///
     /// Must be called within a tokio runtime.
     ///
     /// # Errors
-    /// The scenario cannot be simulated, or the authorities' file cannot be read. A broker that is not there is no error: robots keep trying.
+    /// The scenario is invalid, or the file of certificate authorities cannot be read. An unreachable broker is no
+    /// error: robots keep trying.
     pub fn start(scenario: &Scenario, broker: &Broker) -> Result<Self, CannotStart> {
         Self::start_from(scenario, broker, None)
     }
 
-    /// As [`Fleet::start`], with a file that keeps the truth about the robots: what happened to their whiskers, and how far the
-    /// scenario is. If the file is there, the robots go on from it, each in a new boot.
+    /// Like [`Fleet::start`], with a file that stores the true state of the robots: changes of their whiskers, and
+    /// the progress of the scenario. If the file exists, the robots continue from it, each in a new boot.
     ///
     /// Must be called within a tokio runtime.
     ///
     /// # Errors
-    /// As [`Fleet::start`]; also, the file cannot be read or written, or is of another scenario or version.
+    /// Those of [`Fleet::start`]; also, the file cannot be read or written, or belongs to another scenario or
+    /// version.
     pub fn resume(scenario: &Scenario, broker: &Broker, state_file: &Path) -> Result<Self, CannotStart> {
         Self::start_from(scenario, broker, Some(state_file))
     }
@@ -188,7 +191,7 @@ impl Fleet {
         let keeper = match file {
             None => None,
             Some(file) => {
-                // Before a robot speaks: its new boot must not come again.
+                // Before a robot publishes anything, since its new boot must not occur again.
                 file.write(&robots)?;
                 let task = tokio::spawn(file.clone().keep(robots.clone(), changed));
                 Some((file, task))
@@ -213,46 +216,46 @@ impl Fleet {
         self.robots.iter().find(|robot| robot.name() == name)
     }
 
-    /// Contacts that all robots have made.
+    /// Number of contacts that all robots have made.
     #[must_use]
     pub fn contacts_made(&self) -> u64 {
         self.robots.iter().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
     }
 
-    /// Whether all that was made is receipted; asked of robots at rest.
+    /// Whether all contacts are receipted. Only meaningful for robots at rest.
     #[must_use]
     pub fn is_receipted(&self) -> bool {
-        // Contacts that still wait for their message to fill up are due at once when a robot rests.
+        // For a robot at rest, contacts of an incomplete message are due immediately.
         let is_sent = |robot: &mut Robot| robot.messages_kept() == 0 && robot.next_deadline() > robot.start_us();
         self.robots.iter().all(|robot| robot.with(is_sent))
     }
 
-    /// No robot makes contacts any more; what was made is sent until it is receipted.
+    /// Stops making contacts; the existing ones are sent until they are receipted.
     pub fn rest(&self) {
         self.robots.iter().for_each(|robot| robot.with(Robot::rest));
     }
 
-    /// Every robot says farewell and disconnects; waits for them, 5 seconds at most. Then the state file, if there is one, is
-    /// written for the last time.
+    /// Lets all robots publish a farewell and disconnect, for 5 seconds at most. Then writes the state file for the
+    /// last time, if there is one.
     pub async fn stop(mut self) {
-        // Without receivers every robot has ended already.
+        // Without receivers, all robots have already ended.
         let _ = self.stop.send(true);
         let deadline = Instant::now() + STOP_TIMEOUT;
         for (task, robot) in self.tasks.iter_mut().zip(&self.robots) {
             match timeout_at(deadline, task).await {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => {
-                    tracing::error!(robot = %robot.name(), %error, "a robot ended abnormally")
+                    tracing::error!(robot = %robot.name(), %error, "robot task failed")
                 }
-                Err(_) => tracing::warn!(robot = %robot.name(), "a robot did not end in time"),
+                Err(_) => tracing::warn!(robot = %robot.name(), "robot did not stop in time"),
             }
         }
         if let Some((file, task)) = self.keeper.take() {
             task.abort();
-            // It may be writing.
+            // A write may be in progress.
             let _ = task.await;
             if let Err(error) = file.write(&self.robots) {
-                tracing::error!(%error, "the last changes are not in the state file");
+                tracing::error!(%error, "cannot write the last changes to the state file");
             }
         }
     }
@@ -267,13 +270,13 @@ impl Drop for Fleet {
     }
 }
 
-/// One robot of a running fleet: to look at its truth, and to disturb it.
+/// One robot of a running fleet, for access to its true state and for disturbances.
 #[derive(Debug, Clone)]
 pub struct RobotHandle {
     name: Name,
     robot: Arc<Mutex<Robot>>,
     pub(crate) cut: Arc<Notify>,
-    /// Of the whole fleet: something happened to a robot.
+    /// Notified when something happens to any robot of the fleet.
     pub(crate) changed: Arc<Notify>,
 }
 
@@ -283,29 +286,29 @@ impl RobotHandle {
         Self { name, robot: Arc::new(Mutex::new(robot)), cut, changed }
     }
 
-    /// Its name.
+    /// Name of the robot.
     #[must_use]
     pub fn name(&self) -> &Name {
         &self.name
     }
 
-    /// Looks at the robot, which stands still meanwhile: be brief.
+    /// Calls `look` with the robot, which is locked meanwhile: keep it short.
     pub fn with<R>(&self, look: impl FnOnce(&mut Robot) -> R) -> R {
         look(&mut self.lock())
     }
 
-    /// Cuts its connection without a farewell; it connects again after a moment.
+    /// Cuts the connection without a farewell; the robot reconnects after a moment.
     pub fn cut(&self) {
         self.cut.notify_one();
     }
 
-    /// A robot that panicked while it was looked at is still the best that is known of it.
+    /// Even after a panic during an access, the robot's state is the best one available.
     fn lock(&self) -> MutexGuard<'_, Robot> {
         self.robot.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The wall clock, in microseconds since 1970 UTC.
+/// Time of the wall clock, in microseconds since 1970 UTC.
 #[must_use]
 pub fn now_us() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();

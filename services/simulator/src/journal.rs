@@ -1,33 +1,32 @@
-//! What a robot did, written down where it does it: for tests that hold it against what others recorded.
+//! Record of a robot's actions, for tests that compare it with the supervisor's records.
 //!
-//! It knows nothing of the rules by which the robot takes or refuses a setpoint, so that a robot that breaks
-//! them is found out by whoever reads it.
+//! It is independent of the rules by which the robot accepts setpoints, so it exposes a robot that breaks them.
 
 use vibrissa_protocol::{BootId, Contacts, Setpoint};
 
-/// One entry, in the order in which things happened.
+/// One entry, in chronological order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JournalEntry {
-    /// Contacts were felt; they have this number, whether or not they can be sent.
+    /// Contacts were made and have this sequence number, whether or not they can be sent.
     Felt(Contacts),
-    /// A setpoint arrived, whatever comes of it.
+    /// A setpoint arrived, accepted or not.
     Heard(HeardSetpoint),
     /// A regulator was given a setpoint's pressure as its target.
     Applied(HeardSetpoint),
 }
 
-/// A setpoint with the circumstances.
+/// A setpoint with its circumstances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeardSetpoint {
-    /// When, by the robot's clock: microseconds since 1970 UTC.
+    /// Time by the robot's clock, in microseconds since 1970 UTC.
     pub at_us: u64,
-    /// The robot's boot at that moment.
+    /// Boot of the robot at that time.
     pub boot_id: BootId,
     /// The setpoint as it arrived.
     pub setpoint: Setpoint,
 }
 
-/// The entries since they were last taken; nothing is written unless it is kept.
+/// The entries since the last [`Journal::take`]; none unless `kept` is set.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
     kept: bool,

@@ -1,13 +1,13 @@
-//! Robots that keep the MQTT contract, with whiskers whose truth is known.
+//! Simulated robots that obey the MQTT contract, with whiskers of known true state.
 //!
-//! The inside is pure: [`Robot`] has no sockets and no clock; it is polled with the time and given what
-//! was received, and returns what to send. The same seed and the same inputs give the same contacts byte
-//! for byte. Outside of it, [`Fleet`] drives robots over real MQTT by the wall clock.
+//! The core is pure: [`Robot`] has no sockets and no clock. Its caller passes the time and received messages, and
+//! gets the messages to send. The same seed and inputs give the same contacts byte for byte. [`Fleet`] drives
+//! robots over real MQTT by the wall clock.
 //!
-//! A [`state`] file keeps the truth of a fleet over restarts of the process.
+//! A [`state`] file stores the true state of a fleet across restarts of the process.
 //!
-//! Read in this order: [`scenario`] (what is simulated), [`plant`] and [`regulator`] (a whisker's
-//! physics), [`robot`] (the contract), [`fleet`] (the network). [`load`] is another thing: many messages, made cheaply.
+//! Read in this order: [`scenario`] (input), [`plant`] and [`regulator`] (physics of a whisker), [`robot`] (the
+//! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages.
 
 mod commands;
 mod driver;

@@ -1,9 +1,9 @@
-//! What a bad link does to contacts messages on their first way; what is sent again always passes.
+//! Faults of a link that affect the first transmission of contacts messages; repeated transmissions always pass.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// A fault of the link, while it lasts.
+/// A fault of the link with its duration.
 #[derive(Debug, Clone, Copy, Default)]
 struct Fault {
     fraction: f64,
@@ -16,7 +16,7 @@ impl Fault {
     }
 }
 
-/// Which fault an event sets.
+/// Kind of fault that an event sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FaultKind {
     Lose,
@@ -40,7 +40,7 @@ impl Link {
         Self { lose: none, repeat: none, reorder: none, held_back: None, stream }
     }
 
-    /// Sets a fault for a while.
+    /// Sets a fault until a time.
     pub(crate) fn set(&mut self, kind: FaultKind, fraction: f64, until_us: u64) {
         let fault = Fault { fraction, until_us };
         match kind {
@@ -50,7 +50,7 @@ impl Link {
         }
     }
 
-    /// What comes out at the other end when a message goes in: none, one, or more than one.
+    /// Passes a message through the link: returns the messages that arrive, which may be none or more than one.
     pub(crate) fn pass(&mut self, payload: Vec<u8>, now_us: u64) -> Vec<Vec<u8>> {
         let draws: [f64; 3] = std::array::from_fn(|_| self.stream.random());
         let mut out = Vec::with_capacity(2);
@@ -69,7 +69,7 @@ impl Link {
         out
     }
 
-    /// A new connection has nothing of the old one's.
+    /// Drops a message held back on the old connection.
     pub(crate) fn reconnected(&mut self) {
         self.held_back = None;
     }

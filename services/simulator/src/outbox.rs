@@ -1,30 +1,30 @@
-//! Contacts messages that are not receipted yet.
+//! Contacts messages without a receipt.
 //!
-//! Kept until a receipt covers them, in bounded number. What is not covered is sent again, oldest first, a
-//! window at a time; the pause doubles while no receipt comes and starts over when one does.
+//! A limited number is stored until a receipt covers them. Uncovered messages are sent again, oldest first, in
+//! windows. The pause between windows doubles while no receipt arrives, and starts over with the next one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use vibrissa_protocol::Receipt;
 
-/// The first pause before something is sent again, in microseconds.
+/// First pause before messages are sent again, in microseconds.
 pub const BACKOFF_START_US: u64 = 1_000_000;
-/// The longest pause.
+/// Longest pause between transmissions, in microseconds.
 pub const BACKOFF_MAX_US: u64 = 30_000_000;
-/// Messages that are sent again at once.
+/// Number of messages that are sent again at once.
 pub const WINDOW: usize = 64;
 
-/// The kept messages of one boot.
+/// Stored messages of one boot.
 #[derive(Debug)]
 pub(crate) struct Outbox {
     most: usize,
-    /// Pauses do not grow.
+    /// If set, pauses do not grow.
     is_steady: bool,
     messages: BTreeMap<u64, Kept>,
-    /// (when last sent, seq) of each kept message, so that the next to send again is found at once.
+    /// (time of the last transmission, seq) of each message, to find the next one to send again.
     by_sent: BTreeSet<(u64, u64)>,
     backoff_us: u64,
-    /// When the last window was sent, if no receipt has covered anything since.
+    /// Time of the last window, if no receipt has covered anything since.
     unanswered_since_us: Option<u64>,
     dropped: u64,
 }
@@ -36,7 +36,7 @@ struct Kept {
 }
 
 impl Outbox {
-    /// An empty one that keeps at most that many messages.
+    /// An empty outbox for at most `most` messages.
     pub(crate) fn new(most: usize, is_steady: bool) -> Self {
         Self {
             most,
@@ -49,7 +49,7 @@ impl Outbox {
         }
     }
 
-    /// Keeps a message that is sent now, or (if not connected) due as soon as it can be.
+    /// Stores a message that is sent now; `None` if not connected, so that it is due at the next chance.
     pub(crate) fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
         let sent_us = sent_us.unwrap_or(0);
         self.messages.insert(seq, Kept { payload, sent_us });
@@ -63,7 +63,7 @@ impl Outbox {
         }
     }
 
-    /// Forgets what a receipt covers.
+    /// Removes the messages that a receipt covers.
     pub(crate) fn receipt(&mut self, receipt: &Receipt) {
         let before = self.messages.len();
         let kept_on = self.messages.split_off(&receipt.next);
@@ -81,7 +81,7 @@ impl Outbox {
         }
     }
 
-    /// After a connection nothing that was sent before can be counted on: everything kept is due at once.
+    /// After a reconnection, earlier transmissions may be lost: all messages are due immediately.
     pub(crate) fn reconnected(&mut self) {
         self.by_sent = self.messages.keys().map(|&seq| (0, seq)).collect();
         for kept in self.messages.values_mut() {
@@ -91,7 +91,7 @@ impl Outbox {
         self.unanswered_since_us = None;
     }
 
-    /// When something is to be sent again.
+    /// Time of the next window, if there are messages.
     pub(crate) fn resend_at_us(&self) -> Option<u64> {
         let &(sent_us, _) = self.by_sent.first()?;
         let due_us = if sent_us == 0 { 0 } else { sent_us + self.backoff_us };
@@ -120,17 +120,17 @@ impl Outbox {
         payloads
     }
 
-    /// How many are kept.
+    /// Number of stored messages.
     pub(crate) fn len(&self) -> usize {
         self.messages.len()
     }
 
-    /// How many were dropped because there were too many.
+    /// Number of messages dropped because the outbox was full.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    /// Starts a new boot without its messages; those lost are counted in it.
+    /// Starts a new boot without the stored messages, which are counted as dropped.
     pub(crate) fn restart(&mut self) {
         let lost = self.messages.len() as u64;
         *self = Self { dropped: lost, ..Self::new(self.most, self.is_steady) };
@@ -150,7 +150,7 @@ mod tests {
         Receipt { boot_id: boot.clone(), seq: 0, robot_boot_id: boot, next, held: held.to_vec() }
     }
 
-    /// Messages 0.. that were sent at 100 s; each payload is its number.
+    /// An outbox with messages 0.. sent at 100 s; the payload of each is its number.
     fn outbox(count: u64, most: usize) -> Outbox {
         let mut outbox = Outbox::new(most, false);
         (0..count).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));

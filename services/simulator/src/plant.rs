@@ -1,7 +1,8 @@
-//! One whisker's physics: what touching it does to its gauge.
+//! Physics of one whisker: the strain of its gauge at each contact.
 //!
-//! The truth is a calibration of the whisker's own, which is a little off the built-in one, and
-//! [`Formulation::Consistent`] if the scenario does not say otherwise: whoever estimates with the built-in calibration errs as with real whiskers.
+//! The true whisker has its own calibration, slightly different from the built-in one, and
+//! [`Formulation::Consistent`] unless the scenario states otherwise. So an estimator with the built-in calibration
+//! has the same errors as with real whiskers.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -13,16 +14,16 @@ use vibrissa_protocol::Gauge;
 use crate::random::normal;
 use crate::scenario::{Noise, Rubber, TrueFormulation};
 
-/// Where contacts are: contact ratios from here to the tip.
+/// Smallest contact ratio of simulated contacts; the largest is 1, the tip.
 pub const RATIO_MIN: f64 = 0.45;
-/// The smallest and the largest deflection of a contact, in mm.
+/// Smallest and largest deflection of a contact, in mm.
 pub const DEFLECTION_MM: (f64, f64) = (0.2, 6.0);
-/// The largest strain that the gauge's amplifier reads, in m/m.
+/// Largest strain that the gauge's amplifier can read, in m/m.
 pub const FULL_SCALE_STRAIN: f64 = 0.5;
-/// The temperature at the start, in degrees Celsius.
+/// Initial temperature, in degrees Celsius.
 pub const TEMPERATURE_C: f64 = 24.0;
 
-/// One whisker in truth.
+/// True state of one whisker.
 #[derive(Debug)]
 pub struct Plant {
     rubber: Rubber,
@@ -47,13 +48,13 @@ pub struct Plant {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LengthChange {
-    /// When, in microseconds since 1970 UTC by the robot's clock.
+    /// Time of the change, in microseconds since 1970 UTC by the robot's clock.
     pub t_us: u64,
-    /// The index (from 0) of the first contact after it.
+    /// Index (from 0) of the first contact after the change.
     pub contact: u64,
-    /// The length that remains in the end, in mm.
+    /// Final length, in mm.
     pub length_mm: f64,
-    /// Whether the whisker wears off gradually from here on.
+    /// Whether the whisker wears gradually from here on.
     pub gradual: bool,
 }
 
@@ -64,7 +65,7 @@ pub(crate) struct Erosion {
     until_length_mm: f64,
 }
 
-/// The gauge's zero, and where it wanders.
+/// Zero offset of the gauge and its drift.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Baseline {
@@ -73,7 +74,7 @@ pub(crate) struct Baseline {
     until_strain: f64,
 }
 
-/// What is wrong with the gauge.
+/// Fault of the gauge, if any.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "SCREAMING_SNAKE_CASE", deny_unknown_fields)]
 pub(crate) enum GaugeCondition {
@@ -83,7 +84,7 @@ pub(crate) enum GaugeCondition {
     Saturated { limit_strain: f64 },
 }
 
-/// What the robot reads of one contact, but for the pressure.
+/// Readings of one contact, except the pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Contact ratio, above 0 and at most 1.
@@ -96,16 +97,16 @@ pub struct Reading {
     pub temperature_c: f64,
 }
 
-/// Where a whisker's truth comes from.
+/// Source of a whisker's true calibration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Truth {
-    /// The scenario says it.
+    /// Given by the scenario.
     Known(Rubber),
-    /// By chance, within this relative error.
+    /// Random, within this relative error.
     Within(f64),
 }
 
-/// The independent streams of one whisker's randomness.
+/// Independent random streams of one whisker.
 pub(crate) struct Streams {
     pub(crate) calibration: ChaCha8Rng,
     pub(crate) contact: ChaCha8Rng,
@@ -116,7 +117,7 @@ impl Plant {
     /// A whole whisker at its nominal pressure.
     ///
     /// # Errors
-    /// Its calibration is none; cannot happen for errors that a scenario may have.
+    /// Its calibration is invalid, which the permitted ranges of a scenario exclude.
     pub(crate) fn new(
         length_mm: f64,
         pressure_mpa: f64,
@@ -148,12 +149,13 @@ impl Plant {
         })
     }
 
-    /// Something touches the whisker while its chamber has that true pressure.
+    /// Makes a contact while the chamber has the given true pressure.
     ///
     /// # Errors
-    /// The contact would lie on the chamber, where the mechanics do not hold; it still counts as one.
+    /// The contact would lie on the chamber, where the model is invalid; it still counts as a contact.
     pub(crate) fn touch(&mut self, pressure_mpa: f64) -> Result<Reading, ContactOnChamber> {
-        // Every contact takes the same draws, so that what happens to a whisker never shifts the next one's.
+        // Each contact takes the same number of draws, so that an event never shifts the random numbers of later
+        // contacts.
         let ratio = self.contact_stream.random_range(RATIO_MIN..=1.0);
         let deflection_mm = self.contact_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
         let errors: [f64; 4] = std::array::from_fn(|_| normal(&mut self.noise_stream, 1.0));
@@ -182,14 +184,14 @@ impl Plant {
         self.baseline.wander();
     }
 
-    /// Cuts the whisker; a length beyond the present one changes nothing.
+    /// Cuts the whisker; a length above the present one has no effect.
     pub(crate) fn trim(&mut self, t_us: u64, length_mm: f64) {
         self.length_mm = self.length_mm.min(length_mm);
         self.erosion = None;
         self.record(t_us, self.length_mm, false);
     }
 
-    /// From now on every contact takes something off.
+    /// Starts erosion: each contact removes some length.
     pub(crate) fn erode(&mut self, t_us: u64, rate_mm_per_contact: f64, until_length_mm: f64) {
         self.erosion = Some(Erosion { rate_mm_per_contact, until_length_mm });
         self.record(t_us, until_length_mm, true);
@@ -199,7 +201,7 @@ impl Plant {
         self.changes.push(LengthChange { t_us, contact: self.contacts, length_mm, gradual });
     }
 
-    /// From now on every contact moves the gauge's zero, until it is there.
+    /// Starts a drift: each contact moves the gauge's zero until it reaches the limit.
     pub(crate) fn drift(&mut self, strain_per_contact: f64, until_strain: f64) {
         self.baseline.strain_per_contact = strain_per_contact;
         self.baseline.until_strain = until_strain;
@@ -209,7 +211,7 @@ impl Plant {
         self.deflection_factor = factor;
     }
 
-    /// What the gauge reads untouched, in m/m.
+    /// Strain that the gauge reads without contact, in m/m.
     #[must_use]
     pub fn baseline_strain(&self) -> f64 {
         self.baseline.strain
@@ -224,19 +226,19 @@ impl Plant {
         self.temperature_c = temperature_c;
     }
 
-    /// The true strain per mm of deflection now, at a contact ratio and a pressure in MPa.
+    /// Present true strain per mm of deflection, at a contact ratio and a pressure in MPa.
     ///
     /// # Errors
-    /// The contact would lie on the chamber, where the mechanics do not hold.
+    /// The contact would lie on the chamber, where the model is invalid.
     pub fn sensitivity_per_mm(&self, ratio: f64, pressure_mpa: f64) -> Result<f64, ContactOnChamber> {
         self.sensitivity_of(ratio, self.length_mm, pressure_mpa)
     }
 
-    /// The true strain per mm of deflection of the same whisker as it was built in: at its first length and
-    /// nominal pressure, at the present temperature.
+    /// True strain per mm of deflection of the whisker as installed: at its first length and nominal pressure, and
+    /// at the present temperature.
     ///
     /// # Errors
-    /// The contact would lie on the chamber, where the mechanics do not hold.
+    /// The contact would lie on the chamber, where the model is invalid.
     pub fn whole_sensitivity_per_mm(&self, ratio: f64) -> Result<f64, ContactOnChamber> {
         self.sensitivity_of(ratio, self.whole_length_mm, self.whole_pressure_mpa)
     }
@@ -248,43 +250,43 @@ impl Plant {
         Ok(per_mm * self.sensitivity_factor)
     }
 
-    /// The present length without the chamber's elongation, in mm.
+    /// Present length without the chamber's elongation, in mm.
     #[must_use]
     pub fn length_mm(&self) -> f64 {
         self.length_mm
     }
 
-    /// The length as it was built in, in mm.
+    /// Length at installation, in mm.
     #[must_use]
     pub fn whole_length_mm(&self) -> f64 {
         self.whole_length_mm
     }
 
-    /// The nominal pressure as it was built in, in MPa.
+    /// Nominal pressure, in MPa.
     #[must_use]
     pub fn whole_pressure_mpa(&self) -> f64 {
         self.whole_pressure_mpa
     }
 
-    /// Contacts made so far.
+    /// Number of contacts made so far.
     #[must_use]
     pub fn contacts(&self) -> u64 {
         self.contacts
     }
 
-    /// When and to what its length changed, in order.
+    /// Changes of the length, in chronological order.
     #[must_use]
     pub fn changes(&self) -> &[LengthChange] {
         &self.changes
     }
 
-    /// The whisker's own model: its true calibration.
+    /// True model of the whisker, with its own calibration.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The gauge's condition as the robot notices it.
+    /// Condition of the gauge as the robot detects it.
     #[must_use]
     pub fn gauge(&self) -> Gauge {
         match self.gauge {
@@ -306,7 +308,7 @@ impl Baseline {
 }
 
 impl GaugeCondition {
-    /// What the gauge makes of a strain.
+    /// Strain that the gauge reads for a true strain.
     fn reads(self, strain: f64, noise: f64) -> f64 {
         let limit = match self {
             Self::Ok => FULL_SCALE_STRAIN,
@@ -318,17 +320,17 @@ impl GaugeCondition {
     }
 }
 
-/// Each parameter of the built-in calibration off by its own factor.
+/// The built-in calibration with a random factor on each parameter.
 fn drawn(error: f64, stream: &mut ChaCha8Rng) -> Rubber {
     let mut factor = || 1.0 + stream.random_range(-1.0..=1.0) * error;
     Rubber { c: factor(), a: factor(), b: factor(), elongation: factor(), formulation: TrueFormulation::Consistent }
 }
 
 impl Rubber {
-    /// The mechanics of a whisker of this rubber.
+    /// Mechanics of a whisker made of this rubber.
     ///
     /// # Errors
-    /// They are none; cannot happen for factors that a scenario may have.
+    /// The factors are invalid, which the permitted ranges of a scenario exclude.
     pub fn model(&self) -> Result<Model, ModelError> {
         let built_in = Calibration::nguyen_2021();
         let calibration = Calibration {
@@ -346,7 +348,7 @@ impl Rubber {
     }
 }
 
-/// Rounded to one part in `per_unit`: what a sensor's digits are worth, and shorter messages.
+/// Rounds to multiples of 1 / `per_unit`, like a sensor's digits; this also shortens messages.
 fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
 }

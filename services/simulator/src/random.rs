@@ -1,27 +1,28 @@
-//! Reproducible randomness: one stream per purpose, so that one part's draws never shift another's.
+//! Reproducible randomness: one stream for each purpose, so that draws for one purpose never shift those for
+//! another.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// What a stream of random numbers is for.
+/// Purpose of a stream of random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// How far a whisker is off its calibration.
+    /// Deviations of a whisker's calibration.
     Calibration,
-    /// When a whisker touches.
+    /// Times of a whisker's contacts.
     Timing,
-    /// Where and how hard a whisker touches.
+    /// Contact ratios and deflections.
     Contact,
-    /// What its sensors add.
+    /// Noise of a whisker's sensors.
     Noise,
-    /// What its pressure sensor adds.
+    /// Noise of a pressure sensor.
     Regulator,
-    /// Which messages the link loses, repeats or reorders.
+    /// Faults of the link.
     Link,
 }
 
-/// A stream of its own for each seed, robot, array, whisker and purpose.
+/// Independent stream for a seed, robot, array, whisker and purpose.
 pub(crate) fn stream(seed: u64, robot: &str, array: &str, whisker: u16, purpose: Purpose) -> ChaCha8Rng {
     let mut hash = Fnv::new(seed);
     for part in [robot.as_bytes(), array.as_bytes(), &whisker.to_le_bytes(), &[purpose as u8]] {
@@ -30,7 +31,7 @@ pub(crate) fn stream(seed: u64, robot: &str, array: &str, whisker: u16, purpose:
     ChaCha8Rng::seed_from_u64(hash.0)
 }
 
-/// The mark of a robot's boot: different for each seed, robot, time of start and count of boots.
+/// Boot id of a robot: different for each seed, robot, start time and boot number.
 pub(crate) fn boot_text(seed: u64, robot: &str, start_us: u64, boot: u64) -> String {
     let mut hash = Fnv::new(seed);
     for part in [robot.as_bytes(), &start_us.to_le_bytes(), &boot.to_le_bytes()] {
@@ -39,14 +40,14 @@ pub(crate) fn boot_text(seed: u64, robot: &str, start_us: u64, boot: u64) -> Str
     format!("sim-{:016x}", hash.0)
 }
 
-/// A short mark of a text: the same on every machine and in every version.
+/// Short hash of a text: the same on every machine and in every version.
 pub(crate) fn digest(text: &str) -> u64 {
     let mut hash = Fnv::new(0);
     hash.add(text.as_bytes());
     hash.0
 }
 
-/// A normal deviate with that standard deviation.
+/// Normal deviate with the given standard deviation.
 pub(crate) fn normal(stream: &mut ChaCha8Rng, standard_deviation: f64) -> f64 {
     let unit: f64 = StandardNormal.sample(stream);
     unit * standard_deviation

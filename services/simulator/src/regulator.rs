@@ -1,42 +1,42 @@
-//! The pressure regulator of one chamber: a cheap one, as small robots have.
+//! The pressure regulator of one chamber, modelled on the cheap ones of small robots.
 //!
-//! Every 50 ms it looks at a coarse sensor and opens the fill valve, the vent valve or none. A reference
-//! moves to the target at the commanded slew. With on/off valves and a sensor of 1.2 kPa steps it overshoots
-//! and dithers by a step or so, as real ones do; what it says of itself (filling, leaking ..) it concludes
-//! from its own sensor and valves alone.
+//! Every 50 ms it reads a coarse sensor and opens the fill valve, the vent valve or none. A reference moves to the
+//! target at the commanded slew. With on/off valves and a sensor of 1.2 kPa steps it overshoots and dithers by
+//! about a step, as real ones do. It derives its condition (filling, leaking etc.) from its own sensor and valves
+//! alone.
 
 use rand_chacha::ChaCha8Rng;
 use vibrissa_protocol::{Regulator as Condition, SetpointError};
 
 use crate::random::normal;
 
-/// How often the regulator acts, in microseconds.
+/// Period of the regulator, in microseconds.
 pub const TICK_US: u64 = 50_000;
-/// One step of the pressure sensor.
+/// Resolution of the pressure sensor, in MPa.
 pub const SENSOR_STEP_MPA: f64 = 0.0012;
-/// The air supply's pressure while it is well.
+/// Pressure of an intact air supply, in MPa.
 pub const SUPPLY_MPA: f64 = 0.3;
-/// A chamber this close to its target holds it.
+/// Largest deviation from the target of a settled chamber, in MPa.
 pub const SETTLED_WITHIN_MPA: f64 = 0.003;
 
 const TICK_S: f64 = TICK_US as f64 / 1e6;
 const SENSOR_NOISE_MPA: f64 = 0.0003;
-/// Part of the difference to the supply that an open fill valve closes per second.
+/// Share of the pressure difference to the supply that an open fill valve closes per second.
 const FILL_PER_S: f64 = 0.2;
-/// Part of the pressure that an open vent valve lets out per second.
+/// Share of the pressure that an open vent valve releases per second.
 const VENT_PER_S: f64 = 0.5;
 /// The valves stay closed while the reading is this close to the reference.
 const DEADBAND_MPA: f64 = 1.1 * SENSOR_STEP_MPA;
-/// Holds for half a second before it counts as settled.
+/// Ticks at the target before it counts as settled: half a second.
 const SETTLED_TICKS: u32 = 10;
-/// Behind its reference for two seconds: it does not get there.
+/// Ticks behind the reference after which the regulator counts as struggling: two seconds.
 const STRUGGLING_TICKS: u32 = 40;
 const STRUGGLING_BEHIND_MPA: f64 = 0.004;
-/// Filled more than vented by this much beyond what the pressure rose: the chamber is not tight.
+/// Excess of fill over vent and pressure rise that counts as a leak, in MPa/s.
 const LEAK_MPA_PER_S: f64 = 0.0005;
-/// How long that is averaged; dithering averages out.
+/// Averaging time of that excess, in seconds; dithering averages out.
 const LEAK_OVER_S: f64 = 20.0;
-/// The supply must be this far above the target.
+/// Least excess of the supply over the target, in MPa.
 const SUPPLY_MARGIN_MPA: f64 = 0.005;
 
 /// One chamber with its valves and sensor.
@@ -55,7 +55,7 @@ pub struct Regulator {
 }
 
 impl Regulator {
-    /// A chamber that already holds its nominal pressure.
+    /// A chamber at its nominal pressure.
     pub(crate) fn new(nominal_mpa: f64, noise: ChaCha8Rng) -> Self {
         Self {
             pressure_mpa: nominal_mpa,
@@ -71,29 +71,29 @@ impl Regulator {
         }
     }
 
-    /// Finds a chamber with a pressure that it does not remember having set.
+    /// Starts with a pressure that was set before a restart.
     pub(crate) fn find(&mut self, pressure_mpa: f64) {
         self.pressure_mpa = pressure_mpa;
         self.reading_mpa = stepped(pressure_mpa);
         self.reference_mpa = self.reading_mpa;
     }
 
-    /// Sets a new target, to be approached at that rate.
+    /// Sets a new target, to be approached at the given rate.
     pub fn set(&mut self, target_mpa: f64, slew_mpa_per_s: f64) {
         self.target_mpa = target_mpa;
         self.slew_mpa_per_s = slew_mpa_per_s;
         self.settled_ticks = 0;
     }
 
-    /// How long a new target may take before it counts as failed, in microseconds: the way at the
-    /// commanded rate, or at what the valves manage if that is slower, and a margin to settle.
+    /// Time after which a new target counts as failed, in microseconds: the time for the pressure change at the
+    /// commanded rate, or at the valves' rate if that is slower, plus a margin to settle.
     #[must_use]
     pub fn patience_us(&self) -> u64 {
         let way_mpa = (self.target_mpa - self.reading_mpa).abs();
         ((way_mpa / self.slew_mpa_per_s.min(0.02) + 6.0) * 1e6) as u64
     }
 
-    /// 50 ms pass, while the chamber leaks at that rate and the supply has that pressure.
+    /// Simulates 50 ms with the given leak rate and supply pressure.
     pub fn tick(&mut self, leak_mpa_per_s: f64, supply_mpa: f64) {
         self.supply_mpa = supply_mpa;
         let step_mpa = self.slew_mpa_per_s * TICK_S;
@@ -110,7 +110,7 @@ impl Regulator {
         self.watch(filled_mpa - vented_mpa - (self.reading_mpa - before_mpa));
     }
 
-    /// What the regulator concludes from its own readings.
+    /// Updates the conclusions from the regulator's own readings.
     fn watch(&mut self, lost_mpa: f64) {
         let near = (self.reading_mpa - self.target_mpa).abs() <= SETTLED_WITHIN_MPA;
         let holding = self.reference_mpa == self.target_mpa;
@@ -121,7 +121,7 @@ impl Regulator {
         self.lost_mpa_per_s += weight * (lost_mpa / TICK_S - self.lost_mpa_per_s);
     }
 
-    /// What it says of itself.
+    /// Condition that the regulator reports.
     #[must_use]
     pub fn condition(&self) -> Condition {
         let below_mpa = self.target_mpa - self.reading_mpa;
@@ -138,7 +138,7 @@ impl Regulator {
         }
     }
 
-    /// Why it did not get to its target in time.
+    /// Reason why the target was not reached in time.
     #[must_use]
     pub fn failure(&self) -> SetpointError {
         match self.condition() {
@@ -148,33 +148,32 @@ impl Regulator {
         }
     }
 
-    /// Whether it holds its target.
+    /// Whether the chamber is settled at its target.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.settled_ticks >= SETTLED_TICKS
     }
 
-    /// The pressure in truth, in MPa.
+    /// True pressure, in MPa.
     #[must_use]
     pub fn pressure_mpa(&self) -> f64 {
         self.pressure_mpa
     }
 
-    /// The pressure as its sensor reads it, in MPa.
+    /// Pressure by the sensor, in MPa.
     #[must_use]
     pub fn reading_mpa(&self) -> f64 {
         self.reading_mpa
     }
 
-    /// The pressure that it is to hold, in MPa.
+    /// Target pressure, in MPa.
     #[must_use]
     pub fn target_mpa(&self) -> f64 {
         self.target_mpa
     }
 }
 
-/// What the coarse sensor makes of a pressure; never below zero, and without the digits that the binary
-/// multiple of a step has.
+/// Reading of the coarse sensor: never below zero, and without the trailing digits of a binary multiple of a step.
 fn stepped(pressure_mpa: f64) -> f64 {
     let steps = (pressure_mpa / SENSOR_STEP_MPA).round().max(0.0);
     (steps * SENSOR_STEP_MPA * 1e6).round() / 1e6
@@ -189,7 +188,7 @@ mod tests {
         Regulator::new(nominal_mpa, stream(1, "r", "a", 0, Purpose::Regulator))
     }
 
-    /// Runs for that long and gives the lowest and the highest true pressure on the way.
+    /// Runs for a time and returns the lowest and highest true pressure.
     fn run(regulator: &mut Regulator, seconds: f64, leak_mpa_per_s: f64, supply_mpa: f64) -> (f64, f64) {
         let mut range = (f64::INFINITY, 0.0_f64);
         for _ in 0..(seconds / TICK_S) as usize {
@@ -225,7 +224,7 @@ mod tests {
         for seed in 0..200 {
             let mut regulator = Regulator::new(0.1, stream(seed, "r", "a", 0, Purpose::Regulator));
             for step in 0..12 {
-                // Some pressures make it fill often and little, and vent seldom and much.
+                // At some pressures the chamber fills often and little, and vents seldom and much.
                 let to_mpa = 0.02 + 0.0147 * f64::from((5 * step) % 12) + 1e-5 * seed as f64;
                 regulator.set(to_mpa, 0.02);
                 for _ in 0..600 {

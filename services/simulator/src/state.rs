@@ -1,7 +1,7 @@
-//! The state file: the truth about a fleet's robots, for the next process.
+//! The state file: the true state of a fleet's robots, for the next process.
 //!
-//! It is written when something happens to a robot, every [`EVERY`] for wear and pressures, and at the end; always as a
-//! whole, under another name first, so that there is the file of before or the new one.
+//! It is written when something happens to a robot, every [`EVERY`] for wear and pressures, and at the end. Each
+//! write replaces the whole file atomically, by a rename.
 
 use std::fs::File;
 use std::io::Write;
@@ -18,16 +18,16 @@ use crate::random::digest;
 use crate::robot::RobotState;
 use crate::scenario::Scenario;
 
-/// How old wear and pressures in the file may be: so much of them is lost if the process is killed.
+/// Greatest age of wear and pressures in the file: this much of them is lost if the process is killed.
 pub const EVERY: Duration = Duration::from_secs(5);
 
-/// The form of the file. Another form gets another number.
+/// Version of the file's format.
 const VERSION: u64 = 1;
 
 /// Why a state file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// It is there, but cannot be read.
+    /// The file exists but cannot be read.
     #[error("cannot read the state file {}: {problem}", path.display())]
     Unreadable {
         /// Path of the state file.
@@ -35,7 +35,7 @@ pub enum StateError {
         /// The error of the operating system.
         problem: std::io::Error,
     },
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error("cannot write the state file {}: {problem}", path.display())]
     Unwritable {
         /// Path of the state file.
@@ -43,18 +43,18 @@ pub enum StateError {
         /// The error of the operating system.
         problem: std::io::Error,
     },
-    /// It is not in the expected form, or says something that cannot be.
-    #[error("the state file {} is damaged: {problem}; remove it, and all whiskers are whole again", path.display())]
+    /// The file has an invalid format or an invalid value.
+    #[error("the state file {} is damaged: {problem}; remove it to start again with whole whiskers", path.display())]
     Damaged {
         /// Path of the state file.
         path: PathBuf,
         /// The invalid part and its place in the file.
         problem: String,
     },
-    /// Another version of the program wrote it.
+    /// The file was written by another version of the program.
     #[error(
-        "the state file {} has version {version}, and this program reads version {}: use the program that wrote it, or \
-         remove the file, and all whiskers are whole again", path.display(), VERSION
+        "the state file {} has version {version}, but this program reads version {}: use the program that wrote it, or \
+         remove the file to start again with whole whiskers", path.display(), VERSION
     )]
     OtherVersion {
         /// Path of the state file.
@@ -62,17 +62,17 @@ pub enum StateError {
         /// The file's version.
         version: u64,
     },
-    /// It is about other robots, or about the same ones with other whiskers or events.
+    /// The file belongs to other robots, or to the same ones with other whiskers or events.
     #[error(
-        "the state file {} is of another scenario (of fleet {fleet}, with seed {seed}), or the scenario was changed: name another \
-         file with --state-file, or remove this one, and all whiskers are whole again", path.display()
+        "the state file {} belongs to another scenario (fleet {fleet}, seed {seed}), or the scenario was changed: give \
+         another file with --state-file, or remove this one to start again with whole whiskers", path.display()
     )]
     OtherScenario {
         /// Path of the state file.
         path: PathBuf,
-        /// The fleet in it.
+        /// Fleet in the file.
         fleet: String,
-        /// The seed in it.
+        /// Seed in the file.
         seed: u64,
     },
 }
@@ -84,7 +84,7 @@ struct Content {
     version: u64,
     fleet: String,
     seed: u64,
-    /// Marks the robots, their whiskers as built in, and the events.
+    /// Hash of the robots, their whiskers as installed, and the events.
     scenario: String,
     robots: Vec<RobotState>,
 }
@@ -95,7 +95,7 @@ struct Head {
     version: u64,
 }
 
-/// A scenario's state file.
+/// State file of a scenario.
 #[derive(Debug, Clone)]
 pub(crate) struct StateFile {
     path: PathBuf,
@@ -107,7 +107,7 @@ pub(crate) struct StateFile {
 
 impl StateFile {
     pub(crate) fn new(path: &Path, scenario: &Scenario) -> Self {
-        // Behaviour and noise may change: they are no truth about whiskers.
+        // Behaviour and noise may change: they are not part of the whiskers' state.
         let built = format!("{:?}", (scenario.calibration_error, &scenario.robots));
         Self {
             path: path.to_owned(),
@@ -118,7 +118,7 @@ impl StateFile {
         }
     }
 
-    /// The robots in the order of the scenario; none if there is no file yet.
+    /// States of the robots in the order of the scenario; `None` if there is no file yet.
     pub(crate) fn read(&self) -> Result<Option<Vec<RobotState>>, StateError> {
         let path = || self.path.clone();
         let text = match std::fs::read_to_string(&self.path) {
@@ -141,7 +141,7 @@ impl StateFile {
         Ok(Some(content.robots))
     }
 
-    /// A file that says something that cannot be.
+    /// The error for a file with an invalid value.
     pub(crate) fn unfit(&self, problem: String) -> StateError {
         StateError::Damaged { path: self.path.clone(), problem }
     }
@@ -160,23 +160,23 @@ impl StateFile {
         replace(&self.path, &text).map_err(unwritable)
     }
 
-    /// Writes it when something happened, and now and then; until it is dropped.
+    /// Writes the file when something happens and at regular intervals, until the task is aborted.
     pub(crate) async fn keep(self, robots: Vec<RobotHandle>, changed: Arc<Notify>) {
         let mut is_failing = false;
         loop {
-            // Whichever comes first.
+            // Both the interval and an event lead to a write.
             let _ = timeout(EVERY, changed.notified()).await;
-            // On this thread, so that whoever ends this task knows that no write is under way.
+            // On this thread, so that no write is in progress once this task has ended.
             let written = self.write(&robots);
             if let (Err(error), false) = (&written, is_failing) {
-                tracing::error!(%error, "a restart would forget what happens from now on");
+                tracing::error!(%error, "cannot write the state file, a restart would lose all later changes");
             }
             is_failing = written.is_err();
         }
     }
 }
 
-/// Puts a text in the place of a file, on the disk and as a whole.
+/// Replaces a file atomically and durably.
 fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");

@@ -154,9 +154,9 @@ mod tests {
     fn a_line_that_is_wrong_is_named() {
         for (text, expected) in [
             ("a/b\nrobot", "line 2: must be FLEET/ROBOT, not \"robot\""),
-            ("a/b\n\n\na/b/c", "line 4: \"b/c\" is no name"),
+            ("a/b\n\n\na/b/c", "line 4: \"b/c\" is not a valid name"),
             ("a/supervisor", "line 1: a robot cannot be named \"supervisor\""),
-            ("/b", "line 1: \"\" is no name"),
+            ("/b", "line 1: \"\" is not a valid name"),
         ] {
             let problem = RobotsFile::parse(text).unwrap_err();
             assert!(problem.starts_with(expected), "{problem}");

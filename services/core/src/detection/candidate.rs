@@ -1,14 +1,15 @@
-//! The supposed changes, each followed recursively: O(1) memory.
+//! Recursive statistics of each change hypothesis, in constant memory.
 //!
-//! A filter that goes on learning absorbs part of a real change. By how much is known exactly: a unit step
-//! leaves the state wrong by `e = unit - absorbed`, is seen in the next innovation as `row . e`, and the
-//! update absorbs `gain * (row . e)` more. So the expected innovations of a change that began at a given
-//! contact (its signature) are known, the innovations stay independent, and the sums over
-//! signature^2 and signature * innovation give the change's best estimate since then. A gradual change has a
-//! signature of the same kind: it adds a unit step at every contact.
+//! The filter keeps learning and so absorbs part of a real change; the absorbed part is known exactly. A unit step
+//! leaves the state wrong by `e = unit - absorbed`. It appears in the next innovation as `row . e`, and the update
+//! absorbs `gain * (row . e)` more. So the expected innovations of a change that began at a given contact (its
+//! signature) are known, the innovations stay independent, and the sums of signature^2 and signature * innovation
+//! give the best estimate of the change since then. A gradual change has a signature of the same kind: it adds a
+//! unit step at every contact.
 //!
-//! All are followed at once, in single precision and in arrays by hypothesis, so that one instruction serves four of
-//! them: their rounding is a millionth of a likelihood ratio, and they are most of what a whisker takes in time and room.
+//! All hypotheses are updated together, in single precision and in arrays indexed by hypothesis, so that one SIMD
+//! instruction serves four of them. The rounding error is a millionth of a likelihood ratio, and these arrays take
+//! most of a whisker's time and memory.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -19,39 +20,39 @@ use crate::estimation::Innovation;
 use crate::estimation::filter::{LENGTH, STATES};
 use crate::estimation::outlier::{Densities, LANES};
 
-/// Keeps the statistic finite: far above any threshold.
+/// Upper limit that keeps the statistic finite; far above any threshold.
 const SHIRYAEV_MAX: f32 = 1e15;
-/// Lanes beyond the hypotheses: those of any size as if they began with this contact, ...
+/// First lane of the hypotheses of any size evaluated as if they began with this contact.
 const BEGUN: usize = COUNT;
-/// ... and no change at all.
+/// Lane of the hypothesis that nothing has changed.
 const NO_CHANGE: usize = LANES - 1;
 const _: () = assert!(BEGUN + OF_ANY_SIZE.len() <= NO_CHANGE);
 
-/// The statistics of all supposed changes, by [`ALL`].
+/// Statistics of all change hypotheses, in the order of [`ALL`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Candidates {
-    /// Shiryaev-Roberts statistic: sum over all starts of the likelihood ratio.
+    /// Shiryaev-Roberts statistic: sum of the likelihood ratios over all possible starts.
     shiryaev: [f32; COUNT],
-    /// CUSUM: likelihood ratio since the likeliest start; 0 before the first contact, as are the sums.
+    /// CUSUM: likelihood ratio since the most likely start. 0 before the first contact, as are the sums below.
     cusum: [f32; COUNT],
-    /// Sums since that start: with g the signature of a unit change in standard deviations, and w the standardised
-    /// innovation, of g^2 and g w, each contact by its probability of being no outlier.
+    /// Sums since that start: g^2 and g w, with g the signature of a unit change in standard deviations and w the
+    /// standardised innovation. Each contact is weighted by its probability of not being an outlier.
     gg: [f32; COUNT],
     gw: [f32; COUNT],
-    /// When each is supposed to have begun, and what the state lacks since.
+    /// Most likely start of each hypothesis, and the state error that a unit change has left since then.
     starts: Starts,
 }
 
-/// What a contact says under each supposed change.
+/// Evaluation of one contact under each hypothesis.
 #[derive(Debug, Clone)]
 pub struct Felt {
-    /// What a unit of the change lets expect, in standard deviations.
+    /// Expected innovation for a unit of the change, in standard deviations.
     pub signature: [f32; LANES],
-    /// Probability that it is no outlier.
+    /// Probability that the contact is not an outlier.
     pub sound: [f32; LANES],
 }
 
-/// Sums over the contacts since a supposed start.
+/// Sums over the contacts since the most likely start of a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     contacts: u32,
@@ -59,14 +60,14 @@ pub struct Evidence {
     gw: f64,
 }
 
-/// Sizes that are supposed, and what their spread takes from a standardised innovation.
+/// Assumed size of each hypothesis, and the factor by which the uncertainty of that size scales an innovation.
 struct Supposed {
     size: [f32; LANES],
     narrowed: [f32; LANES],
 }
 
 impl Candidates {
-    /// Takes one innovation in; what it was under each.
+    /// Updates all statistics with one innovation and returns its evaluation under each hypothesis.
     pub fn update(&mut self, seen: &Innovation) -> Felt {
         let sd = seen.variance.sqrt();
         let row: [f32; STATES] = seen.row.map(|one| (one / sd) as f32);
@@ -84,7 +85,8 @@ impl Candidates {
         felt
     }
 
-    /// How much likelier the contact is under each supposed change than without, and whether it is an outlier.
+    /// Likelihood ratio of the contact under each hypothesis against no change, and the probability that it is not
+    /// an outlier.
     fn likelihood_ratios(&self, seen: &Innovation, signature: &[f32; LANES]) -> ([f32; LANES], [f32; LANES]) {
         let supposed = self.supposed(signature);
         let mut off = [seen.standardised as f32; LANES];
@@ -117,8 +119,9 @@ impl Candidates {
         supposed
     }
 
-    /// Where this contact alone, as the first one of a change of any size, is likelier than all since the supposed
-    /// start, it is the start: an estimate that took chance for a small change would take a large one for outliers.
+    /// Restarts a hypothesis of any size at this contact if the contact alone, as the first one of a change, is
+    /// more likely than all contacts since the present start. Otherwise a size estimate that mistook chance for a
+    /// small change would treat a large change as outliers.
     fn rather_begin(&mut self, felt: &mut Felt, mut ratio: [f32; LANES]) -> [f32; LANES] {
         for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
             let begun = BEGUN + lane;
@@ -132,14 +135,14 @@ impl Candidates {
         ratio
     }
 
-    /// How likely each has become, and whether it goes on: where it has become less likely than none its start is given
-    /// up.
+    /// Updates the likelihood ratios and returns whether each hypothesis continues. A hypothesis less likely than
+    /// its restart threshold loses its start.
     fn judge(&mut self, ratio: &[f32; LANES]) -> [bool; COUNT] {
         let mut goes_on = [false; COUNT];
         for index in 0..COUNT {
             let ratio = ratio[index];
             self.shiryaev[index] = least((1.0 + self.shiryaev[index]) * ratio, SHIRYAEV_MAX);
-            // It is above 0 from the first contact on.
+            // CUSUM is positive from the first contact on.
             let so_far = if self.cusum[index] > 0.0 { self.cusum[index] } else { 1.0 };
             self.cusum[index] = least(so_far * ratio, SHIRYAEV_MAX);
             goes_on[index] = self.cusum[index] > RESTARTS_AT[index];
@@ -147,7 +150,7 @@ impl Candidates {
         goes_on
     }
 
-    /// Adds up, for those that go on.
+    /// Adds the contact to the sums of the hypotheses that continue, and clears the others.
     fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &Felt, standardised: f32) {
         for (index, goes_on) in goes_on.iter().enumerate() {
             let kept = |one: f32| if *goes_on { one } else { 0.0 };
@@ -158,13 +161,13 @@ impl Candidates {
         }
     }
 
-    /// Gives up the start of a step.
+    /// Discards the start of a step.
     fn forget(&mut self, index: usize) {
         (self.cusum[index], self.gg[index], self.gw[index]) = (0.0, 0.0, 0.0);
         self.starts.forget(index);
     }
 
-    /// An alarm is over. Slow changes forget how likely it was, but not since when there may be something; steps forget
+    /// Ends an alarm. Gradual changes lose their Shiryaev-Roberts statistic but keep their starts; steps lose
     /// everything.
     pub fn dismiss(&mut self) {
         self.shiryaev = [0.0; COUNT];
@@ -172,43 +175,43 @@ impl Candidates {
         self.starts.forget_steps();
     }
 
-    /// The innovation that a unit of the change lets expect at this contact, in standard deviations.
+    /// Expected innovation at this contact for a unit of the change, in standard deviations.
     #[must_use]
     pub fn signature(&self, index: usize, seen: &Innovation) -> f64 {
         let expected: f64 = self.lacking(index).iter().zip(seen.row).map(|(lacks, row)| lacks * row).sum();
         expected / seen.variance.sqrt()
     }
 
-    /// Sum over all possible starts of the likelihood ratio.
+    /// Shiryaev-Roberts statistic: sum of the likelihood ratios over all possible starts.
     #[must_use]
     pub fn shiryaev(&self, index: usize) -> f64 {
         f64::from(self.shiryaev[index])
     }
 
-    /// The largest likelihood ratio since a likeliest start.
+    /// Largest CUSUM likelihood ratio over all hypotheses.
     #[must_use]
     pub fn cusum_max(&self) -> f64 {
         f64::from(self.cusum.iter().fold(0.0, |most, &one| if one > most { one } else { most }))
     }
 
-    /// What the state lacks per unit of the change since the likeliest start.
+    /// State error per unit of the change since the most likely start.
     #[must_use]
     pub fn lacking(&self, index: usize) -> [f64; STATES] {
         self.starts.lacking(index)
     }
 
-    /// Contacts since the likeliest start, at most [`super::start::CONTACTS_MAX`].
+    /// Contacts since the most likely start, at most [`super::start::CONTACTS_MAX`].
     #[must_use]
     pub fn contacts(&self, index: usize) -> u32 {
         self.starts.contacts(index)
     }
 
-    /// When the changes are supposed to have begun.
+    /// Starts of all hypotheses.
     pub(super) fn starts(&self) -> &Starts {
         &self.starts
     }
 
-    /// The sums since the likeliest start.
+    /// Sums since the most likely start.
     #[must_use]
     pub fn evidence(&self, index: usize) -> Evidence {
         let [gg, gw] = [self.gg[index], self.gw[index]].map(f64::from);
@@ -216,7 +219,7 @@ impl Candidates {
     }
 }
 
-/// Likelihood ratios at which supposed starts are given up.
+/// Likelihood ratio of each hypothesis below which its start is discarded.
 const RESTARTS_AT: [f32; COUNT] = {
     let mut at = [0.0; COUNT];
     let mut index = 0;
@@ -227,12 +230,12 @@ const RESTARTS_AT: [f32; COUNT] = {
     at
 };
 
-/// The smaller of two numbers that are no NaN.
+/// The smaller of two numbers, neither of which may be NaN.
 fn least(one: f32, other: f32) -> f32 {
     if one < other { one } else { other }
 }
 
-/// What has not begun takes no room.
+/// Hypotheses that have not begun take no space.
 impl BorshSerialize for Candidates {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         self.shiryaev.serialize(writer)?;
@@ -256,27 +259,27 @@ impl BorshDeserialize for Candidates {
 }
 
 impl Evidence {
-    /// Sums of g^2 and g w.
+    /// The sums of g^2 and g w.
     #[must_use]
     pub fn sums(&self) -> (f64, f64) {
         (self.gg, self.gw)
     }
 
-    /// The size that the contacts since the start let expect, and its variance.
+    /// Posterior mean and variance of the size, given the contacts since the start.
     fn posterior(&self, supposed: &Hypothesis) -> (f64, f64) {
         let prior = supposed.spread.powi(-2);
         let precision = prior + self.gg;
         ((prior * supposed.size + self.gw) / precision, 1.0 / precision)
     }
 
-    /// Contacts since the supposed start.
+    /// Contacts since the most likely start.
     #[must_use]
     pub fn contacts(&self) -> u32 {
         self.contacts
     }
 
-    /// Best estimate of the change's size between two limits, its variance, and the log likelihood that it
-    /// gains over no change. None before the first contact.
+    /// Maximum-likelihood size within the limits, its variance, and its log likelihood gain over no change. `None`
+    /// before the first contact.
     #[must_use]
     pub fn fit(&self, (least, most): (f64, f64)) -> Option<Fit> {
         (self.gg > 0.0).then(|| {
@@ -286,13 +289,13 @@ impl Evidence {
     }
 }
 
-/// A size that was fitted.
+/// Fitted size of a change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// Size, in the hypothesis' unit.
+    /// Fitted size, in the unit of the hypothesis.
     pub size: f64,
-    /// Its variance.
+    /// Variance of the size.
     pub variance: f64,
-    /// Log likelihood that it gains over no change.
+    /// Log likelihood gain over no change.
     pub gain: f64,
 }

@@ -1,8 +1,7 @@
-//! Whether a supposed cut goes on: the slope beside the step, from the same start.
+//! Tells a cut from erosion: fits a slope beside the step, from the same start.
 //!
-//! Erosion that has gone on for a while looks like a step from some contact on, plus a slope. A cut has no
-//! slope. So beside each supposed cut the sums for a slope from the same start are kept, and both are fitted
-//! together.
+//! Long-lasting erosion looks like a step at some contact plus a slope; a cut has no slope. So each cut hypothesis
+//! also carries the sums for a slope from the same start, and both are fitted together.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -13,15 +12,16 @@ use super::start::STEPS;
 use crate::estimation::Innovation;
 use crate::estimation::filter::{LENGTH, STATES};
 
-/// Step and slope are told apart where the determinant of their sums is more than this part of what it could be: below
-/// it is the rounding of the sums.
+/// Lower limit of the determinant of the joint fit, relative to the product of its diagonal. Below it the
+/// determinant is only rounding error of the sums, and step and slope cannot be separated.
 const LEAST_DETERMINANT: f64 = 1e-5;
 
-/// What slopes from the starts of supposed cuts let expect, and the sums for them by cut: with g the signature of the
-/// step, r that of the slope and w the standardised innovation, of r^2, r w and g r. All 0 where no cut has such a start.
+/// State errors of slopes from the starts of the cut hypotheses, and the sums for the joint fit by cut: r^2, r w
+/// and g r, with g the signature of the step, r that of the slope and w the standardised innovation. All are 0 for
+/// a cut without a start.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Continuations {
-    /// By start.
+    /// State error per unit slope, by state and by start.
     lacking: [[f32; STEPS]; STATES],
     rr: [f32; CUTS],
     rw: [f32; CUTS],
@@ -29,7 +29,7 @@ pub struct Continuations {
 }
 
 impl Continuations {
-    /// Takes a contact in that the candidates have felt.
+    /// Adds a contact that the candidates have already evaluated.
     pub fn update(&mut self, seen: &Innovation, candidates: &Candidates, felt: &Felt) {
         let sd = seen.variance.sqrt();
         let standardised = seen.standardised as f32;
@@ -38,7 +38,7 @@ impl Continuations {
         let (mut goes_on, mut begins) = (0_u32, 0_u32);
         for index in 0..CUTS {
             let (place, contacts) = (starts.place(index), starts.contacts(index));
-            // The step itself is there from the first contact on; the slope adds its first share after it.
+            // The step is present from the first contact on; the slope adds its first share after it.
             let is_felt = contacts > 1;
             goes_on |= u32::from(is_felt) << place;
             begins |= u32::from(contacts == 1) << place;
@@ -61,7 +61,8 @@ impl Continuations {
         }
     }
 
-    /// What a unit of each slope lets expect, in standard deviations; the filter has learned from it.
+    /// Expected innovation per unit of each slope, in standard deviations. Also subtracts what the filter has
+    /// absorbed of it.
     fn slopes(&mut self, seen: &Innovation, sd: f64) -> [f32; STEPS] {
         let mut slopes = [0.0; STEPS];
         for (one, row) in self.lacking.iter().zip(seen.row) {
@@ -79,8 +80,8 @@ impl Continuations {
         slopes
     }
 
-    /// Log likelihood that a further loss of length gains beside a step; 0 where the length does not fall further, and
-    /// for what is no cut.
+    /// Log likelihood gained by a further loss of length beside the step. 0 if the length does not fall further,
+    /// and for hypotheses other than cuts.
     #[must_use]
     pub fn gain_of_going_on(&self, index: usize, step: &Evidence) -> f64 {
         if index >= CUTS {
@@ -96,7 +97,7 @@ impl Continuations {
         if slope >= 0.0 { 0.0 } else { 0.5 * slope * slope * determinant / gg }
     }
 
-    /// Writes what belongs to the cuts that were felt since they have begun.
+    /// Writes the slopes and sums of the cuts that have at least two contacts.
     pub fn write<W: Write>(&self, candidates: &Candidates, writer: &mut W) -> Result<()> {
         for place in places(candidates) {
             self.lacking.iter().try_for_each(|one| one[place].serialize(writer))?;
@@ -107,7 +108,7 @@ impl Continuations {
         Ok(())
     }
 
-    /// Reads that again.
+    /// Reads the output of [`Self::write`].
     pub fn read<R: Read>(candidates: &Candidates, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
         for place in places(candidates) {
@@ -122,7 +123,7 @@ impl Continuations {
     }
 }
 
-/// Starts of cuts, each once.
+/// Places of the starts that cut hypotheses use, each once.
 fn places(candidates: &Candidates) -> impl Iterator<Item = usize> {
     let starts = candidates.starts();
     let bits = (0..CUTS).fold(0_u32, |bits, index| bits | 1 << starts.place(index));

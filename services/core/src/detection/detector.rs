@@ -1,20 +1,21 @@
-//! The detector: a mixture of Shiryaev-Roberts statistics over supposed changes, then a fresh look.
+//! The detector: a mixture of Shiryaev-Roberts statistics raises an alarm, and later contacts confirm or dismiss
+//! it.
 //!
-//! **Why this statistic.** With R_j <- (1 + R_j) * likelihood ratio_j and weights that sum to one, the mixture
-//! R minus the number of contacts is a martingale while nothing changes. So the mean number of contacts to
-//! R >= A is at least A, for any mixture, any order of contact ratios and any predictable signature; more exactly,
-//! it is the mean of R where it passes A. So **the threshold is the stated mean number of contacts between
-//! false alarms, times a share for passing it by** (`THRESHOLD_SHARE`). It needs innovations whose
-//! density is known, which the filter gives from the first contact on because its ignorance is part of their
-//! variance and that of the noise's scale is part of their density ([`crate::estimation::outlier`]); it sums
-//! over all starts of the change, so it keeps no history, and over sizes and kinds, so it need not know them.
+//! **Why this statistic.** With R_j <- (1 + R_j) * likelihood ratio_j and weights that sum to one, the mixture R
+//! minus the number of contacts is a martingale while nothing changes. So the mean number of contacts to R >= A is
+//! at least A, for any mixture, any order of contact ratios and any predictable signature; more exactly, it is the
+//! mean of R where it crosses A. So **the threshold is the configured mean number of contacts between false alarms,
+//! times a share for the overshoot** (`THRESHOLD_SHARE`). The statistic needs innovations of known density. The
+//! filter provides them from the first contact on, because the uncertainty of its state is part of their variance,
+//! and the uncertainty of the noise scale is part of their density ([`crate::estimation::outlier`]). The statistic
+//! sums over all starts of the change, so it needs no history, and over sizes and kinds, so it need not know them.
 //!
-//! **What an alarm becomes.** An alarm is a suspicion. A sequential probability ratio test on the contacts
-//! that come after it (error probabilities 2 %) confirms or dismisses it: most false alarms end there, so
-//! false trims are rarer than stated. Then the kinds are told apart ([`super::kinds`]) and the array's other
-//! whiskers are asked whether they feel it too. After a decision everything starts anew.
+//! **After an alarm.** An alarm is a suspicion. A sequential probability ratio test on the contacts after it (error
+//! probabilities 2 %) confirms or dismisses it. Most false alarms end there, so false trims are rarer than the
+//! configured rate. Then the kind of change is determined ([`super::kinds`]), and the array's other whiskers are
+//! checked for the same change. After a decision everything starts anew.
 //!
-//! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts nothing is called.
+//! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts no change is reported.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -25,42 +26,43 @@ use super::hypothesis::{ALL, Kind};
 use super::kinds::{Change, Explanation, best};
 use crate::estimation::Innovation;
 
-/// Threshold per stated mean number of contacts between false alarms: the statistic passes it by a factor,
-/// and the mean number of contacts is the mean of where it arrives. With normal noise, everything learned, thresholds
-/// of 1e3, 1e4 and 5.6e4 gave 1.7, 1.9 and 2.4 times as many contacts (2300, 400 and 150 alarms); with two outliers in a
-/// hundred the last gave 1.1. So below some 2000 stated contacts the share promises a few percent too much.
+/// Threshold as a share of the configured mean number of contacts between false alarms. The statistic overshoots
+/// its threshold by a factor, and the mean number of contacts is the mean of the statistic at the crossing. With
+/// normal noise and a converged filter, thresholds of 1e3, 1e4 and 5.6e4 gave 1.7, 1.9 and 2.4 times as many
+/// contacts (2300, 400 and 150 alarms); with 2 % outliers the last gave 1.1. So below some 2000 configured contacts
+/// the share promises a few percent too much.
 const THRESHOLD_SHARE: f64 = 0.56;
-/// Steps smaller than this are not looked for on a whisker that erodes: its filter lags behind.
+/// Smallest step, in ln length, that is searched for on an eroding whisker: its filter lags behind.
 const LEAST_SHIFT_WHILE_ERODING: f64 = 0.02;
-/// ln 50: both error probabilities of the fresh look are 2 %.
+/// ln 50: both error probabilities of the confirmation test are 2 %.
 const FRESH_LOOK_LOG_RATIO: f64 = 3.9;
-/// How much more log likelihood than any gradual change a step must gain to be called one. A wrong trim
-/// moves air; a late one can wait.
+/// Log likelihood that a step must gain over any gradual change to be reported. A wrong trim changes pressures; a
+/// late one can wait.
 const STEP_LOG_RATIO: f64 = 9.0;
-/// How much more than a step erosion must gain.
+/// Log likelihood that erosion must gain over a step.
 const GRADUAL_LOG_RATIO: f64 = 3.0;
-/// How much more than a step a drift of the baseline must gain.
+/// Log likelihood that a baseline drift must gain over a step.
 const DRIFT_LOG_RATIO: f64 = 6.0;
-/// With this lead nothing gradual can be meant, whatever the step leaves: far from the length where the model is
-/// linearised, a large cut always leaves something.
+/// Lead that excludes any gradual change, even if the step leaves a residual slope: far from the length at which
+/// the model is linearised, a large cut always leaves one.
 const SURELY_STEP_LOG_RATIO: f64 = 30.0;
-/// Log likelihood that a further loss beside the step may gain and still be chance: nine tenths of a standard deviation.
+/// Log likelihood gained by a further loss beside the step that may still be chance: 0.9 standard deviations.
 const GOES_ON_LOG_RATIO: f64 = 0.4;
-/// The same from which it is none: two standard deviations.
+/// Log likelihood gained by a further loss that is certainly not chance: two standard deviations.
 const SURELY_GOES_ON_LOG_RATIO: f64 = 2.0;
-/// They are told apart by less after this many times the contacts at the alarm, and some more.
+/// After this multiple of the contacts at the alarm, plus this many, the kind is decided without a sufficient lead.
 const PATIENCE: (u32, u32) = (4, 400);
-/// A likelihood ratio that says something is going on.
+/// The detector is calm while every CUSUM likelihood ratio is below this value.
 const CALM_BELOW: f64 = 20.0;
 
-/// What the detector is told.
+/// Parameters of the detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectionParams {
-    /// Mean number of contacts of a healthy whisker between false alarms (ARL0), and thereby the threshold.
+    /// Mean number of contacts between false alarms of a healthy whisker (ARL0); it sets the threshold.
     pub contacts_between_false_alarms: f64,
-    /// Contacts in which offset and noise are learned before anything is called.
+    /// Number of contacts in which offset and noise are learned before any change is reported.
     pub cold_start_contacts: u32,
-    /// Loss of log length per contact up to which a change may be erosion; faster ones are trims.
+    /// Largest loss of ln length per contact that may be erosion; faster losses are trims.
     pub erosion_per_contact_max: f64,
 }
 
@@ -81,43 +83,43 @@ pub struct Detector {
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Suspicion {
     candidate: u8,
-    /// Size at the alarm, fitted.
+    /// Fitted size at the alarm.
     size: f64,
     contacts_at_alarm: u32,
     contacts_since: u32,
     fresh_log_ratio: f64,
 }
 
-/// What the array's other whiskers feel of a suspected change.
+/// Evidence for a suspected change on the array's other whiskers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Others {
-    /// Nothing like it, or there are too few to ask.
+    /// They do not show it, or there are too few of them.
     Not,
-    /// The same: it is the array's, not the whisker's.
+    /// They show it too: the change belongs to the array, not to the whisker.
     Too,
-    /// They have hardly been touched since.
+    /// They have had too few contacts since.
     NotYet,
 }
 
-/// What the detector says after a contact.
+/// Result of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
-    /// Nothing.
+    /// No change is suspected.
     Quiet,
-    /// The alarm: from now on the contacts are a fresh look.
+    /// Alarm: the next contacts test the suspicion.
     Alarm,
-    /// Still looking.
+    /// The test has not decided yet.
     Looking,
-    /// The fresh look did not bear the alarm out.
+    /// The test has dismissed the alarm.
     Dismissed,
-    /// It did.
+    /// The test has confirmed a change of this whisker.
     Changed(Change),
-    /// It did, and the others feel it too.
+    /// The test has confirmed a change that the array's other whiskers share.
     Shared(Change),
 }
 
 impl Detector {
-    /// Takes one innovation in. `others` is asked for only where it matters.
+    /// Updates the detector with one innovation. `others` matters only once a suspicion is confirmed.
     pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool, others: Others) -> Verdict {
         let suspicion = self.suspicion.as_deref().map(|&suspicion| (suspicion, self.fresh_log_ratio(&suspicion, seen)));
         let felt = self.candidates.update(seen);
@@ -128,9 +130,9 @@ impl Detector {
         }
     }
 
-    /// Whether nothing at all is in the air: only then are reference responses and noise learned.
+    /// Whether there is no sign of a change. Only then are reference responses and noise learned.
     ///
-    /// It depends on past contacts alone, so what is learned is not biased by it.
+    /// The answer depends on past contacts alone, so it does not bias the learning.
     #[must_use]
     pub fn is_calm(&self) -> bool {
         self.suspicion.is_none() && self.candidates.cusum_max() < CALM_BELOW
@@ -142,8 +144,8 @@ impl Detector {
         self.suspicion.is_some()
     }
 
-    /// The suspected change of log length as a step, negative or positive, if one is suspected. What it is in the
-    /// end may be another matter.
+    /// The suspected change of ln length, fitted as a step, or `None` without a suspicion. The confirmed change may
+    /// be of another kind.
     #[must_use]
     pub fn suspected_shift(&self) -> Option<Fit> {
         let suspicion = self.suspicion.as_deref()?;
@@ -156,16 +158,15 @@ impl Detector {
         }
     }
 
-    /// The likeliest step of log length of the same sign as the given one, if any contact since its start
-    /// speaks for it.
+    /// Most likely step of ln length with the same sign as `like`, or `None` if no contact supports one.
     #[must_use]
     pub fn felt(&self, like: f64) -> Option<Fit> {
         let kind = if like < 0.0 { Kind::Shorter } else { Kind::LessSensitive };
         best(&self.candidates, kind, 0.0, 1).map(|one| one.fit)
     }
 
-    /// The mixture of Shiryaev-Roberts statistics; an alarm is raised where it reaches the stated mean number
-    /// of contacts between false alarms.
+    /// Mixture of the Shiryaev-Roberts statistics. An alarm is raised where it reaches `THRESHOLD_SHARE` times the
+    /// configured mean number of contacts between false alarms.
     #[must_use]
     pub fn statistic(&self, eroding: bool) -> f64 {
         self.weighted(eroding).map(|(_, value)| value).sum()
@@ -200,7 +201,7 @@ impl Detector {
                 }));
                 Verdict::Alarm
             }
-            // The likeliest start is the next contact: nothing to look into.
+            // The most likely start is the next contact: there is no evidence to test.
             None => {
                 *self = Self::default();
                 Verdict::Dismissed
@@ -239,15 +240,15 @@ impl Detector {
         verdict
     }
 
-    /// The alarm is over. Slow changes keep their starts: one that was dismissed too early would look like a
-    /// step the next time.
+    /// Ends the alarm. Gradual changes keep their starts: one dismissed too early would look like a step the next
+    /// time.
     fn dismiss(&mut self) {
         self.suspicion = None;
         self.continuations = Continuations::default();
         self.candidates.dismiss();
     }
 
-    /// What a confirmed suspicion is: looking on while that cannot be said.
+    /// Verdict on a confirmed suspicion: `Looking` while its kind cannot be determined.
     fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, eroding: bool, others: Others) -> Verdict {
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
@@ -267,7 +268,7 @@ impl Detector {
         }
     }
 
-    /// The kind that explains the contacts; none while that cannot be said.
+    /// The kind that explains the contacts, or `None` while the evidence does not separate the kinds.
     fn told_apart(
         &self,
         params: &DetectionParams,
@@ -283,7 +284,7 @@ impl Detector {
         let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == Kind::Drifting);
         let lead = gain(&step) - gain(&gradual);
         let goes_on = step.map_or(0.0, |step| self.gain_of_going_on(step.index));
-        // Erosion must be seen to go on; a drift shows in small deflections, and so by more.
+        // Erosion must be shown to continue. A drift shows in small deflections, so it must lead by more.
         let needed = match (drifts, goes_on > SURELY_GOES_ON_LOG_RATIO) {
             (true, _) => DRIFT_LOG_RATIO,
             (false, true) => GRADUAL_LOG_RATIO,
@@ -293,7 +294,7 @@ impl Detector {
         if surely || (lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO) {
             step
         } else if eroding || lead < -needed {
-            // On a whisker that erodes, the filter lags behind or runs ahead: no new change.
+            // On an eroding whisker the filter lags behind or runs ahead: this is not a new change.
             gradual.or(step)
         } else if impatient {
             if goes_on < SURELY_GOES_ON_LOG_RATIO && !drifts { step.or(gradual) } else { gradual.or(step) }

@@ -1,14 +1,15 @@
-//! What is looked for: changes of a whisker's state, of every kind and size that matters.
+//! Change hypotheses: all kinds and sizes of changes of a whisker's state that the detector searches for.
 
 use crate::estimation::filter::{BASELINE, LENGTH};
 
-/// What kind of change a hypothesis supposes.
+/// Kind of change that a hypothesis assumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The length falls at once: a cut. Also the sensitivity of the whole array, which is told apart later.
+    /// The length falls at once: a cut. A rise of the whole array's sensitivity looks the same and is separated
+    /// later.
     Shorter,
-    /// The sensitivity falls at once, which no trim explains: a gauge that comes loose, or a whisker that was
-    /// exchanged for a longer one.
+    /// The sensitivity falls at once, which no trim explains: a gauge that came loose, or a longer replacement
+    /// whisker.
     LessSensitive,
     /// The length falls contact by contact: erosion.
     Eroding,
@@ -17,7 +18,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The state that changes.
+    /// Index of the filter state that changes.
     #[must_use]
     pub fn state(self) -> usize {
         match self {
@@ -26,16 +27,16 @@ impl Kind {
         }
     }
 
-    /// Likelihood ratio at which a supposed start is given up for a later one.
+    /// Likelihood ratio below which the assumed start is replaced by a later one.
     ///
-    /// A step shows from its first contact on. A gradual change hardly shows at first: were its start given up at
-    /// the first doubt, it would be placed long after it was, where it looks like a step.
+    /// A step shows from its first contact on. A gradual change hardly shows at first: if its start were discarded
+    /// at the first doubt, it would be placed much too late, where it looks like a step.
     #[must_use]
     pub const fn restarts_at(self) -> f64 {
         if self.is_gradual() { 0.05 } else { 1.0 }
     }
 
-    /// Whether the change adds up contact by contact.
+    /// Whether the change accumulates contact by contact.
     #[must_use]
     pub const fn is_gradual(self) -> bool {
         match self {
@@ -45,17 +46,17 @@ impl Kind {
     }
 }
 
-/// One supposed change.
+/// One hypothesis: a change of one kind and size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hypothesis {
-    /// Kind.
+    /// Kind of the change.
     pub kind: Kind,
-    /// Size: of ln length, ln length per contact, or strain per contact.
+    /// Size: change of ln length, of ln length per contact, or of strain per contact.
     pub size: f64,
-    /// Standard deviation of the size: contacts after the change's start tell it. 0 where neighbouring
-    /// hypotheses do that better.
+    /// Prior standard deviation of the size, if the contacts after the start estimate it. 0 if neighbouring
+    /// hypotheses cover the other sizes.
     pub spread: f64,
-    /// Its weight in the mixture.
+    /// Weight in the mixture.
     pub weight: f64,
 }
 
@@ -70,23 +71,23 @@ const fn of_any_size(kind: Kind, size: f64, spread: f64, weight: f64) -> Hypothe
 /// Number of hypotheses.
 pub const COUNT: usize = 17;
 
-/// Number of supposed cuts; they come first.
+/// Number of cut hypotheses; they come first.
 pub const CUTS: usize = 7;
 
-/// Those before it are steps, and those from it on are gradual.
+/// Index of the first gradual hypothesis; steps come before it.
 pub const GRADUAL_FROM: usize = 10;
 
-/// Those before it are of the length, and those from it on of the baseline.
+/// Index of the first hypothesis on the baseline; those on the length come before it.
 pub const OF_LENGTH: usize = 13;
 
-/// Those whose size is told by the contacts after the change's start.
+/// Indices of the hypotheses whose size is estimated from the contacts after the start.
 pub const OF_ANY_SIZE: [usize; 2] = [6, 9];
 
-/// All that are looked for. Sizes of steps double: 0.25 to 8 mm of 70 shorter, since a change is found by the
-/// neighbouring hypotheses too; for more, where one contact may be forty standard deviations off, the size is
-/// estimated on the way. A weight w delays an alarm by ln(1/w) nats, and a contact gives few nats on a small cut
-/// and many on a large one: so the small ones, which take longest anyway, have most of the weight (all weights
-/// sum to one: then the threshold is the stated mean number of contacts between false alarms).
+/// All hypotheses. Sizes of steps double from 0.25 to 8 mm of 70 mm, since neighbouring hypotheses also find the
+/// sizes between them. For larger steps, where one contact may be off by forty standard deviations, the size is
+/// estimated from the contacts. A weight w delays an alarm by ln(1/w) nats; a contact gives few nats for a small
+/// cut and many for a large one. So the small cuts, which take longest anyway, have most of the weight. All weights
+/// sum to one, so that the threshold follows from the mean number of contacts between false alarms.
 pub const ALL: [Hypothesis; COUNT] = [
     hypothesis(Kind::Shorter, -0.0036, 0.11),
     hypothesis(Kind::Shorter, -0.0072, 0.29),

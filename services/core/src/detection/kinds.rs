@@ -1,9 +1,9 @@
-//! What kind of change it is: the kinds compared by how much of the contacts' log likelihood each explains.
+//! Determines the kind of a change by comparing how much of the contacts' log likelihood each kind explains.
 //!
-//! Each kind is represented by its own hypotheses, whose windows began where a change of that kind is
-//! likeliest to have begun, with the size fitted. A cut explained as erosion from its best start still gains 8/9 of
-//! what the cut does, and the other way round, unless erosion would have to be faster than it can be: so telling
-//! a small cut from erosion takes several times the contacts of the alarm, and no rule can do without them.
+//! Each kind is represented by its own hypotheses, each with its most likely start and a fitted size. A cut
+//! explained as erosion from its best start still gains 8/9 of the log likelihood of the cut, and vice versa,
+//! unless the erosion would be faster than its limit. So telling a small cut from erosion takes several times the
+//! contacts of the alarm, whatever the rule.
 
 use super::candidate::{Candidates, Fit};
 use super::hypothesis::{ALL, Kind};
@@ -13,15 +13,15 @@ use crate::estimation::filter::STATES;
 /// A confirmed change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
-    /// What kind.
+    /// Kind of the change.
     pub kind: Kind,
-    /// Size: the step of ln length, or a slope per contact of ln length or of strain; negative is shorter.
+    /// Size: step of ln length, or slope per contact of ln length or of strain. Negative lengths are losses.
     pub size: f64,
     /// Variance of the size.
     pub variance: f64,
-    /// What the filter's state lacks by now per unit of size.
+    /// Remaining state error of the filter per unit of size.
     pub lacking: [f64; STATES],
-    /// Contacts since the likeliest start.
+    /// Contacts since the most likely start.
     pub contacts: u32,
 }
 
@@ -32,7 +32,8 @@ pub(super) struct Explanation {
     pub fit: Fit,
 }
 
-/// Sizes that a kind may have.
+/// Lower and upper limit of a kind's size, in the unit of
+/// [`Hypothesis::size`](super::hypothesis::Hypothesis::size).
 pub(super) fn limits(kind: Kind, erosion_per_contact_max: f64) -> (f64, f64) {
     match kind {
         Kind::Shorter => (f64::NEG_INFINITY, 0.0),
@@ -42,8 +43,8 @@ pub(super) fn limits(kind: Kind, erosion_per_contact_max: f64) -> (f64, f64) {
     }
 }
 
-/// The hypothesis of a kind that explains most, of those whose window has at least so many contacts: a single
-/// outlier after the alarm is no explanation of the alarm.
+/// The hypothesis of a kind with the largest gain, among those with at least `contacts_min` contacts since their
+/// start: a single outlier after the alarm does not explain the alarm.
 pub(super) fn best(
     candidates: &Candidates,
     kind: Kind,

@@ -1,8 +1,8 @@
-//! When a change is no longer chance.
+//! Detects changes of a whisker's state.
 //!
-//! Knows innovations and changes of a whisker's state, not whiskers: what a change means is decided in
-//! [`crate::robot`]. [`hypothesis`] lists what is looked for, [`candidate`] follows them, [`detector`]
-//! mixes them and decides, [`start`] says since when they are supposed to go on, [`kinds`] and [`continuation`] tell them apart.
+//! Knows innovations and state changes, not whiskers: [`crate::robot`] decides what a change means. [`hypothesis`]
+//! lists the changes searched for, [`candidate`] holds their statistics, [`detector`] mixes them and decides,
+//! [`start`] holds their most likely starts, [`kinds`] and [`continuation`] tell the kinds apart.
 
 pub mod candidate;
 pub mod continuation;

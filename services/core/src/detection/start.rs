@@ -1,9 +1,9 @@
-//! The supposed starts of changes: what the state lacks per unit of a change depends on when it began, and not on its
-//! size, so that all steps that are supposed to have begun with the same contact share one start.
+//! Most likely starts of the change hypotheses. The state error per unit of a change depends on its start and not
+//! on its size, so all steps that began with the same contact share one start.
 //!
-//! There is room for [`STEPS`] starts of steps at the same time. All five are in use at one contact of a whole whisker in
-//! a thousand: a step that finds no room then begins with a later contact. Gradual changes hardly ever give their starts
-//! up, so each has its own.
+//! There is room for [`STEPS`] starts of steps at a time. All five are in use at one contact in a thousand of an
+//! intact whisker; a step that finds no room then begins with a later contact. Gradual changes hardly ever restart,
+//! so each has a start of its own.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -12,31 +12,31 @@ use super::hypothesis::{COUNT, GRADUAL_FROM, OF_LENGTH};
 use crate::counts;
 use crate::estimation::filter::{BASELINE, LENGTH, STATES};
 
-/// Starts of steps.
+/// Number of starts that all steps share.
 pub const STEPS: usize = 5;
-/// Starts: those of steps, then those of the gradual changes in their order.
+/// Number of starts: those of the steps, then one for each gradual change, in their order.
 pub const STARTS: usize = STEPS + COUNT - GRADUAL_FROM;
-/// Where the first change of the baseline is.
+/// Index of the first start of a baseline change.
 const BASELINES_FROM: usize = STEPS + OF_LENGTH - GRADUAL_FROM;
-/// The place of a step that has not begun: as if it began with this contact.
+/// Place of a step without a start: it would begin with this contact.
 const NOW: usize = STARTS;
-/// Places, with some to spare, so that each is known to be there.
+/// Length of the place arrays, a power of two, so that the compiler can drop bounds checks.
 const PLACES: usize = 16;
-/// More contacts are not counted.
+/// Contacts are counted up to this number.
 pub const CONTACTS_MAX: u32 = u16::MAX as u32;
 const _: () = assert!(NOW < PLACES);
 
-/// What a unit of a change that began at each place lets expect of a contact, in standard deviations.
+/// Expected innovation per unit of a change that began at each place, in standard deviations.
 pub type Signatures = [f32; PLACES];
 
-/// The starts of all supposed changes.
+/// Starts of all hypotheses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Starts {
-    /// What the state lacks per unit of the change since then; 0 where there is no start.
+    /// State error per unit of the change since the start; 0 where there is no start.
     lacking: [[f32; STARTS]; STATES],
-    /// Contacts since then, at most [`CONTACTS_MAX`].
+    /// Contacts since the start, at most [`CONTACTS_MAX`]; 0 where there is no start.
     contacts: [u16; STARTS],
-    /// The starts of the steps.
+    /// Place of each step's start, or `NOW`.
     of_steps: [u8; GRADUAL_FROM],
 }
 
@@ -47,7 +47,7 @@ impl Default for Starts {
 }
 
 impl Starts {
-    /// The place of a change's start.
+    /// Place of a hypothesis's start.
     pub fn place(&self, index: usize) -> usize {
         match self.of_steps.get(index) {
             Some(&place) => usize::from(place) % PLACES,
@@ -55,19 +55,19 @@ impl Starts {
         }
     }
 
-    /// Contacts since a change's start; 0 if it has not begun.
+    /// Contacts since a hypothesis's start; 0 if it has not begun.
     pub fn contacts(&self, index: usize) -> u32 {
         self.contacts.get(self.place(index)).map_or(0, |&contacts| contacts.into())
     }
 
-    /// What the state lacks per unit of a change.
+    /// State error per unit of a hypothesis's change.
     pub fn lacking(&self, index: usize) -> [f64; STATES] {
         let place = self.place(index);
         std::array::from_fn(|state| self.lacking[state].get(place).map_or(0.0, |&lacks| lacks.into()))
     }
 
-    /// A gradual change goes on at every contact: what a unit of each change lets expect of this one. `row` is that of the
-    /// contact in standard deviations.
+    /// Advances the gradual changes by one contact and returns the expected innovation per unit of each change.
+    /// `row` is the observation row of the contact divided by the standard deviation of its innovation.
     pub fn expect(&mut self, row: &[f32; STATES]) -> Signatures {
         self.lacking[LENGTH][STEPS..BASELINES_FROM].iter_mut().for_each(|lacks| *lacks += 1.0);
         self.lacking[BASELINE][BASELINES_FROM..].iter_mut().for_each(|lacks| *lacks += 1.0);
@@ -81,7 +81,7 @@ impl Starts {
         expected
     }
 
-    /// The signatures by change.
+    /// Copies the signatures by place into an array indexed by hypothesis.
     pub fn by_change(&self, expected: &Signatures, signature: &mut [f32]) {
         for (signature, &place) in signature.iter_mut().zip(&self.of_steps) {
             *signature = expected[usize::from(place) % PLACES];
@@ -89,13 +89,13 @@ impl Starts {
         signature[GRADUAL_FROM..COUNT].copy_from_slice(&expected[STEPS..STARTS]);
     }
 
-    /// Gives the start of a step up.
+    /// Discards the start of a step.
     pub fn forget(&mut self, step: usize) {
         self.of_steps[step] = NOW as u8;
     }
 
-    /// The filter has learned from the contact. Changes that do not go on give their starts up, and steps that do and have
-    /// none begin with this contact, if there is room; `goes_on` is told if there is none.
+    /// Follows the filter's update. Hypotheses that do not continue lose their starts. Steps that continue without
+    /// a start begin with this contact if a place is free; otherwise their entry in `goes_on` is cleared.
     pub fn follow(&mut self, gain: &[f32; STATES], expected: &Signatures, goes_on: &mut [bool; COUNT]) {
         for (one, gain) in self.lacking.iter_mut().zip(gain) {
             for (lacks, expected) in one.iter_mut().zip(expected) {
@@ -140,7 +140,7 @@ impl Starts {
         }
     }
 
-    /// All steps give their starts up.
+    /// Discards the starts of all steps.
     pub fn forget_steps(&mut self) {
         self.of_steps = [NOW as u8; GRADUAL_FROM];
         self.contacts[..STEPS].fill(0);
@@ -148,9 +148,9 @@ impl Starts {
     }
 }
 
-/// Gradual changes that began with the same contact lack the same.
+/// Compact encoding: gradual changes that began with the same contact have equal state errors.
 impl Starts {
-    /// Whether all of a start is as that in the place before.
+    /// Whether this start equals the one in the place before it.
     fn is_as_before(&self, place: usize) -> bool {
         let same = |one: &[f32; STARTS]| one[place].to_bits() == one[place - 1].to_bits();
         place > STEPS && self.contacts[place] == self.contacts[place - 1] && self.lacking.iter().all(same)
@@ -158,7 +158,7 @@ impl Starts {
 
     fn take_before(&mut self, place: usize) -> Result<()> {
         if place <= STEPS || self.contacts[place - 1] == 0 {
-            return Err(counts::refused("a start as none"));
+            return Err(counts::refused("a start refers to a missing one"));
         }
         self.contacts[place] = self.contacts[place - 1];
         self.lacking.iter_mut().for_each(|one| one[place] = one[place - 1]);
@@ -166,7 +166,7 @@ impl Starts {
     }
 }
 
-/// Those that there are: which, one bit each, then the places of the steps, two a byte.
+/// Encoding: a bit mask of the used starts, then the places of the steps, two to a byte, then the used starts.
 impl BorshSerialize for Starts {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         let bits = counts::bits(self.contacts.map(|contacts| contacts > 0));

@@ -1,8 +1,8 @@
 //! Responses averaged within contact-ratio bins.
 //!
-//! Single contacts are too noisy for Eq. 35: 4 % of noise on a difference of 17 %. Within a bin the mean of
-//! `ln(measured sensitivity / model's)` is kept, each contact compared at its own contact ratio and pressure,
-//! so that neither the slope within a bin nor a dithering regulator adds to the error.
+//! Single contacts are too noisy for Eq. 35: 4 % noise on a difference of 17 %. Each bin holds the mean of
+//! `ln(measured sensitivity / model's sensitivity)`. Each contact is compared with the model at its own contact
+//! ratio and pressure, so that neither the slope within a bin nor a dithering regulator adds to the error.
 
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -14,7 +14,7 @@ use crate::units::ContactRatio;
 /// Width of a bin in contact ratio; bins are centred on [`CONTACT_RATIOS`].
 pub const WIDTH: f64 = 0.05;
 
-/// The mean log deviation from the model in one bin.
+/// Mean log deviation from the model in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bin {
     contacts: u32,
@@ -24,38 +24,39 @@ pub struct Bin {
 }
 
 impl Bin {
-    /// Contacts in the bin.
+    /// Number of contacts in the bin.
     #[must_use]
     pub fn contacts(&self) -> u32 {
         self.contacts
     }
 
-    /// Mean of ln(measured / model's sensitivity), weighted by the contacts' stated noise.
+    /// Mean of ln(measured / model's sensitivity), weighted by the inverse of the contacts' noise variances.
     #[must_use]
     pub fn mean(&self) -> f64 {
         f64::from(self.mean)
     }
 
-    /// Mean contact ratio of the contacts, weighted likewise: the outermost bins are half empty.
+    /// Mean contact ratio of the contacts, with the same weights. It may be off the centre: the outermost bins are
+    /// half empty.
     #[must_use]
     pub fn mean_ratio(&self) -> f64 {
         self.mean_ratio
     }
 
-    /// Variance of the mean deviation; infinite while empty.
+    /// Variance of the mean deviation; infinite while the bin is empty.
     #[must_use]
     pub fn variance(&self) -> f64 {
         1.0 / f64::from(self.weight)
     }
 }
 
-/// A bin as it is kept.
+/// Stored form of a bin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Kept {
-    /// Contacts, at most a million, and below them in [`RATIO_BITS`] where in the bin their mean contact ratio is: to
-    /// 1.2e-5, where the means of two bins are 0.05 apart and a response hardly bends.
+    /// Number of contacts (at most a million) in the upper bits. The lower [`RATIO_BITS`] hold the position of the
+    /// mean contact ratio within the bin, to 1.2e-5; bins are 0.05 wide and a response hardly bends within one.
     contacts_and_ratio: u32,
-    /// Sum of the inverse of the contacts' noise variances.
+    /// Sum of the inverse noise variances of the contacts.
     weight: f32,
     mean: f32,
 }
@@ -63,7 +64,7 @@ struct Kept {
 const RATIO_BITS: u32 = 12;
 const RATIO_STEPS: u32 = 1 << RATIO_BITS;
 const CONTACTS_MAX: u32 = u32::MAX >> RATIO_BITS;
-/// Multiples of it, as parts of 2^32, are spread evenly: the golden ratio.
+/// 2^32 divided by the golden ratio: its multiples modulo 2^32 are evenly spread.
 const GOLDEN: u32 = 0x9e37_79b9;
 
 impl Kept {
@@ -71,7 +72,7 @@ impl Kept {
         self.contacts_and_ratio >> RATIO_BITS
     }
 
-    /// Mean contact ratio; `index` is that of the bin.
+    /// Mean contact ratio; `index` is the bin's index.
     fn mean_ratio(self, index: usize) -> f64 {
         let share = f64::from(self.contacts_and_ratio % RATIO_STEPS) / f64::from(RATIO_STEPS - 1);
         CONTACT_RATIOS[index] + (share - 0.5) * WIDTH
@@ -87,7 +88,8 @@ impl Kept {
         let nearer = |mean: f64, to: f64| mean + (to - mean) * (weight / sum);
         let share = (nearer(self.mean_ratio(index), ratio) - CONTACT_RATIOS[index]) / WIDTH + 0.5;
         let contacts = (self.contacts() + 1).min(CONTACTS_MAX);
-        // Rounded up as often as its fraction says, or a mean over many would stand still where each moves it by little.
+        // Dithered rounding: otherwise the mean of many contacts, each of which moves it by less than a step, would
+        // stand still.
         let fraction = f64::from(contacts.wrapping_mul(GOLDEN)) / f64::from(u32::MAX);
         let steps = (share.clamp(0.0, 1.0) * f64::from(RATIO_STEPS - 1) + fraction) as u32;
         let steps = steps.min(RATIO_STEPS - 1);
@@ -97,7 +99,7 @@ impl Kept {
     }
 }
 
-/// An empty one takes one byte.
+/// An empty bin takes one byte.
 impl BorshSerialize for Kept {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         counts::write(self.contacts_and_ratio, writer)?;
@@ -118,34 +120,35 @@ impl BorshDeserialize for Kept {
     }
 }
 
-/// Contacts that wait before they count: the last ones before a cut is noticed are of the cut whisker already.
+/// Queue of the newest contacts, which do not count yet: the last contacts before a cut is detected already belong
+/// to the cut whisker.
 ///
-/// They wait for further contacts and not for what these say: whoever dropped contacts because of what followed
-/// would choose among them, and learn a biased response.
+/// A contact leaves the queue after a fixed number of further contacts, whatever their values. Dropping contacts
+/// because of later ones would select among them and bias the learned response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Waiting {
     contacts: [Waits; Waiting::CONTACTS],
-    /// The next place, and how many are taken.
+    /// Next position to write, and the number of queued contacts.
     at: u8,
     count: u8,
 }
 
-/// One contact that waits, with as many digits as an average of thousands can show.
+/// A queued contact, rounded to the precision that an average over thousands needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 struct Waits {
-    /// The inverse of the noise variance, to 6 %: what a contact counts for needs no more. Octaves from
-    /// [`LEAST_OCTAVE`] on, and eighths of them.
+    /// Inverse of the noise variance, to 6 %, which is enough for a weight: octaves above [`LEAST_OCTAVE`] in
+    /// eighths.
     weight: u8,
-    /// In 4096ths, at most 8 to either side: 2.4e-4 where contacts scatter by 0.03.
+    /// Log deviation in 1/4096, from -8 to 8: steps of 2.4e-4, where single contacts scatter by 0.03.
     log_deviation: i16,
-    /// Contact ratio in 255ths.
+    /// Contact ratio in 1/255.
     ratio: u8,
 }
 
 const LOG_DEVIATION_STEPS: f64 = 4096.0;
-/// Where the octave begins among the bits of a single, with its eighths.
+/// Shift of an `f32`'s bits that leaves the exponent and three bits of the fraction: octaves in eighths.
 const EIGHTHS_AT: u32 = 20;
-/// The exponent of the least weight, 2^-8, in eighths.
+/// The exponent of the smallest weight, 2^-8, in eighths.
 const LEAST_OCTAVE: u32 = (127 - 8) << 3;
 
 impl Waits {
@@ -169,10 +172,11 @@ impl Waits {
 }
 
 impl Waiting {
-    /// How many wait: trims of 2 mm and more are mostly noticed within so many.
+    /// Capacity: trims of 2 mm and more are mostly detected within this many contacts.
     pub const CONTACTS: usize = 16;
 
-    /// Takes one contact in, as [`ResponseBins::add`] does; the one that has waited longest goes to the bins.
+    /// Queues one contact, with the arguments of [`ResponseBins::add`]. If the queue is full, its oldest contact
+    /// moves to the bins.
     pub fn add(&mut self, bins: &mut ResponseBins, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
         let place = &mut self.contacts[usize::from(self.at) % Self::CONTACTS];
         let longest = std::mem::replace(place, Waits::new(ratio, log_deviation, noise_variance));
@@ -184,7 +188,7 @@ impl Waiting {
         self.at = (self.at + 1) % Self::CONTACTS as u8;
     }
 
-    /// From the one that has waited longest on.
+    /// The queued contacts, oldest first.
     fn in_order(&self) -> impl Iterator<Item = &Waits> {
         let first = usize::from(self.at) + Self::CONTACTS - usize::from(self.count);
         (first..first + usize::from(self.count)).map(|at| &self.contacts[at % Self::CONTACTS])
@@ -202,7 +206,7 @@ impl BorshDeserialize for Waiting {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let (at, count) = <(u8, u8)>::deserialize_reader(reader)?;
         if usize::from(at) >= Self::CONTACTS || usize::from(count) > Self::CONTACTS {
-            return Err(Error::new(ErrorKind::InvalidData, "too many contacts wait"));
+            return Err(Error::new(ErrorKind::InvalidData, "more contacts are queued than the queue holds"));
         }
         let mut read = Self { at, count, ..Self::default() };
         let first = usize::from(at) + Self::CONTACTS - usize::from(count);
@@ -213,28 +217,28 @@ impl BorshDeserialize for Waiting {
     }
 }
 
-/// A response over the contact ratio, measured against one reference of the model.
+/// Response over the contact ratio, measured against one reference model.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct ResponseBins {
     bins: [Kept; CONTACT_RATIOS.len()],
 }
 
 impl ResponseBins {
-    /// The bin that a contact ratio belongs to; none below 0.425.
+    /// Bin of a contact ratio; `None` below 0.425.
     #[must_use]
     pub fn index(ratio: ContactRatio) -> Option<usize> {
         let steps = ((ratio.a() - CONTACT_RATIOS[0]) / WIDTH).round();
         (steps >= 0.0 && steps < CONTACT_RATIOS.len() as f64).then_some(steps as usize)
     }
 
-    /// Takes one contact in: its log deviation from the model and that deviation's noise variance.
+    /// Adds one contact: its log deviation from the model, and the noise variance of that deviation.
     pub fn add(&mut self, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
         if let Some(index) = Self::index(ratio) {
             self.bins[index].add(index, ratio.a(), log_deviation, 1.0 / noise_variance);
         }
     }
 
-    /// Every log deviation is another by this much: what was measured is brought to a new scale.
+    /// Adds `log_shift` to all means: the measurements move to a new scale.
     pub fn shift(&mut self, log_shift: f64) {
         for bin in self.bins.iter_mut().filter(|bin| bin.contacts() > 0) {
             bin.mean = (f64::from(bin.mean) + log_shift) as f32;
@@ -247,18 +251,18 @@ impl ResponseBins {
         self.bins[index].bin(index)
     }
 
-    /// The bin of a contact ratio, if it has at least `contacts`.
+    /// The bin of a contact ratio, if it holds at least `contacts` contacts.
     #[must_use]
     pub fn measured(&self, ratio: ContactRatio, contacts: u32) -> Option<Bin> {
         Self::index(ratio).map(|index| self.bin(index)).filter(|bin| bin.contacts >= contacts)
     }
 
-    /// The bins with contacts.
+    /// The bins that have contacts.
     pub fn felt(&self) -> impl Iterator<Item = Bin> + '_ {
         (0..self.bins.len()).map(|index| self.bin(index)).filter(|bin| bin.contacts > 0)
     }
 
-    /// Contacts in all bins.
+    /// Number of contacts in all bins.
     #[must_use]
     pub fn contacts(&self) -> u32 {
         self.bins.iter().map(|bin| bin.contacts()).fold(0, u32::saturating_add)

@@ -1,23 +1,23 @@
-//! Equally likely cases of independent standard normal causes: a fixed, evenly spread set, so that the same
+//! Equally likely cases of independent standard normal variables: a fixed, evenly spread set, so that the same
 //! question has the same answer every time.
 
 use std::borrow::Cow;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Cases that are gone through where nothing else is said.
+/// Default number of cases.
 pub const CASES: u32 = 400;
 
-/// As many causes as predictions, looks and measurements have: their cases are worked out beforehand.
+/// Numbers of variables in predictions, pressure reviews and measurements: their cases are precomputed.
 const USUAL: [usize; 4] = [7, 9, 12, 14];
 
-/// The cases, worked out once: quantiles of the normal distribution take longer than all that is asked of them.
+/// Precomputed cases: quantiles of the normal distribution take longer than all other work on a case.
 #[derive(Debug, Clone)]
 pub struct EvenCases {
     tables: Vec<Table>,
 }
 
-/// The first [`CASES`] cases of so many causes.
+/// The first [`CASES`] cases for a number of variables.
 #[derive(Debug, Clone)]
 struct Table {
     causes: usize,
@@ -32,8 +32,7 @@ impl Default for EvenCases {
 }
 
 impl EvenCases {
-    /// Case after case, by how many standard deviations each of so many causes is off. Above none where there are no
-    /// causes.
+    /// The cases in order, each as the values of all variables in standard deviations. Empty if `causes` is 0.
     #[must_use]
     pub fn amounts(&self, causes: usize, count: u32) -> Cow<'_, [f64]> {
         let known = self.tables.iter().find(|table| table.causes == causes);
@@ -54,7 +53,7 @@ fn amounts(causes: usize, count: u32) -> Vec<f64> {
     (0..count).flat_map(|case| steps.iter().map(move |&step| amount(case, step))).collect()
 }
 
-/// The additive recurrence of the generalised golden ratio (Roberts 2018), one step for each dimension.
+/// Additive recurrence of the generalised golden ratio (Roberts 2018), one step for each dimension.
 fn evenly_spread(dimensions: usize) -> Vec<f64> {
     let power = 1.0 / (dimensions as f64 + 1.0);
     let golden = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(power));

@@ -1,21 +1,21 @@
 //! The exponential function of a whole curve at once.
 //!
-//! Hundreds of cases of a dozen responses each are gone through in the step that decides, and one by one their
-//! exponentials would take longer than everything else in it. This one has no branches, so that compilers make several at
-//! a time; it agrees with [`f64::exp`] to a few units in the last place.
+//! A decision evaluates hundreds of cases of a dozen responses each within one step; scalar exponentials would take
+//! longer than everything else in it. This function has no branches, so that compilers vectorise it. It agrees with
+//! [`f64::exp`] to a few units in the last place.
 
 use super::spread::Curve;
 
-/// What is beyond e^700 or below its inverse is no sensitivity.
+/// Limit of the exponent: values beyond e^±700 cannot be sensitivities.
 const LARGEST: f64 = 700.0;
-/// Added to a small number, it leaves that number, rounded, in the lowest bits.
+/// 1.5 * 2^52: added to a small number, it leaves the number, rounded to an integer, in the lowest bits.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
-/// ln 2 in two parts, of which the first is exact when it is taken some thousand times.
+/// ln 2 in two parts. Multiples of the first up to some thousand are exact.
 const LN_2: (f64, f64) = (0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10);
-/// Bits of the fraction: above them is the power of two.
+/// Number of bits of the fraction; the exponent lies above them.
 const FRACTION_BITS: u32 = 52;
 
-/// 1 / k! from k = 12 down to 0: the series up to half of ln 2, where the next term is 2e-16.
+/// 1 / k! from k = 12 down to 0: the Taylor series up to half of ln 2, where the next term is 2e-16.
 const SERIES: [f64; 13] = {
     let mut terms = [1.0; 13];
     let mut k = 1;
@@ -26,10 +26,10 @@ const SERIES: [f64; 13] = {
     terms
 };
 
-/// e to each of these.
+/// e raised to each value.
 pub(super) fn exp(logs: &Curve) -> Curve {
     let mut powers = *logs;
-    // A loop in place is what compilers take several turns of at a time; of `map` they do not.
+    // Compilers vectorise this loop in place, but not `map`.
     for value in &mut powers {
         let log = value.clamp(-LARGEST, LARGEST);
         let shifted = log * std::f64::consts::LOG2_E + ROUNDING;

@@ -1,21 +1,20 @@
-//! The Kalman filter behind a whisker's length.
+//! The Kalman filter that estimates a whisker's length.
 //!
-//! State: x = (o0, o1, lambda, b). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
-//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the
-//! gauge's baseline, the strain that it shows without deflection. One contact at known contact ratio,
-//! deflection d and pressure observes
+//! State: x = (o0, o1, lambda, b). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log sensitivity,
+//! which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the gauge's baseline, its
+//! strain without deflection. One contact at known contact ratio a, deflection d and pressure observes
 //! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725)) + b) + noise`.
 //!
-//! Offset and length are told apart by their priors: at the start the length is known (the factsheet says
-//! it) and the offset is not; afterwards the length may wander (erosion, trims) and the offset does not,
-//! except when the pressure moves, which changes the model's error but not the length. The baseline is told
-//! apart by the deflection: it counts for small ones, so what is left is the slope of strain against
-//! deflection. Gauges drift under cyclic load by many times their noise.
+//! Priors separate offset and length. At the start the length is known from the factsheet and the offset is not.
+//! Afterwards the length may wander (erosion, trims) and the offset does not, except when the pressure changes,
+//! which changes the model's error but not the length. The deflection separates the baseline, which matters at
+//! small deflections; the other states follow from the slope of strain against deflection. Gauges drift under
+//! cyclic load by many times their noise.
 //!
-//! The filter never stops learning, so its standardised innovations are independent and of unit variance
-//! while nothing changes, from the first contact on: the error of what was learned is part of their
-//! variance. That is what [`crate::detection`] rests on. How much of a real change the filter has absorbed
-//! meanwhile is followed there exactly (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
+//! The filter never stops learning. So its standardised innovations are independent and of unit variance while
+//! nothing changes, from the first contact on: the error of the learned state is part of their variance.
+//! [`crate::detection`] relies on that. It also tracks exactly how much of a real change the filter has absorbed
+//! meanwhile (Willsky and Jones, IEEE Trans. Automat. Contr. 21 (1976) 108).
 
 use std::ops::RangeInclusive;
 
@@ -35,42 +34,42 @@ pub const STATES: usize = 4;
 pub const LENGTH: usize = 2;
 /// Index of the baseline in the state.
 pub const BASELINE: usize = 3;
-/// An outlier still counts this much, so that nothing can lock the filter out.
+/// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
-/// Relative standard deviation of the model's d ln s / d ln L: over calibrations 10 % off, in either formulation.
-/// Contacts cannot tell it, so every change of length is uncertain by it for good.
+/// Relative standard deviation of the model's d ln s / d ln L, over calibrations 10 % off, in either formulation.
+/// Contacts cannot reduce it, so every change of length keeps this uncertainty.
 const MODEL_SLOPE_SD: f64 = 0.015;
-/// The least share of the expected strain that deflection must explain.
+/// Least share of the expected strain that must come from deflection.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
-/// Bounds of what one contact can say: far beyond all that a whisker does, and near enough for sums over them to be finite in
-/// single precision. A strain of 1e-9 where 1 is expected has a residual of -21.
+/// Bounds of one contact's effect: far beyond any real whisker, and small enough for finite sums in single
+/// precision. A strain of 1e-9 where 1 is expected has a residual of -21.
 const RESIDUAL_MAX: f64 = 40.0;
 const VARIANCES: RangeInclusive<f64> = 1e-10..=1e6;
 const ROW_AND_GAIN_MAX: f64 = 1e6;
-/// Bounds of the state, and of its variances: e^20 is 5e8.
+/// Bounds of the state and of its variances: e^20 is 5e8.
 const STATE_MAX: f32 = 20.0;
 const STATE_VARIANCE_MAX: f64 = 1e6;
 
 /// Prior and process noise, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilterParams {
-    /// Offset at the start, log sensitivity.
+    /// Initial uncertainty of the offset, log sensitivity.
     pub offset_level: f64,
-    /// Its slope at the start, log sensitivity per unit of contact ratio.
+    /// Initial uncertainty of the offset's slope, log sensitivity per unit of contact ratio.
     pub offset_slope: f64,
-    /// Whole length at the start, mm.
+    /// Initial uncertainty of the whole length, mm.
     pub length_mm: f64,
-    /// Random walk of the length, mm per square root of a contact.
+    /// Random walk of the length of a healthy whisker, mm per square root of a contact.
     pub wander_mm: f64,
-    /// The same for a whisker known to erode.
+    /// Random walk of the length of a whisker known to erode, mm per square root of a contact.
     pub erosion_wander_mm: f64,
-    /// New uncertainty of the offset for a move of pressure, log sensitivity per MPa.
+    /// Added uncertainty of the offset after a change of pressure, log sensitivity per MPa.
     pub offset_per_mpa: f64,
-    /// Baseline at the start, m/m.
+    /// Initial uncertainty of the baseline, m/m.
     pub baseline_strain: f64,
     /// Random walk of the baseline, m/m per square root of a contact.
     pub baseline_wander_strain: f64,
-    /// The same for a gauge that is known to drift.
+    /// Random walk of the baseline of a gauge known to drift, m/m per square root of a contact.
     pub drifting_baseline_wander_strain: f64,
 }
 
@@ -95,7 +94,8 @@ impl Default for FilterParams {
 pub struct LengthFilter {
     #[borsh(serialize_with = "write_whole", deserialize_with = "read_whole")]
     whole_length_mm: f64,
-    /// In single precision, as the covariance: a contact moves it by a ten-thousandth of what is not known of it, or more.
+    /// State vector, in single precision like the covariance: a contact reduces the uncertainty of a state by a
+    /// ten-thousandth or more, well above rounding.
     mean: [f32; STATES],
     covariance: Symmetric,
 }
@@ -108,7 +108,7 @@ fn read_whole<R: Read>(reader: &mut R) -> Result<f64, Error> {
     counts::read_number(reader)
 }
 
-/// How far the state may wander from one contact to the next, as standard deviations.
+/// Random walk of the state from one contact to the next, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
     /// The length, mm.
@@ -119,67 +119,67 @@ pub struct Wander {
     pub offset: f64,
 }
 
-/// A length with its standard deviation.
+/// Estimated length with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LengthEstimate {
-    /// Mean, mm.
+    /// Estimated present length, mm.
     pub length: Millimetre,
     /// Standard deviation, mm.
     pub sd_mm: f64,
 }
 
-/// One contact seen against the filter's prediction; see [`LengthFilter::observe`].
+/// One contact compared with the filter's prediction; see [`LengthFilter::observe`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Innovation {
-    /// Observed minus predicted log sensitivity.
+    /// Observed minus predicted log strain.
     pub residual: f64,
-    /// Variance of the residual: what is not known of the state, and noise.
+    /// Variance of the residual: uncertainty of the state, plus noise.
     pub variance: f64,
     /// Variance of the contact's noise alone.
     pub noise_variance: f64,
-    /// residual / sqrt(variance).
+    /// residual / sqrt(variance), in standard deviations.
     pub standardised: f64,
-    /// Its density while nothing changes.
+    /// Density of the standardised residual while nothing changes.
     pub density: InnovationDensity,
-    /// That density here, and how likely the contact is no outlier.
+    /// That density at this contact, and the probability that the contact is not an outlier.
     pub seen: Seen,
-    /// d(log sensitivity) / d(state).
+    /// d(log strain) / d(state).
     pub row: [f64; STATES],
-    /// Kalman gain, already lowered for an outlier.
+    /// Kalman gain, already reduced for a likely outlier.
     pub gain: [f64; STATES],
-    /// The noise variance that this gain stands for.
+    /// Noise variance that corresponds to this gain.
     gain_noise_variance: f64,
-    /// The model's sensitivity with the learned offset, per mm.
+    /// The model's sensitivity corrected by the learned offset, strain per mm.
     pub predicted_sensitivity_per_mm: f64,
 }
 
-/// A contact as the filter needs it.
+/// Measurements of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
     /// Contact ratio a.
     pub ratio: ContactRatio,
     /// Deflection at the contact, mm, above 0.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Measured strain, m/m.
     pub strain: f64,
 }
 
-/// Why a contact says nothing about the length.
+/// Why a contact cannot update the length.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoInformation {
-    /// By the present estimate the contact lies on the chamber, where the model does not hold.
+    /// By the present length estimate the contact lies on the chamber, where the model is invalid.
     #[error(transparent)]
     OnChamber(#[from] ContactOnChamber),
-    /// The expected strain drowns in the gauge's floor, or the strain has no logarithm.
-    #[error("strain too small to tell a sensitivity")]
+    /// The expected strain is close to the gauge's noise floor, or the measured strain is not positive.
+    #[error("strain too small to determine a sensitivity")]
     TooWeak,
-    /// With its numbers the estimate would leave the range of what can be.
-    #[error("numbers too far from anything that a whisker does")]
+    /// The contact would move the estimate out of its bounds.
+    #[error("readings outside the range of any real whisker")]
     Implausible,
 }
 
 impl Innovation {
-    /// Whether every number is finite and within the bounds of what a contact can say.
+    /// Whether all numbers are finite and within the bounds of one contact's effect.
     fn is_bounded(&self) -> bool {
         let all_within = |numbers: &[f64; STATES]| numbers.iter().all(|one| one.abs() <= ROW_AND_GAIN_MAX);
         self.residual.abs() <= RESIDUAL_MAX
@@ -192,7 +192,7 @@ impl Innovation {
 }
 
 impl LengthFilter {
-    /// A whisker fresh from its factsheet: length known, offset not.
+    /// Filter of a new whisker: the length is known from the factsheet, the offset is not.
     #[must_use]
     pub fn new(whole_length: Millimetre, params: &FilterParams) -> Self {
         let length = params.length_mm / whole_length.mm();
@@ -201,7 +201,7 @@ impl LengthFilter {
         Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
     }
 
-    /// The same length, as certain as it is, with nothing known of offset and baseline.
+    /// Keeps the length and its uncertainty, and forgets offset and baseline.
     #[must_use]
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
@@ -233,16 +233,16 @@ impl LengthFilter {
         Offset { level: self.mean[0].into(), slope: self.mean[1].into() }
     }
 
-    /// Present baseline, m/m, and its standard deviation.
+    /// Present baseline and its standard deviation, m/m.
     #[must_use]
     pub fn baseline_strain(&self) -> (f64, f64) {
         (self.mean[BASELINE].into(), self.covariance.variance(BASELINE).max(0.0).sqrt())
     }
 
-    /// Compares one contact with the prediction; changes nothing.
+    /// Compares one contact with the prediction, without learning from it.
     ///
     /// # Errors
-    /// [`NoInformation`] when the contact cannot be used.
+    /// [`NoInformation`] if the contact cannot be used.
     pub fn observe(
         &self,
         model: &Model,
@@ -261,7 +261,7 @@ impl LengthFilter {
             return Err(NoInformation::TooWeak);
         }
         let residual = (contact.strain / expected_strain).ln();
-        // A = a (L + elongation), so d ln A / d ln L is a little under one.
+        // Contact distance A = a (L + elongation), so d ln A / d ln L is a little less than one.
         let elongated_mm = length.mm() + morphology.elongation_mm;
         let share = by_deflection / expected_strain;
         let row = [
@@ -304,8 +304,8 @@ impl LengthFilter {
         }
     }
 
-    /// Takes the contact in (Joseph form, which keeps the covariance positive) and lets the state wander. False, and nothing is
-    /// learned, if that would leave the range of what can be.
+    /// Updates the state with a contact (Joseph form, which keeps the covariance positive) and adds the random
+    /// walk. Returns false and changes nothing if the state would leave its bounds.
     pub fn learn(&mut self, seen: &Innovation, wander: Wander) -> bool {
         let mut after = self.clone();
         for (mean, gain) in after.mean.iter_mut().zip(seen.gain) {
@@ -332,9 +332,9 @@ impl LengthFilter {
         is_sound
     }
 
-    /// The noise turned out to be another: so is the variance of what was learned by averaging it away.
+    /// Scales the variances after a corrected noise estimate by `factor`, its change of variance.
     ///
-    /// Only for the cold start, and only for what the contacts have told better than the prior.
+    /// Only for the cold start, and only for states that contacts have determined better than the prior.
     pub fn rescale(&mut self, factor: f64, params: &FilterParams) {
         let prior = [params.offset_level, params.offset_slope, 0.0, params.baseline_strain];
         let by: [f64; STATES] = std::array::from_fn(|state| {
@@ -344,12 +344,12 @@ impl LengthFilter {
         self.covariance.scale(&by);
     }
 
-    /// The state lacks `lacking` times `size`, of which the variance is given: a change was found.
+    /// Applies a detected change: adds `lacking` times `size`, where `size` has the given variance.
     ///
     /// The model is linearised at the old length, so a tenth of the change of lambda is added to its standard
-    /// deviation; the contacts that follow take that away again.
+    /// deviation; the next contacts reduce it again.
     ///
-    /// False, and nothing changes, if that would leave the range of what can be.
+    /// Returns false and changes nothing if the state would leave its bounds.
     pub fn jump(&mut self, size: f64, variance: f64, lacking: [f64; STATES]) -> bool {
         let mut after = self.clone();
         for (mean, lacks) in after.mean.iter_mut().zip(lacking) {
@@ -360,16 +360,17 @@ impl LengthFilter {
         self.become_if_sound(after)
     }
 
-    /// The pressure has moved for good: the model's error is another one now, the length is the same.
+    /// The pressure has changed permanently: the offset becomes more uncertain, the length does not.
     pub fn pressure_moved(&mut self, by_mpa: f64, params: &FilterParams) {
         let sd = params.offset_per_mpa * by_mpa;
         self.covariance.widen(0, sd.powi(2));
         self.covariance.widen(1, sd.powi(2));
     }
 
-    /// Every whisker of the array reads by about this much more or less, in log sensitivity: no length.
+    /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.
     ///
-    /// How much of it this whisker's offset has taken up already is not known: it is learned anew.
+    /// The offset may already have absorbed part of the shift, so only its uncertainty grows and contacts determine
+    /// it anew.
     pub fn shared_shift(&mut self, log_shift: f64) {
         self.covariance.widen(0, log_shift.powi(2));
         self.covariance.widen(1, log_shift.powi(2));

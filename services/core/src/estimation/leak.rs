@@ -1,20 +1,22 @@
-//! How fast a chamber loses its air, and how often its regulator must make it good.
+//! Estimates how fast a chamber loses air, and detects a regulator that keeps refilling it.
 //!
-//! **Rate.** While the valves are shut the logarithm of the pressure falls along a line. Its slope is estimated
-//! within each interval in which nothing opened a valve (the setpoint stands, the regulator says so, and the
-//! pressure makes no jump), and pooled over the intervals: one slope, each interval its own intercept, weighted by
-//! pressure squared, because a sensor's errors are absolute ones. Coarse sensors: a few readings are averaged
-//! before their logarithm is taken, and the noise of a sensor carries its mean between two steps. The interval
-//! comes from batch means ([`super::trend`]) and from what rounding to the sensor's steps may do to a slope, or, with
-//! several intervals, from the scatter of their slopes if that is larger. What lies further back than [`LeakParams::memory`] fades.
+//! **Rate.** While the valves are shut, the logarithm of the pressure falls along a line. Its slope is estimated
+//! within each interval without valve activity (the setpoint is constant, the regulator reports no movement, and
+//! the pressure does not jump) and pooled over the intervals: one slope, an intercept for each interval, weighted
+//! by pressure squared because a sensor's errors are absolute. For coarse sensors, a few readings are averaged
+//! before the logarithm is taken; the sensor's noise makes the mean resolve less than a step. The confidence
+//! interval comes from batch means ([`super::trend`]) plus the possible effect of rounding to sensor steps on the
+//! slope, or from the scatter of the slopes of several intervals if that is larger. Old intervals fade with the
+//! time constant [`LeakParams::memory`].
 //!
-//! The rate is per second and relative to the **gauge** pressure, which is what robots tell: rate times gauge
-//! pressure is the loss in MPa per second. (Relative to the absolute pressure, by which gas laws go, it is smaller
-//! by p / (p + 0.101 MPa). A leak into the open ends at gauge pressure zero, and for small leaks the outflow goes
-//! nearly with the gauge pressure.)
+//! The rate is per second and relative to the **gauge** pressure, which robots report: rate times gauge pressure is
+//! the loss in MPa per second. (Relative to the absolute pressure, which gas laws use, it is smaller by p / (p +
+//! 0.101 MPa). A leak into the open air ends at gauge pressure zero, and for small leaks the outflow is nearly
+//! proportional to the gauge pressure.)
 //!
-//! **Refills.** A leak whose air is made good faster than readings can follow shows no falling line, but valves that
-//! work although the setpoint stands ([`super::refill`]). Then no rate is told, because the line's would be wrong.
+//! **Refills.** If a regulator refills a leak faster than the readings can follow, the pressure shows no falling
+//! line, but valve activity at a constant setpoint ([`super::refill`]). Then no rate is reported, because that of
+//! the line would be wrong.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -26,23 +28,25 @@ use super::trend::Interval;
 use crate::counts;
 use crate::units::{Megapascal, Micros};
 
-/// How leaks are estimated, and what is called one.
+/// Parameters of the leak estimation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeakParams {
-    /// A step of the robots' pressure sensors, MPa.
+    /// Resolution of the robots' pressure sensors, MPa.
     pub sensor_step_mpa: f64,
-    /// The least that a regulator lets in when it refills, MPa: about a step of its sensor.
+    /// Smallest refill of a regulator, MPa: about one step of its sensor.
     pub refill_mpa: f64,
-    /// Readings are not used for this long after a setpoint or a valve has moved.
+    /// Readings are ignored for this long after a setpoint or a valve has moved.
     pub settling: Micros,
-    /// An interval is closed after this, so that what changes is not averaged over for ever: at most 1000 s.
+    /// Longest interval before it is closed, so that a changing rate is not averaged without limit; at most 1000 s.
     pub interval_max: Micros,
     /// Time constant with which closed intervals fade.
     pub memory: Micros,
-    /// A leak is called when the rate's lower bound is above this, per second, or that of what refills make good. Sound chambers lose 3e-5 to 1e-4 per
-    /// second; at five times as much a chamber at 0.1 MPa loses 1 kPa, a third of the pressures' tolerance, in 20 s.
+    /// A chamber leaks if the lower bound of its rate, or of the loss that refills replace, exceeds this, per
+    /// second. Sound chambers lose 3e-5 to 1e-4 per second; at 5e-4 a chamber at 0.1 MPa loses 1 kPa, a third of
+    /// the pressure tolerance, in 20 s.
     pub rate_max_per_s: f64,
-    /// It is also called when the pressure leaps more often than this, per second: valves that hold leap hardly ever.
+    /// A chamber also leaks if its pressure leaps more often than this, per second. Pressure behind tight valves
+    /// hardly ever leaps.
     pub leaps_max_per_s: f64,
 }
 
@@ -60,33 +64,34 @@ impl Default for LeakParams {
     }
 }
 
-/// Where a reading comes from: each is in order by itself.
+/// Source of a reading. Readings of one source are in time order, but not those of both together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// A status.
+    /// A `status` message.
     Status,
-    /// A contact.
+    /// A contact in a `contacts` message.
     Contact,
 }
 
-/// Readings in one average.
+/// Number of readings in one average.
 const READINGS_A_BIN: u32 = 8;
-/// An average spans at least this, in seconds ...
+/// Shortest span of an average, in seconds.
 const BIN_SPAN_MIN_S: f64 = 0.5;
-/// ... and is taken after this with what there is.
+/// An average is closed after this span, however few readings it has, in seconds.
 const BIN_SPAN_MAX_S: f64 = 8.0;
-/// An average above one of the two before it by more than this part of a refill: the regulator filled.
+/// An average above one of the two before it by more than this share of a refill: the regulator refilled.
 const JUMP_REFILLS: f64 = 0.6;
-/// An average below the one before by more than so many refills: it vented. A leak may be steep, too.
+/// An average below the previous one by more than this many refills: the regulator vented. A leak may be steep,
+/// too.
 const VENT_REFILLS: f64 = 1.2;
-/// A pressure below this has no useful logarithm, MPa.
+/// Pressures below this have no useful logarithm, MPa.
 const LEAST_MPA: f64 = 0.005;
-/// A status this much older than what came before it tells that the robot's clock was set back.
+/// A status older than the previous readings by more than this means that the robot's clock was set back.
 const CLOCK_SET_BACK: Micros = Micros(10_000_000);
 /// The estimator's state for one chamber.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeakWatch {
-    /// Readings before this, by the robot's clock, are not used.
+    /// Readings before this time by the robot's clock are ignored.
     quiet_from: Micros,
     bin: Bin,
     open: Option<Stretch>,
@@ -96,7 +101,7 @@ pub struct LeakWatch {
     rate: Rate,
 }
 
-/// The rate as it is told: its mean, and how far its bounds are from that.
+/// Reported rate, per second: its mean and half the width of its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Rate {
     mean: f32,
@@ -104,7 +109,7 @@ struct Rate {
 }
 
 impl Rate {
-    /// None is told.
+    /// No rate is reported.
     const NONE: Self = Self { mean: 0.0, half: -1.0 };
 }
 
@@ -114,7 +119,7 @@ impl Default for Rate {
     }
 }
 
-/// Readings that are being averaged.
+/// Sums of the readings in the present average.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Bin {
     since: Micros,
@@ -124,7 +129,7 @@ struct Bin {
 }
 
 impl LeakWatch {
-    /// A valve is or may be open, on purpose: what comes now is no leak.
+    /// Valves are or may be open on purpose: readings until `settling` has passed are ignored.
     pub fn disturbed(&mut self, params: &LeakParams, at: Micros) {
         self.close(params);
         self.bin = Bin::default();
@@ -132,14 +137,14 @@ impl LeakWatch {
         self.quiet_from = at.after(params.settling);
     }
 
-    /// Whether no valve has moved on purpose for long enough.
+    /// Whether `settling` has passed since the last intended valve movement.
     #[must_use]
     pub fn is_quiet(&self, at: Micros) -> bool {
         at >= self.quiet_from
     }
 
-    /// Takes one reading of the pressure in, at a time of the robot's clock, while the setpoint is held. Old ones,
-    /// which a robot sends again, change nothing.
+    /// Adds one pressure reading, at a time of the robot's clock, while the setpoint is constant. Old readings,
+    /// which a robot sends again, are ignored.
     pub fn read(&mut self, params: &LeakParams, source: Source, at: Micros, pressure: Megapascal) {
         if source == Source::Status && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from) {
             // Only contacts are sent again: the robot's clock was set back.
@@ -192,14 +197,15 @@ impl LeakWatch {
         own.add(params, &open);
         let apart = |one: Interval, other: Interval| one.high < other.low || other.high < one.low;
         if own.rate().zip(self.closed.rate()).is_some_and(|(own, before)| apart(own, before)) {
-            // A leak began or was mended: a long quiet interval would outweigh many short ones after it.
+            // A leak began or was repaired: a long quiet interval would outweigh many short ones after it.
             self.closed = own;
         } else {
             self.closed.add(params, &open);
         }
     }
 
-    /// States the rate, and calls a leak, or calls it over once all evidence is down to half of what it takes.
+    /// Updates the rate and the leak verdict. The verdict ends once all evidence has fallen to half of its
+    /// threshold.
     fn judge(&mut self, params: &LeakParams) {
         let Some(mpa) = self.open.as_ref().map(|open| f64::from(open.mpa)) else { return };
         let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
@@ -207,13 +213,15 @@ impl LeakWatch {
         let leaps = greatest(&Refills::least_leaps_per_s);
         let fitted = self.fitted_rate_per_s(params);
         let part = if self.is_leaking { 0.5 } else { 1.0 };
-        // It is asked again and again for as long as the chamber lives: well beyond the interval, for a call.
+        // The test is repeated for the chamber's whole life, so the threshold lies well beyond the interval's
+        // bound.
         let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
         let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { surely(rate) });
         let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
         self.is_leaking = fallen > part * params.rate_max_per_s || is_refilled;
         if fitted.is_some_and(|rate| refilled > rate.high.max(0.0)) {
-            // The line does not account for the refills: it is of the time before, or they outrun the readings.
+            // The line does not explain the refills: it belongs to an earlier time, or refills are faster than the
+            // readings.
             self.closed = Pool::default();
         }
         let told = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
@@ -221,14 +229,14 @@ impl LeakWatch {
             told.map_or(Rate::NONE, |rate| Rate { mean: rate.mean as f32, half: (rate.high - rate.mean) as f32 });
     }
 
-    /// Whether the chamber is called leaking.
+    /// Whether the chamber leaks.
     #[must_use]
     pub fn is_leaking(&self) -> bool {
         self.is_leaking
     }
 
-    /// The relative rate per second at which the gauge pressure falls while the valves are shut, with its 95 %
-    /// interval; none until there is enough to tell, or when refills come too fast for the readings.
+    /// Relative rate per second at which the gauge pressure falls while the valves are shut, with its 95 %
+    /// interval. `None` until there are enough readings, or while refills are too fast for the readings.
     #[must_use]
     pub fn rate_per_s(&self) -> Option<Interval> {
         let [mean, half] = [self.rate.mean, self.rate.half].map(f64::from);
@@ -244,7 +252,8 @@ impl LeakWatch {
     }
 }
 
-/// What is not there takes no room, and times are told by how far they are from one of them.
+/// Compact encoding: absent parts take no space, and times are written relative to the start of the present
+/// average.
 impl BorshSerialize for LeakWatch {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         let [status, contact] = &self.refills;
@@ -305,7 +314,7 @@ impl Bin {
             self.since = at;
         }
         self.readings += 1;
-        // A contact may come a little after a status that is younger.
+        // A contact may arrive a little after a younger status.
         self.seconds += (at.since(self.since).as_s() - self.since.since(at).as_s()) as f32;
         self.mpa += mpa as f32;
     }

@@ -1,11 +1,11 @@
-//! What one contact says about a whisker: log sensitivity against the model's, hence offset and length; and what
-//! many say about its own calibration.
+//! Estimation of a whisker's state from contacts: log sensitivity against the model's, and from that offset and
+//! length; from many contacts also the whisker's own calibration.
 //!
-//! Knows numbers, not robots. [`noise`] says how uncertain one contact is and [`outlier`] what its density
-//! is, [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline), [`bins`] averages
-//! responses by contact ratio, [`smooth`] draws a curve through them, [`own_calibration`] compares them over
-//! pressures, [`spread`] tells how uncertain Eq. 35 is with all that, over the cases of [`even`]. [`trend`] fits lines to long series; [`erosion`] and
-//! [`leak`] are such lines, and [`refill`] tells when a regulator makes a leak good.
+//! Knows numbers, not robots. [`noise`] gives the uncertainty of one contact and [`outlier`] its density.
+//! [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline). [`bins`] averages responses
+//! by contact ratio, [`smooth`] fits a curve to them, [`own_calibration`] compares them between pressures,
+//! [`spread`] gives the uncertainty of Eq. 35 over the cases of [`even`]. [`trend`] fits lines to long series;
+//! [`erosion`] and [`leak`] use it, and [`refill`] detects a regulator that refills a leak.
 
 pub mod bins;
 pub mod erosion;

@@ -1,20 +1,20 @@
-//! How uncertain the log sensitivity of one contact is.
+//! Uncertainty of the log sensitivity of one contact.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::outlier::{InnovationDensity, MEAN_SQUARE_SEEN};
 use crate::units::ContactRatio;
 
-/// The stated noise of a robot's readings, as standard deviations.
+/// Configured noise of a robot's readings, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorNoise {
-    /// Of strain, relative to the reading.
+    /// Strain noise, relative to the reading.
     pub strain_relative: f64,
-    /// Of strain, absolute, m/m.
+    /// Strain noise floor, absolute, m/m.
     pub strain_floor: f64,
-    /// Of deflection, relative to the reading.
+    /// Deflection noise, relative to the reading.
     pub deflection_relative: f64,
-    /// Of the contact ratio, absolute.
+    /// Contact ratio noise, absolute.
     pub ratio: f64,
 }
 
@@ -27,7 +27,7 @@ impl Default for SensorNoise {
 impl SensorNoise {
     /// Variance of ln(strain / deflection) minus its prediction, to first order.
     ///
-    /// `expected_strain` is the model's (the reading itself would give small readings large weight);
+    /// `expected_strain` is the model's, because with the measured strain small readings would get a large weight.
     /// `log_slope` is d ln s / d ln a at the contact.
     #[must_use]
     pub fn log_variance(&self, expected_strain: f64, ratio: ContactRatio, log_slope: f64) -> f64 {
@@ -36,17 +36,17 @@ impl SensorNoise {
         self.strain_relative.powi(2) + floor.powi(2) + self.deflection_relative.powi(2) + ratio.powi(2)
     }
 
-    /// The least strain whose logarithm is still nearly Gaussian: ten times the floor.
+    /// Least strain whose logarithm is still nearly Gaussian: ten times the floor.
     #[must_use]
     pub fn least_strain(&self) -> f64 {
         10.0 * self.strain_floor
     }
 }
 
-/// The learned factor between a whisker's true noise variance and the stated one.
+/// Learned ratio between a whisker's true noise variance and the configured one.
 ///
-/// Squared standardised innovations are averaged, each by its probability of being no outlier; the stated
-/// noise counts as [`NoiseScale::PRIOR_CONTACTS`] contacts, the past as at most
+/// Averages squared standardised innovations, each weighted by its probability of not being an outlier. The
+/// configured noise counts as [`NoiseScale::PRIOR_CONTACTS`] contacts, the past as at most
 /// [`NoiseScale::MEMORY_CONTACTS`].
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct NoiseScale {
@@ -61,26 +61,26 @@ impl Default for NoiseScale {
 }
 
 impl NoiseScale {
-    /// Weight of the stated noise at the start.
+    /// Weight of the configured noise at the start, in contacts.
     pub const PRIOR_CONTACTS: f64 = 6.0;
-    /// Contacts that are remembered.
+    /// Largest weight of the past, in contacts.
     pub const MEMORY_CONTACTS: f64 = 4000.0;
 
-    /// Factor on the stated variance, dimensionless, between 1/16 and 16.
+    /// Factor on the configured variance, dimensionless, between 1/16 and 16.
     #[must_use]
     pub fn variance(&self) -> f64 {
         f64::from(self.variance)
     }
 
-    /// The density of an innovation that was standardised by this scale.
+    /// Density of an innovation standardised with this scale.
     #[must_use]
     pub fn density(&self) -> InnovationDensity {
         InnovationDensity::learned_from(f64::from(self.contacts))
     }
 
-    /// Takes one standardised innovation in; call it only while nothing is suspected. `sound` is its probability
-    /// of being no outlier by [`Self::density`], and `share` that of the noise in the innovation's variance, 0 to 1: what is
-    /// not known of the state says nothing of the noise.
+    /// Learns from one standardised innovation; call it only while no change is suspected. `sound` is the
+    /// probability by [`Self::density`] that the contact is not an outlier. `share` is the share of noise in the
+    /// innovation's variance, 0 to 1: uncertainty of the state carries no information about the noise.
     ///
     /// Returns the factor by which the scale's variance has changed.
     pub fn learn(&mut self, standardised: f64, sound: f64, share: f64) -> f64 {

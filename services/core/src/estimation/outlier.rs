@@ -1,57 +1,56 @@
-//! The density that a standardised innovation is taken to have: normal of learned size, with outliers.
+//! Density of a standardised innovation: normal with a learned scale, plus outliers.
 //!
-//! Two things are not known of it. Its scale was learned from a finite number of contacts, so the exact
-//! density of the next one is Student's t with that many degrees of freedom (this is what self-starting charts
-//! rest on: Hawkins, J. Quality Technology 19 (1987) 7); a detector that took a learned scale for a true one
-//! would see its error as a change. And one contact in two hundred may be an outlier of ten times the noise; so
-//! a likelihood ratio stays below some thousand whatever a single contact says, and an outlier says next to
-//! nothing about the length.
+//! The scale was learned from a finite number of contacts, so the exact density of the next one is Student's t with
+//! that many degrees of freedom (the basis of self-starting charts: Hawkins, J. Quality Technology 19 (1987) 7). A
+//! detector that took a learned scale for the true one would mistake its error for a change. Also, one contact in
+//! two hundred may be an outlier of ten times the noise. So a likelihood ratio stays below some thousand whatever a
+//! single contact shows, and an outlier hardly affects the length.
 
 use super::single;
 
-/// Share of contacts that are taken for outliers; it bounds what one contact can say.
+/// Assumed share of outliers; it bounds the effect of one contact.
 const OUTLIERS: f64 = 0.005;
-/// Their standard deviation in units of the noise.
+/// Standard deviation of outliers in units of the noise.
 const OUTLIER_SD: f64 = 10.0;
-/// E[u(w) w^2] of a standard normal w, with u its probability of being no outlier.
+/// E[u(w) w^2] of a standard normal w, with u the probability that it is not an outlier.
 pub const MEAN_SQUARE_SEEN: f64 = 0.992_2;
 
-/// The density of a standardised innovation, up to a constant factor.
+/// Density of a standardised innovation, up to a constant factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InnovationDensity {
-    /// Contacts that the noise's scale was learned from.
+    /// Number of contacts from which the noise scale was learned.
     degrees_of_freedom: f64,
 }
 
-/// A density at one place.
+/// The density at one value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// The density, times sqrt(2 pi).
     pub density: f64,
-    /// Probability that it is no outlier, 0 to 1.
+    /// Probability that the value is not an outlier, 0 to 1.
     pub sound: f64,
 }
 
-/// How many densities are asked for at once: the hypotheses of [`crate::detection`], and a few more.
+/// Number of densities evaluated at once: one for each hypothesis of [`crate::detection`], and a few more.
 pub const LANES: usize = 20;
 
-/// Densities at several places, times sqrt(2 pi), and the probability of being no outlier at each.
+/// Densities at several values, and the probability of each value not to be an outlier.
 #[derive(Debug, Clone)]
 pub struct Densities {
-    /// The densities.
+    /// Densities, times sqrt(2 pi).
     pub density: [f32; LANES],
-    /// Probabilities of being no outlier, 0 to 1.
+    /// Probabilities that the values are not outliers, 0 to 1.
     pub sound: [f32; LANES],
 }
 
 impl InnovationDensity {
-    /// `contacts` is what the noise's scale rests on.
+    /// `contacts` is the number of contacts from which the noise scale was learned, at least 3.
     #[must_use]
     pub fn learned_from(contacts: f64) -> Self {
         Self { degrees_of_freedom: contacts.max(3.0) }
     }
 
-    /// The density at a standardised deviation.
+    /// Density at a standardised deviation.
     #[must_use]
     pub fn at(&self, standardised: f64) -> Seen {
         let square = standardised * standardised;
@@ -59,12 +58,12 @@ impl InnovationDensity {
         let core = (1.0 - OUTLIERS) * (-0.5 * (freedom + 1.0) * ln_one_plus(square / freedom)).exp();
         let wide = OUTLIERS / OUTLIER_SD * (-0.5 * square / (OUTLIER_SD * OUTLIER_SD)).exp();
         let density = core + wide;
-        // Far out both are tiny: never a division of zero by zero.
+        // Far out both terms underflow; this avoids 0 / 0.
         if density > 1e-300 { Seen { density, sound: core / density } } else { Seen { density: 1e-300, sound: 0.0 } }
     }
 
-    /// The same at several places, to seven digits: it is asked for at every contact for every hypothesis. Beyond some
-    /// hundred standard deviations the density falls no further: there a contact tells nothing.
+    /// Densities at several values, to seven digits, for the detector's hot path. Beyond some hundred standard
+    /// deviations the density no longer falls: there a contact carries no information.
     #[must_use]
     pub fn at_each(&self, standardised: &[f32; LANES]) -> Densities {
         let per_freedom = (1.0 / self.degrees_of_freedom) as f32;
@@ -82,10 +81,10 @@ impl InnovationDensity {
     }
 }
 
-/// Log of what an outlier's density falls to: far above the least of what a core's does.
+/// Least exponent of the outliers' term: it keeps that term far above the least value of the core.
 const LEAST_LOG_WIDE: f32 = -60.0;
 
-/// No standardised innovation is further out.
+/// Squared innovations are limited to this value.
 const SQUARE_MAX: f32 = 1e12;
 
 fn largest(one: f32, other: f32) -> f32 {
@@ -96,7 +95,7 @@ fn least(one: f32, other: f32) -> f32 {
     if one < other { one } else { other }
 }
 
-/// ln(1 + y), by its series where that is exact enough: it is asked for at every contact for every hypothesis.
+/// ln(1 + y), by its series where that is accurate enough; it is evaluated for each contact.
 fn ln_one_plus(y: f64) -> f64 {
     if y < 0.05 { y * (1.0 - y * (0.5 - y * (1.0 / 3.0 - y * (0.25 - 0.2 * y)))) } else { y.ln_1p() }
 }
@@ -105,7 +104,7 @@ fn ln_one_plus(y: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Integrals by Simpson's rule over +-12.
+    /// Integral by Simpson's rule from -12 to 12.
     fn integral(of: impl Fn(f64) -> f64) -> f64 {
         const CELLS: i32 = 20_000;
         let step = 24.0 / f64::from(CELLS);
@@ -151,15 +150,15 @@ mod tests {
         }
     }
 
-    /// The likelihood ratio of any shift has a mean of at most one while nothing changes, up to the outliers
-    /// that are allowed for and do not come: that is what keeps the stated mean between false alarms.
+    /// The likelihood ratio of any shift has a mean of at most one while nothing changes, up to the assumed
+    /// outliers that do not occur. This guarantees the mean number of contacts between false alarms.
     #[test]
     fn property_a_likelihood_ratio_has_a_mean_of_one() {
         let density = InnovationDensity::learned_from(1e9);
         for shift in [0.1, 0.3, 1.0, 2.0, 4.0, 8.0] {
             let mean = integral(|w| normal(w) * density.at(w - shift).density / density.at(w).density);
             assert!(mean < 1.005, "{shift}: {mean}");
-            // What the outliers take away is little where contacts are to tell.
+            // The outlier term costs little in the range in which contacts decide.
             assert!(shift > 2.0 || mean > 0.95, "{shift}: {mean}");
         }
     }

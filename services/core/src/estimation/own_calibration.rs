@@ -1,15 +1,15 @@
-//! What a whisker's own calibration is, as its responses at several pressures tell.
+//! A whisker's own calibration, estimated from its responses at several pressures.
 //!
-//! While a compensation holds a pressure, the compensator's response there is measured. How it differs from the
-//! model's there and at nominal pressure says how k2 and the elongation of *this* chamber differ from the
-//! built-in ones, and so what it will do at a pressure where it has never been.
+//! While a compensation holds a pressure, the compensator's response is measured there. Its deviations from the
+//! model at that and at nominal pressure show how k2 and the elongation of *this* chamber differ from the built-in
+//! values, and so predict its response at a new pressure.
 //!
-//! Linear and Gaussian: the deviation from the model over contact ratio a and pressure Q is taken as
-//! `o(a) + sum_i w_i (g_i(a, Q) - g_i(a, Q_nominal))`, where `o` is a parabola (gauge, gluing, everything that
-//! pressure leaves alone) and `g_i` how ln s changes for one step of the i-th parameter ([`Family`]). The weights
-//! w have the prior "uniform within 10 %, either formulation"; each visit of a trimmed whisker adds one more
-//! unknown, its error in length. Bayes' rule is one solution of the normal equations, so the answer depends on
-//! what was felt alone and not on the order of it, and it cannot run away: it is bounded besides.
+//! Linear and Gaussian: the deviation from the model over contact ratio a and pressure Q is
+//! `o(a) + sum_i w_i (g_i(a, Q) - g_i(a, Q_nominal))`. `o` is a parabola (gauge, gluing and all other effects that
+//! do not depend on pressure); `g_i` is the change of ln s for one step of the i-th parameter ([`Family`]). The
+//! weights w have the prior "uniform within 10 %, either formulation". Each visit of a trimmed whisker adds one
+//! unknown, its length error. The posterior is one solution of the normal equations, so it depends only on the
+//! measurements and not on their order; it is also bounded.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix5};
@@ -19,66 +19,67 @@ use super::smooth::terms;
 use crate::mechanics::{CONTACT_RATIOS, FAMILY, Family, LogChanges, Model, OTHER_FORMULATION};
 use crate::units::{Megapascal, Millimetre};
 
-/// Pressures that are remembered.
+/// Number of stored visits.
 const VISITS_MAX: usize = 8;
-/// Prior standard deviations of the parabola: level, slope, bend.
+/// Prior standard deviations of the parabola: level, slope, curvature.
 const OFFSET_PRIOR: [f64; 3] = [0.3, 0.6, 0.1];
-/// What linear changes do not explain, log sensitivity in one bin.
+/// Model error of the linear approximation, log sensitivity in one bin (standard deviation).
 const NO_FIT: f64 = 0.004;
-/// Bound of the calibration's weights: 30 % from the built-in one.
+/// Bound of the calibration weights: 30 % off the built-in values.
 const WEIGHT_MAX: f64 = 0.3 / crate::mechanics::FAMILY_STEP;
-/// Bounds of the formulation's weight.
+/// Bounds of the formulation weight.
 const FORMULATION_MIN_MAX: (f64, f64) = (-0.5, 1.5);
 
-/// Weights of a [`Family`]: by how many steps a whisker's own calibration differs from the model's.
+/// Weights of a [`Family`]: number of steps by which a whisker's own calibration differs from the model's.
 pub type Weights = [f64; FAMILY];
 
-/// A whisker's responses at the pressures where it served.
+/// A whisker's responses at the pressures at which it has served as compensator.
 #[derive(Debug, Clone, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct OwnCalibration {
     visits: Vec<Visit>,
 }
 
-/// The response at one pressure.
+/// The response measured at one pressure.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Visit {
-    /// The compensation in which it was felt.
+    /// Number of the compensation in which it was measured.
     pub compensation: u32,
-    /// The pressure.
+    /// The pressure during the visit.
     pub pressure: Megapascal,
-    /// The length that the response is measured against.
+    /// Length of the reference model.
     pub length: Millimetre,
-    /// Its standard deviation, mm.
+    /// Standard deviation of the length, mm.
     pub length_sd_mm: f64,
-    /// The response against the model at that length.
+    /// The response relative to the model at that length.
     pub bins: ResponseBins,
 }
 
-/// The whole whisker at nominal pressure: what visits are compared with.
+/// The whole whisker at nominal pressure: the reference for visits.
 #[derive(Debug, Clone, Copy)]
 pub struct Nominal<'a> {
-    /// Whole length.
+    /// Length of the whole whisker.
     pub length: Millimetre,
-    /// Nominal pressure.
+    /// Nominal pressure of the whisker.
     pub pressure: Megapascal,
-    /// The response against the model there.
+    /// The response relative to the model at that length and pressure.
     pub bins: &'a ResponseBins,
 }
 
-/// What is believed of a whisker's own calibration.
+/// Posterior of a whisker's own calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Belief {
     /// Mean of the weights.
     pub mean: Weights,
-    /// Lower triangle R of their covariance, R R^T: row by row.
+    /// Lower triangular Cholesky factor R of their covariance R R^T, row by row.
     pub root: [Weights; FAMILY],
-    /// What to predict with: the mean where the whisker was felt at another pressure, otherwise the model as it
-    /// is. (That both formulations are as likely is no reason to predict with half of each.)
+    /// Weights for predictions: the mean if there is a visit at another pressure, otherwise zero (the model
+    /// unchanged). Equally likely formulations are no reason to predict with half of each.
     pub predict: Weights,
 }
 
 impl OwnCalibration {
-    /// Keeps what was felt at a pressure, in place of what was known of the same one; the oldest gives way.
+    /// Stores a visit. It replaces one of the same compensation and pressure, or else the oldest if there are too
+    /// many.
     pub fn remember(&mut self, visit: Visit) {
         let same = |one: &Visit| one.compensation == visit.compensation && one.pressure == visit.pressure;
         match self.visits.iter_mut().find(|one| same(one)) {
@@ -92,7 +93,7 @@ impl OwnCalibration {
         }
     }
 
-    /// The weights, from everything that is remembered.
+    /// Posterior from all stored visits.
     #[must_use]
     pub fn belief(&self, model: &Model, nominal: &Nominal<'_>) -> Belief {
         if self.visits.is_empty() {
@@ -114,7 +115,7 @@ impl OwnCalibration {
         equations.belief()
     }
 
-    /// Whether the whisker was felt at another pressure than its nominal one.
+    /// Whether the whisker was measured at another than its nominal pressure.
     #[must_use]
     pub fn is_informed(&self) -> bool {
         !self.visits.is_empty()
@@ -122,7 +123,7 @@ impl OwnCalibration {
 }
 
 impl Belief {
-    /// Nothing was felt: uniform within 10 %, either formulation.
+    /// Prior without any visit: uniform within 10 %, either formulation.
     #[must_use]
     pub fn prior() -> Self {
         let mut root = [[0.0; FAMILY]; FAMILY];
@@ -132,31 +133,32 @@ impl Belief {
         Self { mean: std::array::from_fn(|i| prior_of(i).0), root, predict: [0.0; FAMILY] }
     }
 
-    /// How the deviation from the model changes between two pressures, at [`CONTACT_RATIOS`].
+    /// Change of the deviation from the model between two pressures, at [`CONTACT_RATIOS`].
     #[must_use]
     pub fn change(weights: &Weights, from: &LogChanges, to: &LogChanges) -> [f64; CONTACT_RATIOS.len()] {
         std::array::from_fn(|k| Self::change_at(weights, &from[k], &to[k]))
     }
 
-    /// The same at one contact ratio.
+    /// Change of the deviation from the model between two pressures, at one contact ratio.
     #[must_use]
     pub fn change_at(weights: &Weights, from: &[f64; FAMILY], to: &[f64; FAMILY]) -> f64 {
         (0..FAMILY).map(|i| weights[i] * (to[i] - from[i])).sum()
     }
 
-    /// The same for each of the independent standard normal causes behind the covariance.
+    /// Changes caused by one standard deviation of each independent variable behind the covariance, at
+    /// [`CONTACT_RATIOS`].
     #[must_use]
     pub fn causes(&self, from: &LogChanges, to: &LogChanges) -> [[f64; CONTACT_RATIOS.len()]; FAMILY] {
         std::array::from_fn(|j| Self::change(&std::array::from_fn(|i| self.root[i][j]), from, to))
     }
 }
 
-/// Mean and standard deviation: of a calibration's step, or of which formulation it is (0 or 1).
+/// Prior mean and standard deviation of a calibration step, or of the formulation (0 or 1).
 fn prior_of(index: usize) -> (f64, f64) {
     if index == OTHER_FORMULATION { (0.5, 0.5) } else { (0.0, 1.0) }
 }
 
-/// Normal equations of parabola, weights and the visits' errors in log length.
+/// Normal equations for the parabola, the weights and the visits' errors in log length.
 struct Equations {
     information: DMatrix<f64>,
     weighed: DVector<f64>,
@@ -210,7 +212,7 @@ impl Equations {
     }
 
     fn belief(self) -> Belief {
-        // The prior keeps the information positive; rounding could not be blamed on the whisker either.
+        // The prior keeps the information matrix positive definite; rounding is the only way to fail.
         let Some(factor) = Cholesky::new(self.information) else { return Belief::prior() };
         let solved = factor.solve(&self.weighed);
         let covariance = factor.inverse();
@@ -225,7 +227,8 @@ impl Equations {
     }
 }
 
-/// Between which two of [`CONTACT_RATIOS`] a contact ratio lies, and how far along.
+/// Index of the lower neighbour in [`CONTACT_RATIOS`], and the position between the neighbours, 0 to 1 inside the
+/// table.
 fn between(a: f64) -> (usize, f64) {
     let steps = (a - CONTACT_RATIOS[0]) / super::bins::WIDTH;
     let k = (steps.max(0.0) as usize).min(CONTACT_RATIOS.len() - 2);
@@ -252,7 +255,7 @@ mod tests {
         Model::new(Geometry::nguyen_2021(), calibration, formulation).unwrap()
     }
 
-    /// Noise-free contacts of the plant against the model, with the noise that they are said to have.
+    /// Noise-free contacts of the plant relative to the model, with a nominal noise variance.
     fn felt(plant: &Model, model: &Model, length: f64, pressure: f64) -> ResponseBins {
         let (length, pressure) = (Millimetre::known(length), Megapascal::known(pressure));
         let mut bins = ResponseBins::default();

@@ -1,4 +1,4 @@
-//! Closed intervals of a chamber's pressure, pooled: one slope, each interval its own intercept.
+//! Closed intervals of a chamber's pressure, pooled: one slope, an intercept for each interval.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -6,14 +6,14 @@ use super::leak::LeakParams;
 use super::stretch::Stretch;
 use super::trend::{Interval, Slope};
 
-/// The rate is stated with at least that many degrees of freedom.
+/// Least degrees of freedom of a reported rate.
 const LEAST_FREEDOM: f64 = 4.0;
-/// ... and over at least so many seconds: valves that tremble shift the pressure by a little now and then.
+/// Least total span of a reported rate, in seconds: trembling valves shift the pressure a little now and then.
 const LEAST_S: f64 = 60.0;
-/// From so many intervals on the scatter of their slopes counts.
+/// Number of intervals from which on the scatter of their slopes counts.
 const INTERVALS_FOR_SCATTER: f64 = 3.0;
 
-/// Sums over closed intervals, fading.
+/// Fading sums over closed intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub(super) struct Pool {
     intervals: f32,
@@ -56,8 +56,8 @@ impl Pool {
         self.slope += (weight * per_x) as f32;
         self.squares += (by_pressure * squares) as f32;
         self.freedom += freedom as f32;
-        // Rounding errors are uniform over a step, so that a line through a few of them is off by about a step over
-        // the interval (1 / sqrt(12) times sqrt(12)): much less once the pressure falls through several steps.
+        // Rounding errors are uniform over a step, so a line through a few of them is off by about a step over the
+        // interval (1 / sqrt(12) times sqrt(12)), and by much less once the pressure falls through several steps.
         let step = params.sensor_step_mpa / mpa;
         let fallen = per_x.abs() * open.span_s();
         let rounding = step / open.span_s().max(1.0) * (step / fallen.max(step));

@@ -1,15 +1,14 @@
-//! Whether a regulator keeps filling although its setpoint stands, from pressures alone.
+//! Detects from pressures alone that a regulator keeps refilling although its setpoint is constant.
 //!
-//! A leaking chamber that is refilled falls slowly and rises at once. Played backwards that would be another curve,
-//! while a chamber that stands still, its sensor's noise and steps, and valves that let out what they let in too
-//! much, are the same in either direction. So the cubes of the changes from one reading to the next add up to
-//! nothing in a sound chamber, however coarse the sensor, and to (loss per second) x (size of a refill)^2 x time in
-//! a leaking one. Averages over 1, 2, 4, 8 and 16 readings see refills that are as far apart. The sum of the sixth
-//! powers, over that of the cubes, is the cube of a refill's size; so the loss itself comes out, to a factor of two
-//! or so, and rather too low.
+//! A leaking chamber with refills falls slowly and rises at once. Reversed in time that is another curve. A steady
+//! chamber, its sensor's noise and steps, and valves that vent what they let in too much are the same in both
+//! directions. So the cubes of the changes between readings add up to zero in a sound chamber, however coarse the
+//! sensor, and to (loss per second) x (size of a refill)^2 x time in a leaking one. Averages over 1, 2, 4, 8 and 16
+//! readings detect refills at such intervals. The sum of the sixth powers divided by that of the cubes is the cube
+//! of a refill's size. So the loss can be estimated to a factor of about two, and rather too low.
 //!
-//! Refills that come faster than readings leave no such trace, but make the readings leap: by more than one
-//! refill from one reading to the next, which its noise alone hardly ever does.
+//! Refills faster than the readings leave no such trace, but make the readings leap: by more than one refill
+//! between two readings, which noise alone hardly ever does.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -17,60 +16,60 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::counts;
 use crate::units::Micros;
 
-/// Averages over one reading are compared, and over twice as many on each scale: 2, 4, 8 and 16.
+/// Number of scales: averages over 1, 2, 4, 8 and 16 readings.
 const SCALES: usize = 5;
-/// Readings in the longest average.
+/// Number of readings in the longest average.
 const LONGEST: u8 = 1 << (SCALES - 1);
-/// Time constant with which changes fade, in seconds.
+/// Time constant with which old changes fade, in seconds.
 const MEMORY_S: f64 = 150.0;
-/// Nothing is told sooner, and counts are spread over no less, in seconds.
+/// Least time before any bound is reported, and least time that event rates are divided by, in seconds.
 const LEAST_S: f64 = 60.0;
-/// Readings further apart than this say nothing about what was between them, in seconds.
+/// Longest gap between readings, in seconds; after a longer one the averages start anew.
 const GAP_MAX_S: f64 = 20.0;
-/// A leap is one by more than this many refills ...
+/// A leap is a change of more than this many refills ...
 const LEAP_REFILLS: f64 = 1.5;
-/// ... between readings no further apart than this, in seconds.
+/// ... between readings at most this far apart, in seconds.
 const LEAP_GAP_S: f64 = 2.5;
-/// A change by more than this many refills counts as so many: nothing that happens once weighs more.
+/// Changes are limited to this many refills, so that no single event dominates.
 const CHANGE_MAX: f32 = 4.0;
-/// Lower bounds are so many standard deviations below the estimate. They are asked for again and again for as long
-/// as a chamber lives.
+/// Lower bounds lie this many standard deviations below the estimate, since they are tested again and again during
+/// a chamber's life.
 const BOUND_SDS: f64 = 3.0;
 
-/// One source's readings: each is in order by itself.
+/// Statistics of one source's readings, which are in time order.
 ///
-/// What is summed up for an average that is not full yet is not kept: it follows from the last averages of the shorter
-/// scales, of which two make one of the next.
+/// Partial averages are not stored: they follow from the last averages of the shorter scales, two of which make one
+/// of the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Refills {
-    /// When the last reading was, if anything is averaged.
+    /// Time of the last reading, if there is any average.
     last_at: Micros,
     leaps: f32,
     seconds: f32,
     scales: [Scale; SCALES],
     /// Readings since the last average of the longest scale.
     readings: u8,
-    /// Scales that have an average already, one bit each.
+    /// Bit mask of the scales that have an average.
     averaged: u8,
 }
 
-/// Changes of averages over one number of readings.
+/// Changes between averages over a fixed number of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Scale {
-    /// The last average, in refills; 0 before the first.
+    /// Last average, in refills; 0 before the first.
     last: f32,
     cubes: f32,
     squared_cubes: f32,
 }
 
 impl Refills {
-    /// What was between the readings before and those to come is not known.
+    /// Starts new averages: the pressure between the readings so far and the next ones is unknown.
     pub fn interrupt(&mut self) {
         (self.last_at, self.readings, self.averaged) = (Micros::default(), 0, 0);
         self.scales.iter_mut().for_each(|scale| scale.last = 0.0);
     }
 
-    /// Takes one reading in. Those that are older than the last one change nothing.
+    /// Adds one reading. Readings older than the last one are ignored.
     pub fn read(&mut self, refill_mpa: f64, at: Micros, mpa: f64) {
         let before = self.last_at;
         if self.averaged != 0 && at.since(before).as_s() > GAP_MAX_S {
@@ -81,7 +80,7 @@ impl Refills {
             if at <= before {
                 return;
             }
-            // The averages over one reading are the readings.
+            // The averages of the first scale are the readings.
             self.pass(at.since(before).as_s(), refills - self.scales[0].last);
         }
         self.last_at = at;
@@ -112,8 +111,8 @@ impl Refills {
         }
     }
 
-    /// Lower bound of the pressure that refills make good, MPa per second; 0 where there may be none. `refill_mpa` is
-    /// the least refill.
+    /// Lower bound of the pressure replaced by refills, MPa per second; 0 if there may be none. `refill_mpa` is the
+    /// smallest refill.
     #[must_use]
     pub fn least_mpa_per_s(&self, refill_mpa: f64) -> f64 {
         let seconds = f64::from(self.seconds);
@@ -123,7 +122,7 @@ impl Refills {
         refill_mpa * self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max) / seconds
     }
 
-    /// Lower bound of the leaps per second.
+    /// Lower bound of the number of leaps per second.
     #[must_use]
     pub fn least_leaps_per_s(&self) -> f64 {
         let leaps = f64::from(self.leaps);
@@ -132,7 +131,7 @@ impl Refills {
 }
 
 impl Scale {
-    /// Lower bound of the sum of refills.
+    /// Lower bound of the sum of refills, in units of the smallest refill.
     fn least_sum(&self) -> f64 {
         let [cubes, squared_cubes] = [self.cubes, self.squared_cubes].map(f64::from);
         let surely = cubes - BOUND_SDS * squared_cubes.sqrt();
@@ -143,7 +142,7 @@ impl Scale {
         surely / size.powi(2)
     }
 
-    /// Ends an average; the one before it.
+    /// Adds an average and returns the one before it.
     fn take(&mut self, mean: f32, has_last: bool) -> f32 {
         if has_last {
             let cube = (mean - self.last).clamp(-CHANGE_MAX, CHANGE_MAX).powi(3);
@@ -155,7 +154,7 @@ impl Scale {
 }
 
 impl Refills {
-    /// Writes it, its time by how far it is from another.
+    /// Writes the statistics; the time is written relative to `from`.
     pub fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
         counts::write_time(self.last_at, from, writer)?;
         (self.leaps, self.seconds, self.readings, self.averaged).serialize(writer)?;
@@ -168,15 +167,15 @@ impl Refills {
         Ok(())
     }
 
-    /// Reads it again.
+    /// Reads the output of [`Self::write`].
     ///
     /// # Errors
-    /// The bytes cannot have been written.
+    /// The bytes are not a valid encoding.
     pub fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
         let mut read = Self { last_at: counts::read_time(from, reader)?, ..Self::default() };
         (read.leaps, read.seconds, read.readings, read.averaged) = BorshDeserialize::deserialize_reader(reader)?;
         if read.readings >= LONGEST || read.averaged >= 1 << SCALES {
-            return Err(counts::refused("more readings than an average has"));
+            return Err(counts::refused("too many readings or scales in the refill statistics"));
         }
         for (index, scale) in read.scales.iter_mut().enumerate() {
             (scale.cubes, scale.squared_cubes) = BorshDeserialize::deserialize_reader(reader)?;
@@ -188,7 +187,7 @@ impl Refills {
     }
 }
 
-/// exp(-x), by its series where that is exact: it is asked for with every reading.
+/// exp(-x), by its series where that is exact; it is evaluated for each reading.
 fn fading(x: f64) -> f64 {
     if x < 0.05 { 1.0 - x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0)))) } else { (-x).exp() }
 }

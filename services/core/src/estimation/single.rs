@@ -1,26 +1,26 @@
-//! exp and ln in single precision, without a branch, a call or a table, so that the compiler works on four at once.
+//! exp and ln in single precision, without branches, calls or tables, so that the compiler vectorises them.
 //!
-//! They are the same on every machine, to the last digit.
+//! Their results are the same on every machine, to the last bit.
 
-/// ln 2 in two parts, the first of few digits: a whole number of it is exact.
+/// ln 2 in two parts; integer multiples of the first are exact because it has few digits.
 const LN_2: (f32, f32) = (0.693_359_4, -2.121_944_4e-4);
-/// Added to a number, it leaves the nearest whole one in the last bits.
+/// 1.5 * 2^23: added to a number, it leaves the nearest integer in the last bits.
 const WHOLE: f32 = 12_582_912.0;
-/// The exponent of 1 among the bits of a number, and where exponents are.
+/// The bits of 1.0, and the position of the exponent.
 const ONE: u32 = 0x3f80_0000;
 const EXPONENT_AT: u32 = 23;
-/// The square root of 1/2 among the bits of a number.
+/// The bits of the square root of 1/2.
 const ROOT_HALF: i32 = 0x3f35_04f3;
-/// e to less than this is not told from it.
+/// Least exponent; smaller ones give the same result.
 const LEAST: f32 = -87.0;
 
-/// e to the `x`, which is at most 88; from -87 on downward it is 1.6e-38. To one unit of the last digit.
+/// e^x for x up to 88, to one unit in the last place. From -87 on downward the result is 1.6e-38.
 pub(super) fn exp(x: f32) -> f32 {
     let x = if x > LEAST { x } else { LEAST };
     let shifted = x * std::f32::consts::LOG2_E + WHOLE;
     let whole = shifted - WHOLE;
     let r = (x - whole * LN_2.0) - whole * LN_2.1;
-    // Minimax over half of ln 2 to either side (Moshier, Cephes).
+    // Minimax polynomial over ±ln 2 / 2 (Moshier, Cephes).
     let p = 1.987_569_2e-4;
     let p = p * r + 1.398_2e-3;
     let p = p * r + 8.333_452e-3;
@@ -31,14 +31,14 @@ pub(super) fn exp(x: f32) -> f32 {
     (p * (r * r) + r + 1.0) * power
 }
 
-/// ln(1 + y) of `y` from 0 on, relative to itself to two units of the last digit: also where y is tiny.
+/// ln(1 + y) for y >= 0, to two units in the last place, also for tiny y.
 pub(super) fn ln_one_plus(y: f32) -> f32 {
     let u = 1.0 + y;
     let lost = (y - (u - 1.0)) / u;
     let bits = u.to_bits() as i32 - ROOT_HALF;
     let exponent = (bits >> EXPONENT_AT) as f32;
     let f = f32::from_bits(((bits & 0x007f_ffff) + ROOT_HALF) as u32) - 1.0;
-    // With s = f / (2 + f): ln(1 + f) = 2 atanh(s), of which the first terms are f - f^2 / 2 (Ng, fdlibm).
+    // With s = f / (2 + f): ln(1 + f) = 2 atanh(s), which starts with f - f^2 / 2 (Ng, fdlibm).
     let s = f / (2.0 + f);
     let z = s * s;
     let rest = z * (0.666_666_6 + z * (0.400_009_72 + z * (0.284_987_87 + z * 0.242_790_79)));

@@ -1,8 +1,8 @@
 //! A measured response as a smooth curve over the contact ratio.
 //!
-//! How a whisker differs from its model is nearly a straight line over the contact ratio: over the ten per cent
-//! that rubbers differ the bend is at most 0.5 %. A parabola through all bins, with a weak prior on its bend,
-//! therefore tells a response from some hundred contacts as well as single bins do from thousands.
+//! A whisker's deviation from its model is nearly a straight line over the contact ratio: for rubbers within ten
+//! per cent the bend is at most 0.5 %. A parabola through all bins, with a weak prior on its curvature, therefore
+//! needs only some hundred contacts for the precision that single bins reach after thousands.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use nalgebra::{Cholesky, Matrix3, SMatrix, Vector3};
@@ -11,39 +11,39 @@ use super::bins::ResponseBins;
 use super::spread::Curve;
 use crate::mechanics::{CONTACT_RATIOS, Offset};
 
-/// Prior standard deviations: level, slope per unit of contact ratio, bend per its square.
+/// Prior standard deviations: level, slope per unit of contact ratio, curvature per unit squared.
 const PRIOR: [f64; 3] = [0.3, 0.6, 0.1];
-/// The bends that are known differ by this in log sensitivity from a parabola: below what is told apart.
+/// Deviation of known responses from a parabola in log sensitivity; it is below the resolution.
 const NO_FIT: f64 = 1e-4;
 
 /// ln(measured / model's sensitivity) over the contact ratio, with its covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smooth {
     coefficients: Vector3<f64>,
-    /// Lower triangle R of the covariance, R R^T.
+    /// Lower triangular Cholesky factor R of the covariance R R^T.
     root: Matrix3<f64>,
 }
 
-/// What is believed of a response before a contact was felt: mean and covariance of the parabola.
+/// Prior of a response before its first contact: mean and covariance of the parabola.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Carried {
     mean: [f64; 3],
     covariance: [[f64; 3]; 3],
 }
 
-/// What carrying to another pressure adds in any case, as standard deviations of level and slope: what linear
-/// changes do not explain, and a pressure sensor's error.
+/// Minimum uncertainty added by a change of pressure, as standard deviations of level and slope: nonlinear effects
+/// and the pressure sensor's error.
 const CARRIED_SD: [f64; 2] = [0.002, 0.003];
 
 impl Default for Carried {
-    /// Nothing but that it is a whisker.
+    /// Prior of any whisker.
     fn default() -> Self {
         let covariance = Matrix3::from_diagonal(&Vector3::from(PRIOR.map(|sd| sd.powi(2))));
         Self { mean: [0.0; 3], covariance: covariance.into() }
     }
 }
 
-/// The parabola nearest to a curve.
+/// Least-squares parabola through a curve.
 fn parabola(curve: &Curve) -> Vector3<f64> {
     let rows = SMatrix::<f64, 12, 3>::from_fn(|k, i| terms(CONTACT_RATIOS[k])[i]);
     let normal = rows.transpose() * rows;
@@ -51,20 +51,20 @@ fn parabola(curve: &Curve) -> Vector3<f64> {
     Cholesky::new(normal).map_or_else(Vector3::zeros, |factor| factor.solve(&weighed))
 }
 
-/// 1, a and a squared about the middle.
+/// 1, a and a^2 about the centre of the contact ratios.
 pub(super) fn terms(a: f64) -> [f64; 3] {
     let off = a - Offset::CENTRE;
     [1.0, off, off * off]
 }
 
 impl Smooth {
-    /// Through the bins of a response, each weighed by its contacts' stated noise.
+    /// Fits the bins of a response, each weighted by the inverse of its variance.
     #[must_use]
     pub fn through(bins: &ResponseBins) -> Self {
         Self::from(&Carried::default(), bins)
     }
 
-    /// The same with what is believed already.
+    /// Fits the bins of a response together with a prior.
     #[must_use]
     pub fn from(carried: &Carried, bins: &ResponseBins) -> Self {
         let mut information = Matrix3::from(carried.covariance).try_inverse().unwrap_or_else(Matrix3::zeros);
@@ -75,14 +75,14 @@ impl Smooth {
             information += row * row.transpose() * weight;
             weighed += row * bin.mean() * weight;
         }
-        // The prior keeps the information positive, so there is always a factor.
+        // The prior keeps the information matrix positive definite, so the factor exists.
         let solved = Cholesky::new(information).map(|factor| (factor.solve(&weighed), factor.inverse()));
         let (coefficients, covariance) = solved.unwrap_or((Vector3::zeros(), Matrix3::zeros()));
         let root = Cholesky::new(covariance).map_or_else(Matrix3::zeros, |factor| factor.l());
         Self { coefficients, root }
     }
 
-    /// The response where it has changed by this, which is as uncertain as these causes.
+    /// The response after `change`, with the uncertainty of that change given by `causes`.
     #[must_use]
     pub fn carried(&self, change: &Curve, causes: &[Curve]) -> Carried {
         let mut covariance = self.root * self.root.transpose();
@@ -94,13 +94,13 @@ impl Smooth {
         Carried { mean: (self.coefficients + parabola(change)).into(), covariance: covariance.into() }
     }
 
-    /// At [`CONTACT_RATIOS`].
+    /// Values at [`CONTACT_RATIOS`].
     #[must_use]
     pub fn by_ratio(&self) -> [f64; CONTACT_RATIOS.len()] {
         CONTACT_RATIOS.map(|a| Vector3::from(terms(a)).dot(&self.coefficients))
     }
 
-    /// What each of three independent standard normal causes moves it by, at [`CONTACT_RATIOS`].
+    /// Effects of one standard deviation of three independent variables, at [`CONTACT_RATIOS`].
     #[must_use]
     pub fn causes(&self) -> [[f64; CONTACT_RATIOS.len()]; 3] {
         std::array::from_fn(|j| CONTACT_RATIOS.map(|a| Vector3::from(terms(a)).dot(&self.root.column(j))))

@@ -1,8 +1,8 @@
-//! How uncertain Eq. 35 is, from how uncertain the responses in it are.
+//! Uncertainty of Eq. 35, from the uncertainty of its responses.
 //!
-//! Eq. 35 divides small differences and takes absolute values, so its spread is not told by derivatives: near a
+//! Eq. 35 divides small differences and takes absolute values, so derivatives do not give its spread: near a
 //! perfect match the error can only be larger than it seems. Instead a fixed, evenly spread set of equally likely
-//! cases is gone through: no randomness, the same answer every time.
+//! cases is evaluated: no randomness, and the same answer every time.
 
 use super::even::{CASES, EvenCases};
 use super::exponential::exp;
@@ -11,21 +11,21 @@ use crate::mechanics::{CONTACT_RATIOS, ErrorProfile};
 /// A value at each of [`CONTACT_RATIOS`].
 pub type Curve = [f64; CONTACT_RATIOS.len()];
 
-/// What adds nothing anywhere.
+/// Curve without any effect.
 const STILL: Curve = [0.0; CONTACT_RATIOS.len()];
 
-/// `N` responses as ln s by contact ratio, each the sum of a mean and of what independent standard normal
-/// causes add to it. One cause may move several responses.
+/// `N` responses as ln s by contact ratio. Each is the sum of a mean and of the effects of independent standard
+/// normal variables (causes). One cause may affect several responses.
 #[derive(Debug, Clone)]
 pub struct Uncertain<const N: usize> {
-    /// Means.
+    /// Mean responses.
     pub mean: [Curve; N],
-    /// Causes, each with what one standard deviation of it adds.
+    /// Effects of one standard deviation of each cause on the responses.
     pub causes: Vec<[Curve; N]>,
 }
 
 impl<const N: usize> Uncertain<N> {
-    /// Adds causes that move the responses named in `to` alike.
+    /// Adds causes that have the same effect on all responses in `to`.
     pub fn moves(&mut self, curves: &[Curve], to: &[usize]) {
         for curve in curves {
             let mut cause = [STILL; N];
@@ -36,12 +36,12 @@ impl<const N: usize> Uncertain<N> {
         }
     }
 
-    /// What `of` makes of each of the equally likely cases.
+    /// Evaluates `of` on each of the equally likely cases.
     pub fn cases<T>(&self, even: &EvenCases, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
         self.some_cases(even, CASES, of)
     }
 
-    /// The same of so many cases: of fewer than some forty, [`interval95`] is from the least to the greatest.
+    /// Evaluates `of` on the first `count` cases. With fewer than about forty, [`interval95`] spans the extremes.
     pub fn some_cases<T>(&self, even: &EvenCases, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
         let causes = self.causes.len();
         let amounts = even.amounts(causes, count);
@@ -53,7 +53,7 @@ impl<const N: usize> Uncertain<N> {
             let amounts = &amounts[causes * case..causes * (case + 1)];
             let mut responses = self.mean;
             for (response, moving) in responses.iter_mut().zip(&moving) {
-                // Summed up beside it, where nothing is written before the end.
+                // Summed in a local, so that the compiler need not write memory in the loop.
                 let mut sum = *response;
                 for (cause, curve) in moving {
                     let amount = amounts[*cause];
@@ -67,14 +67,14 @@ impl<const N: usize> Uncertain<N> {
     }
 }
 
-/// The mean of Eq. 35 from ln s after, before and of the target, over the contact ratios that are `known`.
+/// Mean of Eq. 35 from ln s after and before, and of the target, over the contact ratios that are `known`.
 #[must_use]
 pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, known: &[bool; CONTACT_RATIOS.len()]) -> f64 {
     let against_target = |logs: &Curve| exp(&std::array::from_fn(|k| logs[k] - target[k]));
     ErrorProfile::mean_against_target(&against_target(after), &against_target(before), known)
 }
 
-/// Mean and standard deviation.
+/// Mean and standard deviation of the values.
 #[must_use]
 pub fn moments(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
@@ -82,7 +82,7 @@ pub fn moments(values: &[f64]) -> (f64, f64) {
     (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt())
 }
 
-/// The central 95 % of the cases.
+/// Central 95 % of the values.
 #[must_use]
 pub fn interval95(mut values: Vec<f64>) -> (f64, f64) {
     let last = values.len() - 1;

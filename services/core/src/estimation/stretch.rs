@@ -1,8 +1,8 @@
-//! A stretch of time in which a chamber's valves are shut: the averages of its pressure, in blocks.
+//! A span of time in which a chamber's valves are shut: averages of its pressure, in blocks.
 //!
-//! The blocks are those of [`super::trend`], in a quarter of its room: a block that is full is kept to 1/64 s and to
-//! 1.2e-4 of the pressure, a third of what the noise of a sensor leaves of an average over many readings. The one that is
-//! being filled is kept as it is, or small steps would be lost.
+//! The blocks are those of [`super::trend`], in a quarter of the memory: a full block is rounded to 1/64 s and to
+//! 1.2e-4 of the pressure, a third of a sensor's noise in an average over many readings. The block being filled is
+//! not rounded, or small changes would be lost.
 
 use std::num::NonZeroU16;
 
@@ -13,27 +13,28 @@ use super::trend::{BLOCKS, Slope};
 use crate::counts;
 use crate::units::Micros;
 
-/// Steps of the time of a full block in a second: up to 1024 s.
+/// Resolution of a full block's time, in steps per second; its range is 1024 s.
 const STEPS_A_SECOND: f64 = 64.0;
-/// Steps of the logarithm of the pressure against the first: up to 4 to either side.
+/// Resolution of ln(pressure / first pressure), in steps per unit; its range is -4 to 4.
 const LOG_STEPS: f64 = 8192.0;
 const TWO: NonZeroU16 = NonZeroU16::MIN.saturating_add(1);
-/// A block with more averages than that does not come about in the time that a stretch may have.
+/// Averages in a block at which the stretch is full; that many do not occur within its longest permitted time.
 const AVERAGES_MAX: u16 = 1 << 14;
 
-/// The stretch: averages of the pressure over a few readings each.
+/// The stretch; each average covers a few readings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stretch {
-    /// When it began.
+    /// Time of the first reading, by the robot's clock.
     pub since: Micros,
-    /// The first average, MPa.
+    /// First average, MPa.
     pub mpa: f32,
-    /// The newest average, seconds after the beginning and MPa: it waits until it is known that no valve opened in it.
+    /// Newest average, in seconds since the start and MPa. It is used only once the next one shows that no valve
+    /// opened.
     pub waiting: (f32, f32),
-    /// The one before it, if there is any, MPa.
+    /// The average before it, MPa; valid if there is a block.
     before_mpa: f32,
     full: [(u16, i16); BLOCKS - 1],
-    /// The means of the last block: seconds, and ln of the pressure over the first.
+    /// Means of the last block: seconds, and ln(pressure / first pressure).
     last: (f32, f32),
     blocks: u8,
     in_last: u16,
@@ -55,7 +56,7 @@ impl Stretch {
         }
     }
 
-    /// Takes the next average in.
+    /// Adds the next average.
     pub(super) fn follow(&mut self, seconds: f64, mpa: f64) {
         let (waited_s, waited_mpa) = std::mem::replace(&mut self.waiting, (seconds as f32, mpa as f32));
         self.before_mpa = waited_mpa;
@@ -69,7 +70,7 @@ impl Stretch {
         self.last = (nearer(self.last.0, waited_s.into()), nearer(self.last.1, log));
     }
 
-    /// A new block, after the last.
+    /// Begins a new block.
     fn begin(&mut self) {
         if usize::from(self.blocks) == BLOCKS {
             self.merge();
@@ -79,7 +80,7 @@ impl Stretch {
         (self.last, self.in_last, self.blocks) = ((0.0, 0.0), 0, self.blocks + 1);
     }
 
-    /// Two blocks become one.
+    /// Merges pairs of blocks.
     fn merge(&mut self) {
         let mut means = [(0.0, 0.0); BLOCKS];
         for (kept, (_, x, y)) in means.iter_mut().zip(self.means()) {
@@ -92,7 +93,7 @@ impl Stretch {
         (self.blocks, self.in_each) = ((BLOCKS / 2) as u8, self.in_each.saturating_mul(TWO));
     }
 
-    /// The blocks, each with its averages, its time in seconds and the logarithm of its pressure.
+    /// The blocks: number of averages, time in seconds, ln(pressure / first pressure).
     fn means(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
         let count = f64::from(self.in_each.get());
         let full = self.full.iter().take(usize::from(self.blocks).saturating_sub(1));
@@ -101,27 +102,27 @@ impl Stretch {
         full.chain((self.blocks > 0).then_some(last))
     }
 
-    /// The slope of the logarithm of the pressure, per second.
+    /// Slope of the logarithm of the pressure, per second.
     pub(super) fn slope(&self) -> Option<Slope> {
         Slope::through(|| self.means(), self.blocks.into())
     }
 
-    /// The newest average but one, MPa.
+    /// Last average but one, MPa.
     pub(super) fn before_mpa(&self) -> Option<f32> {
         (self.blocks > 0).then_some(self.before_mpa)
     }
 
-    /// Whether it can take no more in.
+    /// Whether no further average fits.
     pub(super) fn is_full(&self) -> bool {
         self.in_each.get() >= AVERAGES_MAX
     }
 
-    /// How long it is, in seconds.
+    /// Length of the stretch, in seconds.
     pub(super) fn span_s(&self) -> f64 {
         f64::from(self.waiting.0)
     }
 
-    /// Writes it, its time by how far it is from another; of the blocks those that are there.
+    /// Writes the stretch with its used blocks; the time is written relative to `from`.
     pub(super) fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
         counts::write_time(self.since, from, writer)?;
         (self.mpa, self.waiting, self.blocks).serialize(writer)?;
@@ -133,7 +134,7 @@ impl Stretch {
         self.full.iter().take(usize::from(self.blocks).saturating_sub(1)).try_for_each(|block| block.serialize(writer))
     }
 
-    /// Reads it again.
+    /// Reads the output of [`Self::write`].
     pub(super) fn read<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
         let mut read = Self::new(counts::read_time(from, reader)?, 0.0, 0.0);
         (read.mpa, read.waiting, read.blocks) = BorshDeserialize::deserialize_reader(reader)?;
@@ -144,7 +145,7 @@ impl Stretch {
             let [in_last, in_each] = [counts::read(reader)?, counts::read(reader)?];
             let is_possible = in_each <= AVERAGES_MAX.into() && (1..=in_each).contains(&in_last);
             let in_each = NonZeroU16::new(in_each as u16).filter(|_| is_possible);
-            read.in_each = in_each.ok_or_else(|| counts::refused("a stretch has other readings"))?;
+            read.in_each = in_each.ok_or_else(|| counts::refused("a stretch has an impossible number of readings"))?;
             read.in_last = in_last as u16;
             (read.before_mpa, read.last) = BorshDeserialize::deserialize_reader(reader)?;
         }
@@ -155,7 +156,7 @@ impl Stretch {
     }
 }
 
-/// A full block.
+/// Stored form of a full block.
 fn rounded(seconds: f64, log: f64) -> (u16, i16) {
     ((seconds * STEPS_A_SECOND).round() as u16, (log * LOG_STEPS).round() as i16)
 }
@@ -176,7 +177,7 @@ mod tests {
             trend.add(0.5 * f64::from(k - 1), before.ln());
             let (Some(one), Some(other)) = (stretch.slope(), trend.slope()) else { continue };
             let sd = (other.squares / other.freedom.max(1.0) / other.weight).sqrt();
-            // A hundredth of what is called a leak.
+            // A hundredth of the leak threshold.
             assert!((one.per_x - other.per_x).abs() <= 0.2 * sd + 5e-6, "{k}: {one:?} {other:?}");
             assert!((one.weight / other.weight - 1.0).abs() < 1e-2, "{k}: {one:?} {other:?}");
             assert_eq!(one.freedom, other.freedom);

@@ -1,5 +1,5 @@
-//! A covariance of the filter's four states: of a symmetric matrix one half is enough, in single
-//! precision: it says how much is known, and a ten-millionth of that is nothing.
+//! Covariance of the filter's four states, stored as half of the symmetric matrix in single precision: relative
+//! errors of 1e-7 do not matter in a measure of uncertainty.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -12,26 +12,26 @@ const ENTRIES: usize = STATES * (STATES + 1) / 2;
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub(super) struct Symmetric([f32; ENTRIES]);
 
-/// Where an entry is.
+/// Index of an entry.
 const fn at(row: usize, column: usize) -> usize {
     let (row, column) = if row < column { (row, column) } else { (column, row) };
     row * (2 * STATES - row - 1) / 2 + column
 }
 
-/// Every entry once, as row and column.
+/// All entries of one half, as row and column.
 fn entries() -> impl Iterator<Item = (usize, usize)> {
     (0..STATES).flat_map(|row| (row..STATES).map(move |column| (row, column)))
 }
 
 impl Symmetric {
-    /// These on the diagonal, 0 beside it.
+    /// Diagonal matrix with these entries.
     pub(super) fn diagonal(entries: [f64; STATES]) -> Self {
         let mut one = Self::default();
         entries.into_iter().enumerate().for_each(|(state, value)| one.0[at(state, state)] = value as f32);
         one
     }
 
-    /// A variance.
+    /// Variance of one state.
     pub(super) fn variance(&self, state: usize) -> f64 {
         self.entry(state, state)
     }
@@ -50,12 +50,12 @@ impl Symmetric {
         self.0.iter().all(|entry| entry.abs() <= most) && (0..STATES).all(|state| self.0[at(state, state)] >= 0.0)
     }
 
-    /// Adds to a variance.
+    /// Adds to the variance of one state.
     pub(super) fn widen(&mut self, state: usize, variance: f64) {
         self.add(state, state, variance);
     }
 
-    /// The matrix times a column.
+    /// Product of the matrix and a column.
     pub(super) fn times(&self, column: &[f64; STATES]) -> [f64; STATES] {
         std::array::from_fn(|row| (0..STATES).map(|k| self.entry(row, k) * column[k]).sum())
     }
@@ -67,14 +67,14 @@ impl Symmetric {
         }
     }
 
-    /// Every row and every column times a factor of its own.
+    /// Multiplies each row and each column by a factor.
     pub(super) fn scale(&mut self, by: &[f64; STATES]) {
         for (row, column) in entries() {
             self.0[at(row, column)] = (self.entry(row, column) * by[row] * by[column]) as f32;
         }
     }
 
-    /// After a reading, in Joseph's form, which keeps the matrix positive whatever the gain:
+    /// The covariance after a measurement, in Joseph's form, which keeps the matrix positive for any gain:
     /// `(1 - gain row^T) P (1 - gain row^T)^T + gain gain^T noise`.
     pub(super) fn after_reading(&self, row: &[f64; STATES], gain: &[f64; STATES], noise_variance: f64) -> Self {
         let spread = self.times(row);

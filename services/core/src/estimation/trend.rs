@@ -1,22 +1,22 @@
-//! A straight line through a series of any length, in bounded memory, with an honest interval.
+//! A straight line through a series of any length, in bounded memory, with a realistic interval.
 //!
-//! Readings are averaged in at most [`BLOCKS`] blocks of equal counts; when they are full, neighbours are merged
-//! and the blocks become twice as long (batch means, as for the output of simulations). The line goes through
-//! the blocks' means. Neighbouring readings whose errors hang together (a filter's estimates, a sensor that
-//! wanders) fall into one block, so that the scatter of the blocks about the line tells the slope's true
-//! uncertainty, and the scatter of the readings does not come into it. What still hangs together from block to
-//! block widens the interval by (1 + r) / (1 - r) of the variance, r being the correlation of neighbours.
+//! Readings are averaged in at most [`BLOCKS`] blocks of equal counts. When they are full, neighbours are merged
+//! and blocks become twice as long (batch means, as for the output of simulations). The line is fitted to the means
+//! of the blocks. Neighbouring readings with correlated errors (a filter's estimates, a wandering sensor) fall into
+//! one block, so the scatter of the blocks about the line shows the slope's true uncertainty, which the scatter of
+//! the readings does not. The remaining correlation r of neighbouring blocks widens the variance by (1 + r) / (1 -
+//! r).
 
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// The most blocks that are kept.
+/// Largest number of blocks.
 pub const BLOCKS: usize = 16;
-/// A correlation of neighbouring blocks beyond this is not believed: too few blocks to tell.
+/// Upper limit of the estimated correlation of neighbouring blocks; few blocks cannot prove a larger one.
 const CORRELATION_MAX: f64 = 0.8;
 
-/// The series' blocks: means over so many readings each, the last one over as many as there are by now.
+/// The blocks of a series: means over equal numbers of readings; the last block may be incomplete.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
     x: [f32; BLOCKS],
@@ -27,15 +27,15 @@ pub struct Trend {
     readings_per_block_max: u32,
 }
 
-/// A fitted line's slope with what it rests on.
+/// Slope of a fitted line with its statistics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope {
     /// Change of y per unit of x.
     pub per_x: f64,
     /// Sum over readings of the squared distance from the mean of x: the slope's weight.
     pub weight: f64,
-    /// Sum over blocks of readings times squared residual, widened for their correlation; over its degrees of
-    /// freedom and the weight it is the slope's variance.
+    /// Sum over blocks of readings times squared residual, widened for correlation. Divided by `freedom` and
+    /// `weight` it is the slope's variance.
     pub squares: f64,
     /// Degrees of freedom of `squares`.
     pub freedom: f64,
@@ -44,16 +44,16 @@ pub struct Slope {
 /// A quantity with a 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Interval {
-    /// Estimate.
+    /// The estimated value.
     pub mean: f64,
-    /// Lower bound.
+    /// Lower end of the interval.
     pub low: f64,
-    /// Upper bound.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
 impl Trend {
-    /// An empty series, of which at least the last `BLOCKS / 2 * readings_per_block_max` readings count.
+    /// Empty series. At least the last `BLOCKS / 2 * readings_per_block_max` readings count.
     #[must_use]
     pub fn new(readings_per_block_max: u32) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl Trend {
         }
     }
 
-    /// Takes one reading in; x must not fall.
+    /// Adds one reading; x must not decrease.
     pub fn add(&mut self, x: f64, y: f64) {
         if self.blocks == 0 || self.readings_in_last >= self.readings_per_block {
             if usize::from(self.blocks) == BLOCKS {
@@ -82,7 +82,7 @@ impl Trend {
         (self.x[last], self.y[last]) = (nearer(self.x[last], x), nearer(self.y[last], y));
     }
 
-    /// Longer blocks, or if they may not grow the oldest goes.
+    /// Merges pairs of blocks, or drops the oldest block if blocks have their maximum length.
     fn make_room(&mut self) {
         if self.readings_per_block >= self.readings_per_block_max {
             self.x.copy_within(1.., 0);
@@ -100,14 +100,14 @@ impl Trend {
         self.readings_in_last = self.readings_per_block;
     }
 
-    /// Readings that count.
+    /// Number of readings in the blocks.
     #[must_use]
     pub fn readings(&self) -> u32 {
         let full = u32::from(self.blocks.saturating_sub(1));
         self.readings_per_block.saturating_mul(full).saturating_add(self.readings_in_last)
     }
 
-    /// The blocks, each with its readings.
+    /// The blocks: number of readings, means of x and y.
     fn means(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
         let last = usize::from(self.blocks).saturating_sub(1);
         let readings = move |at| f64::from(if at == last { self.readings_in_last } else { self.readings_per_block });
@@ -115,14 +115,14 @@ impl Trend {
         blocks.map(move |(at, (x, y))| (readings(at), f64::from(*x), f64::from(*y)))
     }
 
-    /// The line's slope; none with fewer than two blocks.
+    /// Slope of the line; `None` with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {
         Slope::through(|| self.means(), usize::from(self.blocks))
     }
 }
 
-/// Only the blocks that are there.
+/// Only the used blocks are written.
 impl BorshSerialize for Trend {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         (self.blocks, self.readings_in_last, self.readings_per_block, self.readings_per_block_max).serialize(writer)?;
@@ -146,15 +146,15 @@ impl BorshDeserialize for Trend {
     }
 }
 
-/// The correlation of neighbours among that many blocks, between 0 and [`CORRELATION_MAX`]: about a fitted line it comes
-/// out too low by (2 + 4 r) / n.
+/// Corrected correlation of neighbouring blocks, between 0 and [`CORRELATION_MAX`]: about a fitted line the raw
+/// value is too low by (2 + 4 r) / n.
 fn unbiased(correlation: f64, blocks: f64) -> f64 {
     let unbiased = if blocks > 6.0 { (blocks * correlation + 2.0) / (blocks - 4.0) } else { correlation };
     unbiased.clamp(0.0, CORRELATION_MAX)
 }
 
 impl Slope {
-    /// Of the line through so many blocks, each with its readings and the means of x and y over them.
+    /// Fits a line through `blocks` blocks, each given by its number of readings and the means of x and y.
     pub(super) fn through<B: Iterator<Item = (f64, f64, f64)>>(means: impl Fn() -> B, blocks: usize) -> Option<Self> {
         let sums = means().fold((0.0, 0.0, 0.0), |(n, x, y), one| (n + one.0, x + one.0 * one.1, y + one.0 * one.2));
         let (mean_x, mean_y) = (sums.1 / sums.0, sums.2 / sums.0);
@@ -178,7 +178,7 @@ impl Slope {
         Some(Self { per_x, weight, squares, freedom: blocks - 2.0 })
     }
 
-    /// The slope with its 95 % interval; none without a degree of freedom.
+    /// Slope with its 95 % interval; `None` without a degree of freedom.
     #[must_use]
     pub fn interval(&self) -> Option<Interval> {
         Interval::of(self.per_x, self.squares / self.freedom / self.weight, self.freedom)
@@ -186,8 +186,8 @@ impl Slope {
 }
 
 impl Interval {
-    /// The 95 % interval of a mean whose variance was estimated with that many degrees of freedom (Student's t);
-    /// none with less than one.
+    /// The 95 % interval of a mean whose variance was estimated with `freedom` degrees of freedom (Student's t).
+    /// `None` with less than one.
     #[must_use]
     pub fn of(mean: f64, variance: f64, freedom: f64) -> Option<Self> {
         if freedom < 1.0 || !variance.is_finite() {
@@ -198,10 +198,10 @@ impl Interval {
     }
 }
 
-/// From so many degrees of freedom on a series is exact enough.
+/// From this many degrees of freedom on the series expansion is accurate enough.
 const MANY: f64 = 8.0;
 
-/// The 97.5 % quantile of Student's t: it is asked for with every few readings of every pressure.
+/// The 97.5 % quantile of Student's t; it is evaluated every few pressure readings.
 fn student_t975(freedom: f64) -> Option<f64> {
     if freedom < MANY {
         return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));

@@ -1,36 +1,36 @@
-//! What pressure does to the chamber's rubber: the fits of Fig. 6C and 6D.
+//! Effect of pressure on the chamber's rubber: the fits of Fig. 6C and 6D.
 
 use super::geometry::Geometry;
 use super::model::ModelError;
 
-/// How stiff the chamber's wall is and how far it stretches, as functions of the pressure.
+/// Stiffness and elongation of the chamber's wall as functions of the pressure.
 ///
-/// `k2(Q) = c + a exp(-b Q)` is the modulus of region 2 relative to the rubber's, `E2 = k2 E`
-/// (Fig. 6C). `delta_l(Q) = G Q / (k2(Q) E)` is the chamber's elongation (Fig. 6D).
+/// `k2(Q) = c + a exp(-b Q)` is the modulus of region 2 relative to the rubber's, `E2 = k2 E` (Fig. 6C).
+/// `delta_l(Q) = G Q / (k2(Q) E)` is the chamber's elongation (Fig. 6D).
 ///
-/// A sensitivity depends on these alone; `youngs_modulus_mpa` itself cancels out of it but for the
+/// A sensitivity depends on these two functions alone; `youngs_modulus_mpa` cancels out of it except in the
 /// elongation. Checked by [`super::Model::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// k2 that high pressures tend to; above 0.
+    /// Limit of k2 at high pressure; above 0.
     pub c: f64,
-    /// By how much k2 at zero pressure exceeds `c`; not below 0 (the rubber softens under pressure).
+    /// Excess of k2 at zero pressure over `c`; at least 0 (the rubber softens under pressure).
     pub a: f64,
     /// Rate of softening per MPa; above 0.
     pub b_per_mpa: f64,
     /// E: Young's modulus of the rubber in MPa; above 0.
     pub youngs_modulus_mpa: f64,
-    /// G: elongation of the chamber in mm for Q = `E2`; not below 0.
-    /// By eq. 24 it follows from the shape: [`Geometry::elongation_gain_mm`].
+    /// G: elongation of the chamber in mm for Q = `E2`; at least 0. By eq. 24 it follows from the shape:
+    /// [`Geometry::elongation_gain_mm`].
     pub elongation_gain_mm: f64,
 }
 
 impl Calibration {
-    /// The calibration that gives the paper's two published setpoints exactly.
+    /// The calibration that reproduces the paper's two published setpoints exactly.
     ///
-    /// The fits themselves are only drawn in the paper. These numbers make eq. 34 answer k2 = 1.5033
-    /// at 0.048 MPa and 0.7365 at 0.192 MPa, with the elongation of eq. 24; E then agrees with Gent's
-    /// relation for a rubber of Shore 30A (1.14 MPa). A real whisker brings its own, measured one.
+    /// The paper shows the fits only as curves. With these numbers, eq. 34 gives k2 = 1.5033 at 0.048 MPa and
+    /// 0.7365 at 0.192 MPa, with the elongation of eq. 24; E then agrees with Gent's relation for a rubber of Shore
+    /// 30A (1.14 MPa). A real whisker needs its own, measured calibration.
     #[must_use]
     pub fn nguyen_2021() -> Self {
         Self {

@@ -1,36 +1,36 @@
-//! How a whisker's response would change if its calibration were a little other: what a whisker's own
-//! calibration is learned from, and what the interval of a prediction comes from.
+//! Sensitivity of a whisker's response to its calibration. A whisker's own calibration is learned with it, and the
+//! interval of a prediction follows from it.
 //!
-//! Over the ten per cent that rubbers differ, ln s is nearly linear in the parameters: the change with the
-//! pressure of any such whisker is told to about 1 % of the sensitivity, and a response that was measured at one
-//! pressure anchors the others.
+//! Within the ten per cent by which rubbers differ, ln s is nearly linear in the parameters: the linear model
+//! predicts the change with pressure of any such whisker to about 1 % of the sensitivity. A response measured at
+//! one pressure fixes the level.
 
 use super::calibration::Calibration;
 use super::model::{Formulation, Model};
 use super::profile::CONTACT_RATIOS;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
-/// What may be other: k2's c, a and b, the elongation gain G, and the formulation.
+/// Number of parameters that may differ: k2's c, a and b, the elongation gain G, and the formulation.
 pub const FAMILY: usize = 5;
-/// Index of the formulation: 0 is the model's own, 1 the other one.
+/// Index of the formulation parameter: 0 is the model's own formulation, 1 the other one.
 pub const OTHER_FORMULATION: usize = 4;
-/// One step of a calibration's parameter, relative: the standard deviation of an error that is uniform within
+/// Relative size of one step of a calibration parameter: the standard deviation of an error that is uniform within
 /// 10 %.
 pub const FAMILY_STEP: f64 = 0.057_735;
 
-/// A model's relatives: each one step away in one parameter.
+/// Variants of a model, each one step away in one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Family {
     relatives: [Model; FAMILY],
 }
 
-/// Changes of ln s, one row per contact ratio of [`CONTACT_RATIOS`], one column per relative.
+/// Changes of ln s: one row for each of [`CONTACT_RATIOS`], one column for each variant.
 ///
-/// 0 where the contact would lie on the chamber: nothing is known of it there.
+/// 0 where the contact would lie on the chamber, where the model is invalid.
 pub type LogChanges = [[f64; FAMILY]; CONTACT_RATIOS.len()];
 
 impl Model {
-    /// The relatives of this model.
+    /// The variants of this model.
     #[must_use]
     pub fn family(&self) -> Family {
         let own = *self.calibration();
@@ -51,7 +51,7 @@ impl Model {
         }
     }
 
-    /// ln s at [`CONTACT_RATIOS`]; none where the contact would lie on the chamber.
+    /// ln s at [`CONTACT_RATIOS`]; `None` where the contact would lie on the chamber.
     #[must_use]
     pub fn log_sensitivities(&self, length: Millimetre, pressure: Megapascal) -> [Option<f64>; CONTACT_RATIOS.len()] {
         let morphology = self.morphology(pressure);
@@ -60,7 +60,7 @@ impl Model {
 }
 
 impl Family {
-    /// By how much ln s of each relative differs from the model's.
+    /// Differences between ln s of each variant and of `model`.
     #[must_use]
     pub fn log_changes(&self, model: &Model, length: Millimetre, pressure: Megapascal) -> LogChanges {
         let own = model.log_sensitivities(length, pressure);
@@ -73,7 +73,7 @@ impl Family {
         })
     }
 
-    /// [`Self::log_changes`] at the tip alone, of a whisker not cut into its chamber.
+    /// [`Self::log_changes`] at the tip only, for a whisker that is not cut into its chamber.
     #[must_use]
     pub fn log_changes_at_tip(&self, model: &Model, length: Millimetre, pressure: Megapascal) -> [f64; FAMILY] {
         let log = |one: &Model| {
@@ -93,7 +93,8 @@ mod tests {
     use super::super::Geometry;
     use super::*;
 
-    /// A plant that is off in everything: its change with the pressure is told to 1.5 % of its sensitivity.
+    /// For a plant with errors in all parameters, the change with pressure is predicted to 1.5 % of the
+    /// sensitivity.
     #[test]
     fn property_the_change_with_the_pressure_is_nearly_linear_over_ten_per_cent() {
         let model = Model::nguyen_2021(Formulation::Published);

@@ -1,15 +1,15 @@
-//! A whisker's own calibration from readings under pressure alone: eq. 32 and 33, then least squares.
+//! Fits a whisker's own calibration to readings under pressure without contact: eq. 32 and 33, then least squares.
 //!
-//! Each axial strain gives one modulus by eq. 33, hence one k2 = E2 / E. Readings carry a roughly
-//! constant *relative* error (of the gauge factor, of the amplifier), so the logarithms are fitted, all
-//! with one weight: `ln k2 = ln(c + a exp(-b Q))`. In the plain numbers the soft, high-pressure end,
-//! where setpoints are most delicate, would hardly count. The elongation gain is the mean logarithm of
-//! `delta_l k2(Q) E / Q` over the rows that have an elongation, with the fitted k2.
+//! Each axial strain gives one modulus by eq. 33, hence one k2 = E2 / E. Readings have a roughly constant
+//! *relative* error (of the gauge factor and the amplifier), so the logarithms are fitted with equal weights:
+//! `ln k2 = ln(c + a exp(-b Q))`. On a linear scale the soft, high-pressure end, where setpoints are most sensitive to
+//! errors, would hardly count. The elongation gain is the mean logarithm of `delta_l k2(Q) E / Q` over the rows
+//! that have an elongation, with the fitted k2.
 //!
-//! E must be given: an axial strain fixes only the product E k2. A wrong E scales `c` and `a` inversely,
-//! which changes how the chamber compares with the cap and the body.
+//! E must be given: an axial strain determines only the product E k2. A wrong E scales `c` and `a` inversely, which
+//! changes the stiffness of the chamber relative to the cap and the body.
 //!
-//! The parameters are positive by meaning, and are found as logarithms: intervals are asymmetric.
+//! The parameters are positive and are fitted as logarithms, so their intervals are asymmetric.
 
 mod curve;
 mod readings;
@@ -24,28 +24,28 @@ use super::geometry::Geometry;
 use super::model::{Formulation, Model, ModelError};
 use crate::units::{Megapascal, Millimetre, Strain};
 
-/// Rows with a strain above zero pressure that a fit needs: one more than parameters.
+/// Least number of strains above zero pressure: one more than parameters.
 const STRAINS_MIN: usize = 4;
-/// Distinct pressures that three parameters need.
+/// Least number of distinct pressures for three parameters.
 const PRESSURES_MIN: usize = 3;
-/// A parameter known to no better than this, in its logarithm, is not known: a factor of 150.
+/// Largest standard error of a parameter's logarithm that still counts as determined: a factor of 150.
 const LOG_ERROR_MAX: f64 = 5.0;
 
 /// One reading of a whisker under pressure, without contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationRow {
-    /// Q. Rows at zero pressure say nothing and are passed over.
+    /// Q: gauge pressure. Rows at zero pressure carry no information and are skipped.
     pub pressure: Megapascal,
-    /// The gauge's strain due to the pressure; above 0.
+    /// Strain of the gauge due to the pressure; above 0.
     pub axial_strain: Option<Strain>,
-    /// `delta_l(l)`, measured at the tip; above 0.
+    /// `delta_l(l)`: elongation measured at the tip; above 0.
     pub elongation: Option<Millimetre>,
 }
 
 /// A fitted number with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
-    /// Best estimate.
+    /// Least-squares estimate.
     pub value: f64,
     /// Standard error, to first order.
     pub standard_error: f64,
@@ -71,7 +71,7 @@ impl Parameter {
     }
 }
 
-/// What one row says, and how far from the fit: differences of logarithms, 0.01 is 1 %.
+/// Result of one row and its residuals: differences of logarithms, 0.01 is 1 %.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowResidual {
     /// k2 of this row by eq. 33, if it has a strain.
@@ -82,22 +82,23 @@ pub struct RowResidual {
     pub elongation_residual: Option<f64>,
 }
 
-/// A calibration with what is known about it.
+/// A fitted calibration with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// Ready for a model. Without elongations in the rows its gain is the geometry's, by eq. 24.
+    /// The calibration for a model. Without elongations in the rows, its elongation gain is the geometry's, by eq.
+    /// 24.
     pub calibration: Calibration,
-    /// k2 that high pressures tend to.
+    /// Limit of k2 at high pressure.
     pub c: Parameter,
     /// Excess of k2 at zero pressure.
     pub a: Parameter,
     /// Rate of softening per MPa.
     pub b_per_mpa: Parameter,
-    /// Elongation gain in mm, if elongations were measured. The uncertainty of k2 is not in it.
+    /// Elongation gain in mm, if elongations were measured. Its interval excludes the uncertainty of k2.
     pub elongation_gain_mm: Option<Parameter>,
-    /// One per row, in the rows' order.
+    /// One residual for each row, in the order of the rows.
     pub residuals: Vec<RowResidual>,
-    /// Standard deviation of ln k2 about the fit: the relative error of one strain reading.
+    /// Standard deviation of ln k2 about the fit: the relative error of a strain reading.
     pub residual_sd: f64,
     /// Standard deviation of ln `delta_l` about the fit.
     pub elongation_residual_sd: Option<f64>,
@@ -118,60 +119,60 @@ impl Fit {
     }
 }
 
-/// Why readings make no calibration.
+/// Why readings do not determine a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// Not one reading under pressure.
+    /// No row has a pressure above zero.
     #[error("no row has a pressure above zero")]
     NothingAboveZeroPressure,
-    /// Too few strains.
+    /// Too few strains above zero pressure.
     #[error("{given} rows with a strain above zero pressure: at least {STRAINS_MIN} are needed")]
     TooFewStrains {
-        /// How many there are.
+        /// Number of such strains.
         given: usize,
     },
-    /// Too few pressures.
+    /// Strains at too few distinct pressures.
     #[error("strains at {given} distinct pressures: at least {PRESSURES_MIN} are needed")]
     TooFewPressures {
-        /// How many there are.
+        /// Number of distinct pressures.
         given: usize,
     },
-    /// One elongation has no spread.
+    /// A single elongation, which gives no estimate of its scatter.
     #[error("one elongation only: none or at least two are needed")]
     OneElongation,
-    /// A chamber under pressure stretches.
+    /// A strain under pressure is not positive; a chamber under pressure stretches.
     #[error("row {row}: under pressure the axial strain must be above 0, not {value}")]
     StrainNotPositive {
-        /// Which row, counted from 1.
+        /// Number of the row, counted from 1.
         row: usize,
-        /// What it says.
+        /// The strain in that row, m/m.
         value: f64,
     },
-    /// A chamber under pressure stretches.
+    /// An elongation under pressure is not positive; a chamber under pressure stretches.
     #[error("row {row}: under pressure the elongation must be above 0 mm, not {value_mm}")]
     ElongationNotPositive {
-        /// Which row, counted from 1.
+        /// Number of the row, counted from 1.
         row: usize,
-        /// What it says, in mm.
+        /// The elongation in that row, mm.
         value_mm: f64,
     },
-    /// The readings do not fall toward a limit.
-    #[error("the strains do not determine {parameter}: k2 must be seen falling from low to high pressure, and bending")]
+    /// The strains do not show k2 falling toward a limit.
+    #[error("the strains do not determine {parameter}: add readings at more pressures from low to high")]
     NotDetermined {
-        /// Which one.
+        /// Name of the parameter that is not determined.
         parameter: &'static str,
     },
-    /// The shape, the modulus or the result makes no model.
+    /// The geometry, the modulus or the result is invalid for a model.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
 /// Fits a calibration to readings under pressure, without contact.
 ///
-/// `youngs_modulus_mpa` is E of the rubber; see the module's description for why it must be given.
+/// `youngs_modulus_mpa` is E of the rubber; the module's documentation explains why it must be given.
 ///
 /// # Errors
-/// The readings do not determine a calibration: the failing condition by name.
+/// The readings do not determine a calibration; the error names the failed condition.
 pub fn fit_calibration(geometry: &Geometry, youngs_modulus_mpa: f64, rows: &[CalibrationRow]) -> Result<Fit, FitError> {
     geometry.check()?;
     if !(youngs_modulus_mpa.is_finite() && youngs_modulus_mpa > 0.0) {
@@ -210,7 +211,7 @@ pub fn fit_calibration(geometry: &Geometry, youngs_modulus_mpa: f64, rows: &[Cal
     })
 }
 
-/// The curve with its scatter and uncertainty.
+/// The fitted curve with its scatter and uncertainty.
 struct FittedCurve {
     curve: Curve,
     covariance: Matrix3<f64>,

@@ -3,12 +3,12 @@
 use super::model::ModelError;
 use super::taper;
 
-/// Sizes of a whisker before pressurization (Table 1, Fig. 3A), all in mm.
+/// Dimensions of a whisker before pressurization (Table 1, Fig. 3A), in mm.
 ///
-/// The body is three truncated cones on one axis x, from the base (x = 0): the cap (region 1, up to
-/// `c_mm`), the chamber (region 2, up to `l_mm`) and the solid body (region 3). Every cone is given by
-/// its diameter at its large end and by the length after which, continued, it would end in a point.
-/// The paper's capital and small letters become `_large` and `_small`; a bar becomes `_mid` (mid-wall).
+/// The body consists of three truncated cones on one axis x, from the base (x = 0): the cap (region 1, up to
+/// `c_mm`), the chamber (region 2, up to `l_mm`) and the solid body (region 3). Each cone is given by the diameter
+/// of its large end and by the length of the full cone to its apex. The paper's capital and small letters become
+/// `_large` and `_small`; a bar becomes `_mid` (mid-wall).
 ///
 /// Checked by [`super::Model::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,10 +31,10 @@ pub struct Geometry {
     pub d2_mid_small_mm: f64,
     /// Length of the mid-wall cone from x = c to its point (L2 with a bar).
     pub l2_mid_mm: f64,
-    /// Dm: inner diameter of the chamber. Table 1 counts it, and `lm_mm`, from x = 0; eq. 23 and 24
-    /// use it from x = c, and so do we there, because they are built on that reading.
+    /// Dm: inner diameter of the chamber. Table 1 measures it, and `lm_mm`, from x = 0; eq. 23 and 24 use it from x
+    /// = c. This code uses it from x = c there too, because those equations assume that.
     pub dm_large_mm: f64,
-    /// dm: inner diameter of the chamber at x = l, where the air pushes (eq. 22).
+    /// dm: inner diameter of the chamber at x = l, where the air pressure acts (eq. 22).
     pub dm_small_mm: f64,
     /// Lm: length of the chamber's inner cone to its point.
     pub lm_mm: f64,
@@ -46,7 +46,7 @@ pub struct Geometry {
     pub l_mm: f64,
     /// e: length of the strain gauge's measuring grid.
     pub e_mm: f64,
-    /// `x_ss`: where the gauge's grid starts.
+    /// `x_ss`: start of the gauge's grid.
     pub xss_mm: f64,
     /// Poisson's ratio of the rubber, above 0 and at most 0.5.
     pub poisson_ratio: f64,
@@ -95,13 +95,13 @@ impl Geometry {
         self.elongation_gain_between_mm(self.xss_mm, self.xss_mm + self.e_mm) / self.e_mm
     }
 
-    /// Where the body's cone would end in a point: no whisker is longer.
+    /// Position of the apex of the body's cone, in mm: upper limit of a whisker's length.
     #[must_use]
     pub fn cone_end_mm(&self) -> f64 {
         self.l_mm + self.l3_mm
     }
 
-    /// Every condition that the formulas need; the first that fails is named.
+    /// Checks all conditions of the formulas; the error names the first that fails.
     pub(super) fn check(&self) -> Result<(), ModelError> {
         for (name, value) in self.named_sizes() {
             if !(value.is_finite() && value > 0.0) {
@@ -117,7 +117,7 @@ impl Geometry {
             ("the chamber's inner cone Lm must be longer than the chamber, l - c", self.lm_mm > self.chamber_mm()),
             ("the gauge must start on the chamber: x_ss beyond the cap c", self.xss_mm >= self.c_mm),
             ("the gauge must end on the chamber: x_ss + e not beyond l", self.xss_mm + self.e_mm <= self.l_mm),
-            ("the chamber's wall must have an inside: D2 above Dm at both ends", self.wall_is_solid()),
+            ("the chamber's wall must have a positive thickness: D2 above Dm at both ends", self.wall_is_solid()),
             (
                 "the mid-wall diameter must fall along the chamber: D2 (bar) above d2 (bar)",
                 self.d2_mid_large_mm > self.d2_mid_small_mm,
@@ -144,7 +144,7 @@ impl Geometry {
         self.d2_large_mm > self.dm_large_mm && outer_at_end_mm > inner_at_end_mm
     }
 
-    /// Table 2 rebuilds the mid-wall sizes from the wall; at zero pressure it must give Table 1's.
+    /// Table 2 computes the mid-wall sizes from the wall thickness; at zero pressure it must reproduce Table 1.
     fn mid_wall_agrees(&self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.abs();
         let fall_mm = self.d2_mid_large_mm - self.d2_mid_small_mm;

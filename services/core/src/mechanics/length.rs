@@ -1,18 +1,18 @@
-//! From a sensitivity back to the length, and which lengths the model holds for.
+//! Length from sensitivity, and the lengths for which the model is valid.
 
 use super::model::Model;
 use super::morphology::Morphology;
 use super::root;
 use crate::units::{ContactRatio, Millimetre};
 
-/// The cone's last hundredth is no whisker: its tip would be thinner than a hundredth of D3.
+/// Usable share of the body's cone: beyond it the tip would be thinner than a hundredth of D3.
 const USABLE_SHARE_OF_CONE: f64 = 0.99;
-/// How far beyond a limit a length must lie: a millionth of a millimetre.
+/// Least distance of a length from a limit, in mm.
 const BEYOND_MM: f64 = 1e-6;
-/// To what a length is solved.
+/// Tolerance of a solved length, in mm.
 const LENGTH_TOLERANCE_MM: f64 = 1e-10;
 
-/// What remains of the whisker does not reach beyond its chamber: the air is out, the model invalid.
+/// The remaining whisker does not reach beyond its chamber: the air escapes and the model is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("a whisker of {length_mm} mm is cut into its chamber, which ends at {chamber_end_mm} mm")]
 pub struct CutIntoChamber {
@@ -22,17 +22,17 @@ pub struct CutIntoChamber {
     pub chamber_end_mm: f64,
 }
 
-/// Why no length explains a sensitivity.
+/// Why no length gives a sensitivity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LengthError {
-    /// Not a number above zero.
+    /// The sensitivity is not a positive number.
     #[error("a sensitivity must be above 0 per mm, not {per_mm}")]
     NotPositive {
-        /// What was given, in 1/mm.
+        /// The given sensitivity, in 1/mm.
         per_mm: f64,
     },
-    /// More sensitive than the shortest whisker with a contact beyond its chamber.
-    #[error("more sensitive than any whisker that is felt beyond its chamber: the nearest is {} mm", nearest.mm())]
+    /// More sensitive than the shortest whisker that has this contact ratio beyond its chamber.
+    #[error("more sensitive than any whisker with a contact beyond its chamber: the shortest is {} mm", nearest.mm())]
     ShorterThanChamber {
         /// The shortest length of the model.
         nearest: Millimetre,
@@ -43,8 +43,8 @@ pub enum LengthError {
         /// The longest length of the model.
         nearest: Millimetre,
     },
-    /// At this contact ratio even the longest whisker is touched on its chamber.
-    #[error("at this contact ratio even the longest whisker, {} mm, is touched on its chamber", nearest.mm())]
+    /// At this contact ratio the contact lies on the chamber even of the longest whisker.
+    #[error("at this contact ratio the contact lies on the chamber even of the longest whisker, {} mm", nearest.mm())]
     RatioOnChamber {
         /// The longest length of the model.
         nearest: Millimetre,
@@ -52,7 +52,7 @@ pub enum LengthError {
 }
 
 impl LengthError {
-    /// The length whose sensitivity comes nearest; none where nothing was measured.
+    /// Length with the nearest sensitivity; `None` if the sensitivity is not positive.
     #[must_use]
     pub fn nearest(&self) -> Option<Millimetre> {
         match self {
@@ -65,10 +65,10 @@ impl LengthError {
 }
 
 impl Model {
-    /// Refuses a whisker cut into its chamber: its remaining length must lie beyond l.
+    /// Checks that the whisker is not cut into its chamber: its remaining length must exceed l.
     ///
     /// # Errors
-    /// It does not.
+    /// The whisker is cut into its chamber.
     pub fn check_length(&self, length: Millimetre) -> Result<(), CutIntoChamber> {
         let chamber_end_mm = self.geometry().l_mm;
         if length.mm() > chamber_end_mm {
@@ -78,20 +78,20 @@ impl Model {
         }
     }
 
-    /// The longest whisker that the model answers for: 0.99 of its cone (and at most 1000 mm). Toward
-    /// the cone's point the sensitivity of the tip would fall to zero.
+    /// Longest whisker for which the model is valid: 0.99 of its cone, at most 1000 mm. Toward the apex the
+    /// sensitivity of the tip would fall to zero.
     #[must_use]
     pub fn longest(&self) -> Millimetre {
         Millimetre::known(self.longest_mm().min(1000.0))
     }
 
-    /// The length La whose sensitivity at a contact ratio is the given one: the inverse of
-    /// [`Model::sensitivity_per_mm`], to 1e-10 mm.
+    /// Length La with the given sensitivity at a contact ratio, to 1e-10 mm: the inverse of
+    /// [`Model::sensitivity_per_mm`].
     ///
-    /// The sensitivity falls with the contact distance, so there is at most one.
+    /// The sensitivity falls with the contact distance, so there is at most one solution.
     ///
     /// # Errors
-    /// No length of the model has this sensitivity; [`LengthError::nearest`] is the one that comes nearest.
+    /// No length of the model has this sensitivity; [`LengthError::nearest`] has the nearest one.
     pub fn length_from_sensitivity(
         &self,
         sensitivity_per_mm: f64,
@@ -107,7 +107,7 @@ impl Model {
         if shortest_mm >= longest.mm() {
             return Err(LengthError::RatioOnChamber { nearest: longest });
         }
-        // In logarithms the curve is nearly straight: few steps.
+        // In logarithms the curve is nearly straight, so that few steps suffice.
         let excess = |length_mm: f64| {
             let contact_mm = ratio.a() * (length_mm + morphology.elongation_mm);
             (self.sensitivity_at_per_mm(contact_mm, morphology) / sensitivity_per_mm).ln()

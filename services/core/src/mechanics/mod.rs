@@ -1,22 +1,22 @@
-//! The paper's equations, from a whisker's shape to the pressure that makes one feel like another.
+//! The paper's equations, from a whisker's shape to the pressure that gives it the sensitivity of another whisker.
 //!
-//! Equation and table numbers are those of "Mechanics and Morphological Compensation Strategy for
-//! Trimmed Soft Whisker Sensor" (Nguyen and Ho). Lengths are in mm, pressures in MPa, strains in m/m.
+//! Equation and table numbers are those of "Mechanics and Morphological Compensation Strategy for Trimmed Soft
+//! Whisker Sensor" (Nguyen and Ho). Lengths are in mm, pressures in MPa, strains in m/m.
 //!
-//! Read in this order: [`Geometry`] and [`Calibration`] (what a whisker is), [`Model`] (both, checked
-//! once), [`Morphology`] (the chamber under pressure, Table 2), [`Response`] (what a deflection does to
-//! the gauge, eq. 10-17 and 26-31), the two inverses, [`Model::length_from_sensitivity`] and
-//! [`solve_setpoint`] (eq. 34), and [`fit_calibration`] (eq. 32-33).
+//! Read in this order: [`Geometry`] and [`Calibration`] (parameters of a whisker), [`Model`] (both, checked once),
+//! [`Morphology`] (the chamber under pressure, Table 2), [`Response`] (strain caused by a deflection, eq. 10-17 and
+//! 26-31), the two inverses [`Model::length_from_sensitivity`] and [`solve_setpoint`] (eq. 34), and
+//! [`fit_calibration`] (eq. 32-33).
 //!
-//! Where the paper misprints, the item concerned says how it is read. In short: the strain is the mean
-//! over the gauge grid (eq. 15-17 and 29-31 forget to divide by its length e); eq. 3 means `L3`; the
-//! inner diameter in Table 2 is the one at x = c; and a factor of eq. 27, 29 and 31 is printed without
-//! its superscript, which is a real choice: see [`Formulation`].
+//! Where the paper has a misprint, the documentation of the item states the correction. In short: the strain is the
+//! mean over the gauge grid (eq. 15-17 and 29-31 omit the division by its length e); eq. 3 means `L3`; the inner
+//! diameter in Table 2 is the one at x = c; and a factor of eq. 27, 29 and 31 is printed without its superscript,
+//! which leaves two readings: see [`Formulation`].
 //!
-//! A contact at the distance A from the base meets a response that depends on A alone, not on how much
-//! whisker lies beyond it. So a trimmed whisker differs from an intact one at the same contact *ratio*
-//! a, not at the same distance: this is why sensitivities are compared at equal a, and why a drift of
-//! the sensitivity at a known a measures the length.
+//! The response to a contact at distance A from the base depends on A alone, not on the length of whisker beyond
+//! it. So a trimmed whisker differs from an intact one at the same contact *ratio* a, not at the same distance.
+//! Therefore sensitivities are compared at equal a, and a drift of the sensitivity at a known a measures the
+//! length.
 
 mod calibration;
 mod family;

@@ -1,24 +1,24 @@
-//! A whisker's shape and calibration, checked once, with what can be computed once.
+//! Model of a whisker: its shape and calibration, checked once, with precomputed constants.
 
 use super::calibration::Calibration;
 use super::geometry::Geometry;
 use super::taper::{self, Quadratic};
 use crate::units::{Megapascal, Millimetre};
 
-/// How to read a factor of eq. 27, 29 and 31 that is printed without its superscript q.
+/// Reading of a factor of eq. 27, 29 and 31 that is printed without its superscript q.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
-    /// The cube of the mid-wall cone's length as printed: at zero pressure. Gives both published
-    /// setpoints exactly.
+    /// The cube of the mid-wall cone's length at zero pressure, as printed. Reproduces both published setpoints
+    /// exactly.
     #[default]
     Published,
-    /// Under pressure, which is what putting Table 2 into eq. 11 and 15 gives.
+    /// The cube under pressure, which follows from inserting Table 2 into eq. 11 and 15.
     Consistent,
 }
 
 /// The model of one whisker: shape, calibration and formulation.
 ///
-/// Two whiskers with the same three share a model; length and pressure are arguments.
+/// Whiskers with the same three share a model; length and pressure are arguments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     geometry: Geometry,
@@ -34,47 +34,47 @@ pub struct Model {
     pub(super) cap: Quadratic,
 }
 
-/// Why a shape and a calibration make no model; the message names the condition that fails.
+/// Why a shape and a calibration are invalid; the message names the failed condition.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ModelError {
-    /// A size or parameter must be above zero and finite.
+    /// A size or parameter is not finite or not above zero.
     #[error("{name} must be a number above 0, not {value}")]
     NotPositive {
-        /// Its name in the paper.
+        /// Name of the size or parameter in the paper.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
-    /// A parameter must not be below zero, and finite.
+    /// A parameter is not finite or below zero.
     #[error("{name} must be a number not below 0, not {value}")]
     Negative {
-        /// Its name in the paper.
+        /// Name of the parameter in the paper.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// Two sizes contradict each other.
     #[error("{0}")]
     Geometry(&'static str),
-    /// At the highest examined pressure, 0.2 MPa, next to nothing would be left of the wall (Table 2's `t^q`).
+    /// At 0.2 MPa, the highest examined pressure, almost nothing of the wall would remain (Table 2's `t^q`).
     #[error(
         "at 0.2 MPa the chamber would stretch by {elongation_mm} mm and lose its wall: the elongation gain G is too large"
     )]
     WallVanishes {
-        /// The elongation there, in mm.
+        /// The elongation at 0.2 MPa, in mm.
         elongation_mm: f64,
     },
 }
 
-/// Eq. 20 takes the wall's thickness as the mean of that at x = 2.5 mm and at x = l. For other
-/// whiskers, 0.5 mm beyond the cap.
+/// Eq. 20 takes the wall's thickness as the mean of those at x = 2.5 mm and at x = l. For whiskers of other
+/// dimensions, the first position is this far beyond the cap, in mm.
 const NEAR_CAP_MM: f64 = 0.5;
 
 impl Model {
-    /// Checks a shape and a calibration, once.
+    /// Checks a shape and a calibration.
     ///
     /// # Errors
-    /// The first condition that fails, by name.
+    /// The first failed condition, by name.
     pub fn new(geometry: Geometry, calibration: Calibration, formulation: Formulation) -> Result<Self, ModelError> {
         geometry.check()?;
         calibration.check()?;
@@ -93,7 +93,7 @@ impl Model {
         Self::precompute(Geometry::nguyen_2021(), Calibration::nguyen_2021(), formulation)
     }
 
-    /// The same shape with another calibration near its own: what was computed once follows from the shape.
+    /// The same shape with a similar calibration: the precomputed constants depend on the shape only.
     pub(super) fn relative(&self, calibration: Calibration, formulation: Formulation) -> Self {
         Self { calibration, formulation, ..self.clone() }
     }
@@ -112,19 +112,19 @@ impl Model {
         }
     }
 
-    /// The whisker's shape.
+    /// Shape of the whisker.
     #[must_use]
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// The whisker's calibration.
+    /// Calibration of the whisker.
     #[must_use]
     pub fn calibration(&self) -> &Calibration {
         &self.calibration
     }
 
-    /// How the misprinted factor is read.
+    /// Reading of the misprinted factor.
     #[must_use]
     pub fn formulation(&self) -> Formulation {
         self.formulation
@@ -136,8 +136,8 @@ impl Model {
         self.calibration.k2(pressure.mpa())
     }
 
-    /// `delta_l(l)`: by how much the chamber, and with it the whisker, is longer under pressure
-    /// (eq. 24 at x = l; Fig. 6D). At most 1000 mm, the limit of the unit.
+    /// `delta_l(l)`: elongation of the chamber, and thereby of the whisker, under pressure (eq. 24 at x = l; Fig.
+    /// 6D). At most 1000 mm, the limit of the unit.
     #[must_use]
     pub fn elongation(&self, pressure: Megapascal) -> Millimetre {
         let elongation_mm = self.calibration.elongation_mm(pressure.mpa(), self.k2(pressure));

@@ -1,4 +1,4 @@
-//! Table 2: the whisker's sizes under pressure.
+//! Table 2: dimensions of the whisker under pressure.
 
 use super::model::{Formulation, Model};
 use super::taper::{self, Quadratic};
@@ -6,20 +6,20 @@ use crate::units::{Megapascal, Millimetre};
 
 /// The chamber of one model at one pressure (Table 2, eq. 18-25), lengths in mm.
 ///
-/// Only for use with the model that made it. Regions 1 and 3 keep their shape.
+/// Valid only with the model that computed it. Regions 1 and 3 keep their shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Morphology {
     /// Q: the gauge pressure.
     pub pressure: Megapascal,
     /// k2(Q): modulus of the chamber's wall relative to the rubber's.
     pub k2: f64,
-    /// `delta_l(l)`: the chamber's elongation, and the whisker's.
+    /// `delta_l(l)`: elongation of the chamber, and thereby of the whisker.
     pub elongation_mm: f64,
     /// `t^q`: thickness of the wall (eq. 18-20).
     pub wall_mm: f64,
-    /// Mid-wall diameter at x = c: inner diameter there + `t^q`. The inner diameter is the one of
-    /// zero pressure, mid-wall less t; Table 2's `Dm` (12 mm) belongs to x = 0, and would not give
-    /// Table 1's sizes back at zero pressure.
+    /// Mid-wall diameter at x = c: inner diameter there + `t^q`. The inner diameter is that at zero pressure,
+    /// mid-wall diameter minus t. Table 2's `Dm` (12 mm) belongs to x = 0 and would not reproduce Table 1 at zero
+    /// pressure.
     pub d2_mid_large_mm: f64,
     /// Mid-wall diameter at the chamber's end: `dm + t^q`.
     pub d2_mid_small_mm: f64,
@@ -38,11 +38,10 @@ pub struct Morphology {
 }
 
 impl Model {
-    /// The chamber's sizes under a pressure (Table 2).
+    /// Dimensions of the chamber under a pressure (Table 2).
     ///
-    /// Examined by the paper up to 0.2 MPa, where [`Model::new`] checks that a wall is left; beyond
-    /// it the numbers extrapolate, and the wall keeps at least a hundredth of its thickness, so that
-    /// every answer stays finite.
+    /// The paper examined up to 0.2 MPa, where [`Model::new`] checks that a wall remains. Beyond that the numbers
+    /// are extrapolated, and the wall keeps at least a hundredth of its thickness, so that all results stay finite.
     #[must_use]
     pub fn morphology(&self, pressure: Megapascal) -> Morphology {
         let k2 = self.k2(pressure);
@@ -50,7 +49,7 @@ impl Model {
         self.stretched(pressure, k2, elongation_mm)
     }
 
-    /// The sizes of Table 1, with one modulus for the whole whisker: what eq. 10-17 assume.
+    /// Dimensions of Table 1 with one modulus for the whole whisker, as eq. 10-17 assume.
     pub(super) fn unpressurized(&self) -> Morphology {
         self.stretched(Megapascal::ZERO, 1.0, 0.0)
     }
@@ -97,7 +96,7 @@ impl Model {
     }
 }
 
-/// Eq. 27's factor is twice that of eq. 31.
+/// The factor of eq. 27 is twice that of eq. 31.
 fn scaled(q: Quadratic, factor: f64) -> Quadratic {
     Quadratic { pole_mm: q.pole_mm, s0: factor * q.s0, s1: factor * q.s1, s2: factor * q.s2 }
 }

@@ -1,4 +1,4 @@
-//! How good a compensation is, by contact ratio: eq. 35 and what is left to correct.
+//! Quality of a compensation by contact ratio: eq. 35 and the remaining gain.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -9,36 +9,36 @@ use crate::units::{ContactRatio, Millimetre};
 /// The paper's contact ratios, a = 0.45 to 1 in steps of 0.05.
 pub const CONTACT_RATIOS: [f64; 12] = [0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0];
 
-/// One number per contact ratio of [`CONTACT_RATIOS`]; none where the contact would lie on the chamber.
+/// One number for each of [`CONTACT_RATIOS`]; `None` where the contact would lie on the chamber.
 pub type ByRatio = [Option<f64>; CONTACT_RATIOS.len()];
 
-/// How a real whisker differs from its model, as a straight line over the contact ratio a:
+/// Deviation of a real whisker from its model, as a straight line over the contact ratio a:
 /// `ln s_real = ln s_model + level + slope * (a - 0.725)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Offset {
-    /// Log sensitivity offset at a = [`Offset::CENTRE`].
+    /// Offset of the log sensitivity at a = [`Offset::CENTRE`].
     pub level: f64,
-    /// Its change per unit of contact ratio.
+    /// Change of the offset per unit of contact ratio.
     pub slope: f64,
 }
 
 impl Offset {
-    /// The whisker is its model.
+    /// No deviation from the model.
     pub const NONE: Self = Self { level: 0.0, slope: 0.0 };
-    /// The middle of the contact ratios, 0.45 to 1.
+    /// Centre of the contact ratios, 0.45 to 1.
     pub const CENTRE: f64 = 0.725;
 
-    /// The offset of the log sensitivity at a contact ratio.
+    /// Offset of the log sensitivity at a contact ratio.
     #[must_use]
     pub fn at(self, ratio: ContactRatio) -> f64 {
         self.level + self.slope * (ratio.a() - Self::CENTRE)
     }
 }
 
-/// Eq. 35 as a ratio (0.2 is 20 %): what a compensation leaves of the difference to the target.
+/// Eq. 35 as a ratio (0.2 is 20 %): share of the difference to the target that remains after a compensation.
 ///
-/// The three are sensitivities or strains at equal deflection, in one unit. 0 is perfect, 1 is no
-/// better than before. None where `before` equals `target`: there is nothing to compensate, and no ratio.
+/// All arguments are sensitivities, or strains at equal deflection, in one unit. 0 is perfect, 1 is no better than
+/// before. `None` if `before` equals `target`: there is nothing to compensate.
 #[must_use]
 pub fn compensation_error(after: f64, before: f64, target: f64) -> Option<f64> {
     let error = ((after - target) / (before - target)).abs();
@@ -47,32 +47,32 @@ pub fn compensation_error(after: f64, before: f64, target: f64) -> Option<f64> {
 
 /// Eq. 35 by contact ratio.
 ///
-/// A contact ratio is left out of the mean and marked in `used` where the model or eq. 35 says nothing:
-/// where the contact would lie on the chamber of one of the whiskers (short whiskers at a = 0.45), and
-/// where the sensitivity before is within 0.5 % of the target's, so that the ratio of two small
-/// differences would drown the others. There `by_ratio` repeats the nearest one used, so that every
-/// number is finite. Where nothing is used there is nothing to compensate: all are 0.
+/// Contact ratios at which the model or eq. 35 is undefined are excluded from the mean; `used` marks the others.
+/// Excluded are contacts on the chamber of one of the whiskers (short whiskers at a = 0.45), and sensitivities
+/// before the compensation within 0.5 % of the target's, because the ratio of two small differences would dominate.
+/// There `by_ratio` repeats the nearest used value, so that all numbers are finite. If no contact ratio is used,
+/// there is nothing to compensate and all values are 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorProfile {
-    /// At [`CONTACT_RATIOS`], as a ratio: 0.2 is 20 %.
+    /// Error at [`CONTACT_RATIOS`], as a ratio: 0.2 is 20 %.
     pub by_ratio: [f64; CONTACT_RATIOS.len()],
-    /// Which of them count.
+    /// Whether each contact ratio counts in the mean.
     pub used: [bool; CONTACT_RATIOS.len()],
-    /// Their mean.
+    /// Mean error of the used contact ratios, as a ratio.
     pub mean: f64,
 }
 
 impl ErrorProfile {
-    /// Below this share of the target, a difference is too small to divide by.
+    /// Least difference to divide by, as a share of the target.
     pub const LEAST_DIFFERENCE: f64 = 0.005;
 
-    /// How many contact ratios count in the mean.
+    /// Number of contact ratios in the mean.
     #[must_use]
     pub fn ratios_used(&self) -> usize {
         self.used.iter().filter(|used| **used).count()
     }
 
-    /// From sensitivities, or strains at one deflection, in one unit.
+    /// Computes the profile from sensitivities, or strains at one deflection, in one unit.
     #[must_use]
     pub fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
         let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
@@ -87,8 +87,8 @@ impl ErrorProfile {
         Self { by_ratio: fill(&errors, 0.0), used, mean }
     }
 
-    /// The mean alone, from sensitivities as ratios to the target's, over the contact ratios that are `known`: whoever
-    /// asks for hundreds of them has no use for more.
+    /// Only the mean of eq. 35, from sensitivities relative to the target's, over the contact ratios that are
+    /// `known`. Cheaper than a profile where hundreds of means are needed.
     #[must_use]
     pub fn mean_against_target(
         after: &[f64; CONTACT_RATIOS.len()],
@@ -102,23 +102,23 @@ impl ErrorProfile {
     }
 }
 
-/// Whether eq. 35 has something to divide by.
+/// Whether the difference is large enough to divide by in eq. 35.
 pub(super) fn distinct(before: f64, target: f64) -> bool {
     (before - target).abs() > ErrorProfile::LEAST_DIFFERENCE * target
 }
 
-/// What is left to correct in software: target sensitivity / compensated sensitivity by contact ratio.
+/// Remaining correction in software: target sensitivity / compensated sensitivity by contact ratio.
 ///
-/// A strain of the compensator, multiplied by this, is the strain that the target would have shown.
-/// Where a contact would lie on the chamber, the gain of the nearest ratio beyond it.
+/// The compensator's strain times this gain is the strain that the target would have shown. Where a contact would
+/// lie on the chamber, the gain is that of the nearest ratio beyond it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GainProfile {
-    /// At [`CONTACT_RATIOS`]; above 0.
+    /// Gain at [`CONTACT_RATIOS`]; above 0.
     pub by_ratio: [f64; CONTACT_RATIOS.len()],
 }
 
 impl GainProfile {
-    /// From sensitivities in one unit.
+    /// Computes the gains from sensitivities in one unit.
     #[must_use]
     pub fn new(after: &ByRatio, target: &ByRatio) -> Self {
         let gains: ByRatio = std::array::from_fn(|k| Some(target[k]? / after[k]?));
@@ -126,7 +126,7 @@ impl GainProfile {
     }
 }
 
-/// Sensitivities of a whisker at every contact ratio, offset included.
+/// Sensitivities of a whisker at [`CONTACT_RATIOS`], offset included.
 pub(super) fn sensitivities_per_mm(
     model: &Model,
     length: Millimetre,
@@ -140,7 +140,7 @@ pub(super) fn sensitivities_per_mm(
     })
 }
 
-/// Fills gaps from the nearest known number; ties go to the larger contact ratio.
+/// Fills gaps with the nearest known number; ties go to the larger contact ratio.
 fn fill(values: &ByRatio, if_none: f64) -> [f64; CONTACT_RATIOS.len()] {
     std::array::from_fn(|k| {
         let distance = |other: usize| (other.abs_diff(k), other < k);

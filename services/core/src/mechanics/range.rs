@@ -1,23 +1,23 @@
-//! How far a compensation reaches: which pressures count, and which lengths they cover.
+//! Reach of a compensation: effective pressures, and the lengths that they cover.
 
 use super::model::Model;
 use super::root;
 use super::setpoint::Target;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
-/// Grid of a search over the pressure: 5 kPa over the examined range.
+/// Number of cells in a search over the pressure: 5 kPa each over the examined range.
 pub(super) const CELLS: u32 = 40;
-/// To what the pressure of a greatest or least value is found, in MPa.
+/// Tolerance of the pressure of an extreme value, in MPa.
 pub(super) const TOLERANCE_MPA: f64 = 1e-9;
-/// A step by which a curve shows whether it still rises, in MPa.
+/// Step that shows whether a curve still rises, in MPa.
 const STEP_MPA: f64 = 1e-6;
 
-/// Where `f` is greatest between two pressures, if it rises to one peak: mostly at the upper end, where
-/// two values decide.
+/// Pressure at which `f` is greatest between two pressures, if `f` rises to one peak. The peak is mostly at the
+/// upper end, which two evaluations show.
 ///
-/// A tip's sensitivity rises with the pressure because the wall softens. It also falls, because the
-/// chamber's growing compliance takes up more of the deflection; for short whiskers (nguyen-2021: below
-/// 52 mm) this wins before 0.2 MPa is reached. Beyond the peak, more pressure is of no use.
+/// A tip's sensitivity rises with the pressure because the wall softens. It also falls, because the chamber's
+/// growing compliance absorbs more of the deflection; for short whiskers (nguyen-2021: below 52 mm) this effect
+/// prevails below 0.2 MPa. Beyond the peak, more pressure does not help.
 pub(super) fn peak_mpa(low_mpa: f64, high_mpa: f64, f: impl Fn(f64) -> f64) -> f64 {
     let near_high_mpa = high_mpa - STEP_MPA;
     if near_high_mpa <= low_mpa || f(high_mpa) >= f(near_high_mpa) {
@@ -27,11 +27,11 @@ pub(super) fn peak_mpa(low_mpa: f64, high_mpa: f64, f: impl Fn(f64) -> f64) -> f
     }
 }
 
-/// Shortest and longest compensator of a model that can stand in for a target between two pressures.
+/// Shortest and longest compensator of a model that can serve a target between two pressures.
 ///
-/// At `pressure_min` the shortest is as sensitive at the tip as the target; the longest is so at
-/// `pressure_max`, or where it is most sensitive below that. Where the model has no such length, the
-/// nearest it has (just beyond the chamber, or [`Model::longest`]).
+/// At `pressure_min` the shortest has the target's sensitivity at the tip. The longest has it at `pressure_max`, or
+/// at the pressure of its peak sensitivity below that. If the model has no such length, the nearest valid one is
+/// returned (just beyond the chamber, or [`Model::longest`]).
 #[must_use]
 pub fn compensable_range(
     model: &Model,
@@ -40,7 +40,7 @@ pub fn compensable_range(
     pressure_max: Megapascal,
 ) -> (Millimetre, Millimetre) {
     if model.check_length(target.length).is_err() {
-        // A target cut into its chamber: nothing but itself is like it.
+        // No other length can match a target that is cut into its chamber.
         return (target.length, target.length);
     }
     let wanted_per_mm = model.tip_sensitivity_per_mm(target.length, &model.morphology(target.pressure));

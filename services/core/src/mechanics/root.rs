@@ -1,11 +1,11 @@
-//! Numbers found by halving what is left, faster where the function is tame: roots and least values.
+//! Numerical roots and minima.
 
-/// The root of `f` between `low` and `high`, where it has opposite signs, to within `tolerance`.
+/// Root of `f` between `low` and `high`, where it has opposite signs, to within `tolerance`.
 ///
-/// The ITP method (Oliveira and Takahashi 2020): the secant's guess, moved toward the middle just
-/// enough that it never needs more than one step above bisection; for smooth functions a dozen steps
-/// where bisection takes forty. `f_low` and `f_high` are the known values at the ends; the sign of
-/// `f_low` decides the direction. Without a change of sign, the answer lies at one of the ends.
+/// The ITP method (Oliveira and Takahashi 2020): the secant's guess is moved toward the middle just enough to need
+/// at most one step more than bisection; for smooth functions a dozen steps where bisection takes forty. `f_low`
+/// and `f_high` are the values at the ends; the sign of `f_low` gives the direction. Without a change of sign, the
+/// result lies at one of the ends.
 pub(super) fn root(
     (mut low, f_low): (f64, f64),
     (mut high, f_high): (f64, f64),
@@ -27,7 +27,7 @@ pub(super) fn root(
         let toward = (middle - secant).signum();
         let shifted = if shift <= (middle - secant).abs() { secant + toward * shift } else { middle };
         let projected = if (shifted - middle).abs() <= slack { shifted } else { middle - toward * slack };
-        // A guess on an end would stall: step past what remains to be told apart.
+        // A guess on an end would stall, so it is moved inside by the tolerance.
         let guess = projected.clamp(low + tolerance, high - tolerance);
         let y = rising * f(guess);
         if y > 0.0 {
@@ -41,11 +41,10 @@ pub(super) fn root(
     0.5 * (low + high)
 }
 
-/// Where `f` is least between `low` and `high`, to within `tolerance`.
+/// Minimum of `f` between `low` and `high`, to within `tolerance`.
 ///
-/// A grid of `cells` finds the valley, golden section its bottom: no derivative is needed, and a kink
-/// at the bottom does no harm. Finds the least value if `f` has one valley within the two cells next to
-/// the least grid point.
+/// A grid of `cells` finds the valley, golden section its bottom; this needs no derivative and tolerates a kink.
+/// Finds the minimum if `f` has one valley within the two cells next to the least grid point.
 pub(super) fn least(low: f64, high: f64, cells: u32, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
     let step = (high - low) / f64::from(cells);
     let grid = |k: u32| {

@@ -1,11 +1,11 @@
-//! What a deflection at the contact does to the gauge: eq. 10-17 (normal) and 26-31 (under pressure).
+//! Strain of the gauge caused by a deflection at the contact: eq. 10-17 (normal mode) and 26-31 (under pressure).
 
 use super::model::Model;
 use super::morphology::Morphology;
 use super::taper;
 use crate::units::{ContactRatio, Millimetre};
 
-/// What a deflection of 1 mm at one contact does, with the equations' intermediate results.
+/// Response to a deflection of 1 mm at one contact, with the intermediate results of the equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// A: distance of the contact from the base under pressure, `a * La^q`, in mm.
@@ -24,24 +24,24 @@ pub struct Response {
     pub strain_per_mm: f64,
 }
 
-/// The contact would lie on the chamber: the formulas hold only beyond it (region 3).
+/// The contact would lie on the chamber: the formulas are valid only beyond it (region 3).
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the contact at {contact_mm} mm lies on the chamber, which ends at {chamber_end_mm} mm")]
 pub struct ContactOnChamber {
-    /// Where the contact would be, in mm from the base.
+    /// Position of the contact, in mm from the base.
     pub contact_mm: f64,
-    /// `l^q`: where the chamber ends, in mm from the base.
+    /// `l^q`: end of the chamber, in mm from the base.
     pub chamber_end_mm: f64,
 }
 
 impl Model {
-    /// The response to a contact at a distance from the base, at zero pressure (eq. 10-17).
+    /// Response to a contact at a distance from the base, at zero pressure (eq. 10-17).
     ///
-    /// Here the whole whisker has one modulus, k2 = 1. The calibrated k2(0) is larger, so
-    /// [`Model::response`] at zero pressure is another number: they are the paper's two modes.
+    /// Here the whole whisker has one modulus, k2 = 1. The calibrated k2(0) is larger, so [`Model::response`] at
+    /// zero pressure differs: they are the paper's two modes.
     ///
-    /// Valid beyond the chamber (above l) and before the cone's point. A contact nearer than l counts
-    /// as one at l, where the body adds no compliance; for the far end see [`Model::longest`].
+    /// Valid beyond the chamber (above l) and before the apex of the cone. A contact nearer than l is moved to l,
+    /// where the body adds no compliance; for the far end see [`Model::longest`].
     #[must_use]
     pub fn normal_mode(&self, contact_distance: Millimetre) -> Response {
         let morphology = self.unpressurized();
@@ -50,10 +50,10 @@ impl Model {
         self.response_at(contact_mm, &morphology)
     }
 
-    /// The response to a contact at a ratio of a whisker's length under pressure (eq. 26-31).
+    /// Response to a contact at a ratio of a whisker's length under pressure (eq. 26-31).
     ///
-    /// `length` is the one at zero pressure, La; the contact lies at `a * (La + delta_l)`. A contact
-    /// farther out than [`Model::longest`] allows counts as one there.
+    /// `length` is La at zero pressure; the contact lies at `a * (La + delta_l)`. A contact farther out than
+    /// [`Model::longest`] allows is moved there.
     ///
     /// # Errors
     /// The contact would lie on the chamber.
@@ -81,10 +81,10 @@ impl Model {
         Ok(self.sensitivity_at_per_mm(contact_mm, morphology))
     }
 
-    /// Sensitivity in 1/mm and its slope d ln s / d ln A with the contact distance A = a * La^q.
+    /// Sensitivity in 1/mm and its slope d ln s / d ln A over the contact distance A = a * La^q.
     ///
-    /// The slope is negative: nearer contacts are felt more. With `La^q = La + delta_l` the slope with
-    /// the length is `d ln s / d La = slope / La^q`, whatever the ratio.
+    /// The slope is negative: nearer contacts cause more strain. With `La^q = La + delta_l` the slope over the
+    /// length is `d ln s / d La = slope / La^q`, for any ratio.
     ///
     /// # Errors
     /// The contact would lie on the chamber.
@@ -109,7 +109,7 @@ impl Model {
         self.response_at(contact_mm, morphology).strain_per_mm
     }
 
-    /// Sensitivity at the tip of a whisker not cut into its chamber: there the contact lies beyond it.
+    /// Sensitivity at the tip of a whisker that is not cut into its chamber, so the contact lies beyond it.
     pub(super) fn tip_sensitivity_per_mm(&self, length: Millimetre, morphology: &Morphology) -> f64 {
         let tip_mm = length.mm().min(self.longest_mm()) + morphology.elongation_mm;
         self.sensitivity_at_per_mm(tip_mm, morphology)
@@ -126,7 +126,7 @@ impl Model {
         Response { contact_mm, delta1_per_mm, delta2_per_mm, delta3_per_mm, kappa, f, strain_per_mm }
     }
 
-    /// `A = a * La^q`, if it lies beyond the chamber.
+    /// `A = a * La^q` in mm, if it lies beyond the chamber.
     fn contact_on_body_mm(
         &self,
         ratio: ContactRatio,
@@ -142,7 +142,7 @@ impl Model {
         }
     }
 
-    /// The tip of the longest whisker, under pressure.
+    /// Position of the longest whisker's tip under pressure, in mm.
     fn farthest_contact_mm(&self, morphology: &Morphology) -> f64 {
         self.longest_mm() + morphology.elongation_mm
     }

@@ -1,4 +1,4 @@
-//! The pressure that makes one whisker feel like another: eq. 34, and how far that goes.
+//! Solves for the pressure that gives one whisker the sensitivity of another (eq. 34), and predicts the error.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -8,70 +8,70 @@ use super::profile::{self, ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, O
 use super::{range, root};
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
-/// To what a pressure is solved, in MPa.
+/// Tolerance of a solved pressure, in MPa.
 const PRESSURE_TOLERANCE_MPA: f64 = 1e-12;
-/// Log sensitivities this near are equal: at the ends of the range, rounding decides nothing.
+/// Log sensitivities this close count as equal, so that rounding at the ends of the range decides nothing.
 const EQUAL_LOG: f64 = 1e-12;
-/// Grid of the search for the least mean error.
+/// Number of grid cells in the search for the least mean error.
 const MEAN_CELLS: u32 = 16;
-/// To what its pressure is found, in MPa.
+/// Tolerance of the pressure of the least mean error, in MPa.
 const MEAN_TOLERANCE_MPA: f64 = 1e-7;
 
-/// What a setpoint is solved for.
+/// Quantity that a setpoint is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum Objective {
     /// Equal sensitivity at the tip, a = 1: the paper's eq. 34.
     #[default]
     Tip,
-    /// Least mean of eq. 35 over [`CONTACT_RATIOS`]. Better in the model that chose it, but it trusts
-    /// the model more.
+    /// Least mean of eq. 35 over [`CONTACT_RATIOS`]. Better by the model's prediction, but more dependent on the
+    /// model.
     Mean,
 }
 
-/// What the compensator shall feel like.
+/// The whisker whose sensitivity the compensator shall have.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Target {
-    /// La at zero pressure.
+    /// La: length at zero pressure.
     pub length: Millimetre,
-    /// Its pressure.
+    /// Pressure of the target.
     pub pressure: Megapascal,
 }
 
-/// The compensator as it is.
+/// The compensator before the compensation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensator {
-    /// La at zero pressure.
+    /// La: length at zero pressure.
     pub length: Millimetre,
-    /// Its pressure before the compensation: the `before` of eq. 35.
+    /// Pressure before the compensation: the `before` of eq. 35.
     pub pressure: Megapascal,
-    /// The lowest pressure that it may get.
+    /// Lowest permitted pressure.
     pub pressure_min: Megapascal,
-    /// The highest pressure that it may get; below `pressure_min` it counts as that.
+    /// Highest permitted pressure; raised to `pressure_min` if it is below.
     pub pressure_max: Megapascal,
 }
 
-/// A pressure with what it promises.
+/// A pressure with its predicted results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setpoint {
     /// The pressure to apply.
     pub pressure: Megapascal,
-    /// k2 at that pressure: the paper reports it beside the pressure.
+    /// k2 at that pressure; the paper reports both.
     pub k2: f64,
-    /// Predicted eq. 35.
+    /// Predicted error by eq. 35.
     pub error: ErrorProfile,
     /// Predicted residual gain.
     pub gain: GainProfile,
 }
 
-/// Whether the objective can be met within the pressure range. Out of range is an answer, not a failure.
+/// Whether the objective can be met within the pressure range. A result out of range is not a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Solution {
-    /// It can.
+    /// The objective is met.
     InRange(Setpoint),
-    /// Only below `pressure_min`, where the setpoint is clamped: the compensator stays too sensitive.
+    /// Needs less than `pressure_min`, to which the setpoint is clamped: the compensator stays too sensitive.
     NeedsBelow(Setpoint),
-    /// Only above `pressure_max`, where the setpoint is clamped (or at the peak of the tip's
-    /// sensitivity): the compensator stays too insensitive.
+    /// Needs more than `pressure_max`, to which the setpoint is clamped (or to the peak of the tip's sensitivity):
+    /// the compensator stays too insensitive.
     NeedsAbove(Setpoint),
 }
 
@@ -87,16 +87,16 @@ impl Solution {
 
 /// Solves for the compensator's pressure.
 ///
-/// [`Objective::Tip`] finds Q with `ln s_c(1, La_c, Q) + o_c(1) = ln s_t(1, La_t, Q_t) + o_t(1)`;
-/// without offsets, that is eq. 34 at a = 1 and a deflection of 1 mm. The sensitivity rises with the
-/// pressure, so there is at most one root; it is solved to 1e-12 MPa. (A short whisker's tip has a peak
-/// within the range, for nguyen-2021 below 52 mm: then the pressures up to the peak count.)
+/// [`Objective::Tip`] finds Q with `ln s_c(1, La_c, Q) + o_c(1) = ln s_t(1, La_t, Q_t) + o_t(1)`; without offsets,
+/// that is eq. 34 at a = 1 and a deflection of 1 mm. The sensitivity rises with the pressure, so there is at most
+/// one root; it is solved to 1e-12 MPa. (The tip of a short whisker, for nguyen-2021 below 52 mm, has a peak within
+/// the range: then only the pressures up to the peak are searched.)
 ///
-/// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of a sixteenth of the range, then by golden
-/// section to 1e-7 MPa, a ten-thousandth of what regulators tell apart: every term falls to its own zero and rises again, and so, but for small ripples
-/// between those zeros, does the mean. Contact ratios that the highest pressure would put on the chamber
-/// are left out. A least value at an end of the range is out of range. Where no contact ratio has
-/// anything to compensate, the tip decides.
+/// [`Objective::Mean`] minimises the mean of eq. 35 on a grid of sixteenths of the range, then by golden section to
+/// 1e-7 MPa, a ten-thousandth of a regulator's resolution. Each term falls to its zero and rises again; so does the
+/// mean, except for small ripples between the zeros. Contact ratios that lie on the chamber at the highest pressure
+/// are excluded. A minimum at an end of the range counts as out of range. If there is nothing to compensate at any
+/// contact ratio, the tip decides.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
@@ -117,12 +117,13 @@ pub fn solve_setpoint(
     )
 }
 
-/// How a real whisker differs from its model: ln s less the model's.
+/// Deviation of a real whisker from its model: ln s minus the model's.
 pub trait Deviation {
-    /// At a pressure and [`CONTACT_RATIOS`].
+    /// Deviation at a pressure, for [`CONTACT_RATIOS`].
     fn at(&self, pressure: Megapascal) -> [f64; CONTACT_RATIOS.len()];
 
-    /// At a pressure and the tip alone, the last of [`CONTACT_RATIOS`]: a root is looked for there at many pressures.
+    /// Deviation at a pressure, at the tip only (the last of [`CONTACT_RATIOS`]). The root search needs it at many
+    /// pressures.
     fn at_tip(&self, pressure: Megapascal) -> f64 {
         self.at(pressure)[TIP]
     }
@@ -134,7 +135,7 @@ impl<F: Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()]> Deviation for F {
     }
 }
 
-/// [`solve_setpoint`] for whiskers whose difference from the model changes with the pressure.
+/// [`solve_setpoint`] for whiskers whose deviation from the model depends on the pressure.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
@@ -166,9 +167,9 @@ pub fn solve_setpoint_as_felt(
     })
 }
 
-/// The pressure with the least mean of eq. 35, against responses before and of the target that were measured.
+/// Pressure with the least mean of eq. 35, against measured responses before the compensation and of the target.
 ///
-/// None where the compensator is cut into its chamber, or nothing is known at the tip.
+/// `None` if the compensator is cut into its chamber, or if the target's response at the tip is unknown.
 #[must_use]
 pub fn least_error(
     model: &Model,
@@ -185,7 +186,7 @@ pub fn least_error(
 /// Index of the tip, a = 1, in [`CONTACT_RATIOS`].
 const TIP: usize = CONTACT_RATIOS.len() - 1;
 
-/// Both whiskers, with everything that does not depend on the pressure sought.
+/// The problem: both whiskers, with all values that do not depend on the pressure sought.
 struct Question<'a> {
     model: &'a Model,
     compensator: Compensator,
@@ -269,7 +270,7 @@ impl Question<'_> {
     }
 }
 
-/// ln s(1, La, Q), of a whisker not cut into its chamber.
+/// ln s(1, La, Q) of a whisker that is not cut into its chamber.
 fn log_at_tip(model: &Model, length: Millimetre, pressure: Megapascal) -> f64 {
     model.tip_sensitivity_per_mm(length, &model.morphology(pressure)).ln()
 }

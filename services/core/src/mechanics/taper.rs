@@ -1,14 +1,14 @@
-//! Closed forms of the integrals over tapered sections; each is checked against quadrature by tests.
+//! Closed forms of the integrals over tapered sections; tests compare each with quadrature.
 
 use super::geometry::Geometry;
 
-/// Eq. 24 from c to `x_mm` without Q / E2: how much the chamber up to there stretches, in mm.
+/// Eq. 24 from c to `x_mm` without the factor Q / E2: elongation of the chamber up to `x_mm`, in mm.
 ///
-/// `d_m^2 L2^2 Lm^2 * integral of dx / (D2^2 Lm^2 (L2 - x + c)^2 - Dm^2 L2^2 (Lm - x + c)^2)`.
-/// The denominator is a difference of squares, (p - q)(p + q), linear in X = x - c in each factor:
-/// `(alpha - beta X)(gamma - eta X)`. Partial fractions give a logarithm of
-/// `1 + X (eta alpha - beta gamma) / ((gamma - eta X) alpha)`; written as `ln(1 + z) / z` it holds for
-/// equal tapers (`beta` = 0, the paper's whisker) and in the limit of equal cones (z = 0) alike.
+/// `d_m^2 L2^2 Lm^2 * integral of dx / (D2^2 Lm^2 (L2 - x + c)^2 - Dm^2 L2^2 (Lm - x + c)^2)`. The denominator is a
+/// difference of squares, (p - q)(p + q), with both factors linear in X = x - c: `(alpha - beta X)(gamma - eta X)`.
+/// Partial fractions give a logarithm of `1 + X (eta alpha - beta gamma) / ((gamma - eta X) alpha)`. Written as
+/// `ln(1 + z) / z` it also holds for equal tapers (`beta` = 0, the paper's whisker) and in the limit of equal cones
+/// (z = 0).
 pub(super) fn axial_compliance_mm(g: &Geometry, x_mm: f64) -> f64 {
     let along_mm = x_mm - g.c_mm;
     let outer = g.d2_large_mm * g.lm_mm;
@@ -27,11 +27,11 @@ fn ln_1p_over(z: f64) -> f64 {
     if z == 0.0 { 1.0 } else { z.ln_1p() / z }
 }
 
-/// A polynomial of second degree in the contact distance A: value and slope.
+/// Polynomial of second degree in the contact distance A: value and slope.
 ///
-/// A bending moment is linear in A, so an energy's derivative is quadratic in it, and what a cone
-/// contributes is three numbers. They are kept about `pole_mm`, where the cone would end in a point:
-/// with w = pole - A the polynomial is `s0 - s1 w + s2 w^2`.
+/// A bending moment is linear in A, so the derivative of an energy is quadratic in A, and each cone contributes
+/// three numbers. The expansion is about `pole_mm`, the apex of the cone: with w = pole - A the polynomial is
+/// `s0 - s1 w + s2 w^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Quadratic {
     pub(super) pole_mm: f64,
@@ -94,8 +94,8 @@ pub(super) fn gauge_kappa(
     }
 }
 
-/// Eq. 12 and 28: `64 L3 / (3 D3^4) * y^3 / (L3 - y)` and its slope, y = A - l being how far the
-/// contact lies beyond the chamber, less than L3: it grows without bound toward the cone's point.
+/// Eq. 12 and 28: `64 L3 / (3 D3^4) * y^3 / (L3 - y)` and its slope, where y = A - l is the distance of the contact
+/// beyond the chamber. y is less than L3; the value grows without bound toward the apex of the cone.
 pub(super) fn body_delta3(g: &Geometry, beyond_mm: f64) -> (f64, f64) {
     let left_mm = g.l3_mm - beyond_mm;
     let scale = 64.0 * g.l3_mm / (3.0 * g.d3_large_mm.powi(4));

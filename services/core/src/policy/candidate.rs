@@ -1,4 +1,4 @@
-//! One candidate: can this whisker compensate for that one, at which pressure, with what error?
+//! One candidate: can this whisker compensate for the target, at which pressure, and with what error?
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -9,10 +9,10 @@ use crate::mechanics::{
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
-/// The paper's cases.
+/// The paper's cases of compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
 pub enum Case {
-    /// Case 1, special: the trimmed whisker compensates for itself by a lower pressure.
+    /// Case 1, special: the trimmed whisker compensates for itself at a lower pressure.
     SelfCompensation,
     /// Case 1: a shorter neighbour compensates for a longer whisker.
     ShorterForLonger,
@@ -20,44 +20,44 @@ pub enum Case {
     LongerForShorter,
 }
 
-/// Whether case 2 is used: the paper measured 36.2 % for it against 20.4 % for case 1.
+/// Whether case 2 is used. The paper measured an error of 36.2 % for it, against 20.4 % for case 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LongerForShorter {
-    /// Never.
+    /// Case 2 is never used.
     Never,
     /// Only for a whisker that case 1 cannot serve.
     #[default]
     LastResort,
-    /// Like case 1, by predicted error alone.
+    /// Treated like case 1: only the predicted error counts.
     Allowed,
 }
 
-/// Who says that a compensation begins.
+/// Who starts a compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// The decision: it begins at once.
+    /// The supervisor: each decision takes effect at once.
     #[default]
     Automatic,
-    /// An operator: a decision proposes, and nothing is sent before it is approved. What was approved is refined
-    /// without asking again, and is not given up for a better assignment: only what breaks it ends it.
+    /// An operator: a decision is a proposal, and no setpoint is sent before its approval. An approved compensation
+    /// is refined without another approval. A better assignment does not end it; only a broken precondition does.
     Advise,
 }
 
-/// The policy's parameters.
+/// Parameters of the policy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PolicyParams {
-    /// Who says that a compensation begins. What was proposed stays proposed when this becomes automatic.
+    /// Who starts a compensation. Open proposals stay proposals when this becomes automatic.
     pub mode: Mode,
-    /// What the setpoint is solved for.
+    /// Quantity that the setpoint solver matches.
     pub objective: Objective,
-    /// When a longer whisker may stand in for a shorter one.
+    /// When a longer whisker may compensate for a shorter one.
     pub longer_for_shorter: LongerForShorter,
-    /// Highest mean predicted error (Eq. 35) that a candidate may have, as a ratio.
+    /// Highest mean predicted error (Eq. 35) of an acceptable candidate, as a ratio.
     pub predicted_error_max: f64,
-    /// What it costs that a neighbour gives up its own role, in units of mean error: the whisker itself is
-    /// preferred unless a neighbour is better by more than this.
+    /// Cost of a neighbour that gives up its own role, in units of mean error: the whisker itself is preferred
+    /// unless a neighbour is better by more than this.
     pub own_role_cost: f64,
-    /// An assignment in force is changed only for a gain above this, in units of mean error.
+    /// Smallest gain that changes an assignment in force, in units of mean error.
     pub change_margin: f64,
 }
 
@@ -74,26 +74,26 @@ impl Default for PolicyParams {
     }
 }
 
-/// Why a whisker cannot be asked at all, whatever the mechanics say.
+/// Why a whisker cannot be a candidate at all, whatever the mechanics say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Ineligible {
-    /// Its offset and noise are not learned yet.
+    /// Its offset and noise have not been learned yet.
     Learning,
     /// A change is suspected.
     Suspected,
-    /// It is trimmed itself.
+    /// It is trimmed.
     Trimmed,
-    /// It erodes.
+    /// It is eroding.
     Eroding,
     /// It has lost sensitivity.
     SensitivityLoss,
-    /// Nothing was heard of it for too long, or its robot is offline.
+    /// It has sent nothing for too long, or its robot is offline.
     Stale,
     /// Its gauge is faulty.
     GaugeFault,
-    /// Its chamber leaks or its regulator fails.
+    /// Its chamber leaks or its regulator is faulty.
     Leaking,
-    /// Its last setpoint failed for good.
+    /// Its last setpoint failed permanently.
     SetpointFailed,
     /// An operator holds it.
     Held,
@@ -102,54 +102,54 @@ pub enum Ineligible {
 /// Why a candidate was not chosen.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub enum Refused {
-    /// It could not be asked.
+    /// The whisker was not eligible.
     Ineligible(Ineligible),
     /// The policy forbids a longer whisker for a shorter one.
     CaseNotAllowed,
-    /// Eq. 34 has no root: even no pressure is too much.
+    /// Eq. 34 has no root: even zero pressure is too high.
     NeedsBelowRange,
-    /// Eq. 34 has no root: the highest pressure is too little.
+    /// Eq. 34 has no root: the highest pressure is too low.
     NeedsAboveRange,
-    /// The predicted error is over the limit.
+    /// The predicted error exceeds the limit.
     ErrorAboveLimit,
-    /// Cut into the chamber: the model is invalid.
+    /// The cut reaches the chamber, where the model is invalid.
     CutIntoChamber,
     /// Another candidate costs less, or this one serves better elsewhere in the array.
     CostsMore,
-    /// An operator has refused it for this target.
+    /// An operator has rejected it for this target.
     Operator,
 }
 
-/// A whisker as the policy sees it, fit to be asked.
+/// An eligible candidate as the policy sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Fitness<'a> {
-    /// Its model.
+    /// Model of the whisker.
     pub model: &'a Model,
-    /// Present length.
+    /// Present length by the estimate.
     pub length: Millimetre,
-    /// Present pressure.
+    /// Present pressure of the whisker.
     pub pressure: Megapascal,
-    /// The highest pressure that its factsheet allows.
+    /// Highest pressure that the factsheet allows.
     pub pressure_max: Megapascal,
-    /// Its offset from the model at the present pressure.
+    /// Offset from the model at the present pressure.
     pub offset: Offset,
-    /// Its own calibration: how its offset changes with the pressure. All zero: not at all.
+    /// The whisker's own calibration: change of its offset with pressure. All zero if none is known.
     pub own: Weights,
 }
 
-/// What a candidate offers.
+/// Result for one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proposal {
-    /// Which of the paper's cases it is.
+    /// The paper's case that applies.
     pub case: Case,
-    /// The setpoint with its predicted error; the clamped one where Eq. 34 has no root in range.
-    /// None where the model does not hold.
+    /// The setpoint with its predicted error, clamped to the range where Eq. 34 has no root. `None` where the model
+    /// is invalid.
     pub setpoint: Option<Setpoint>,
-    /// Why it cannot be taken, if it cannot.
+    /// Reason for the refusal, if it is refused.
     pub refused: Option<Refused>,
 }
 
-/// Asks the mechanics what `compensator` can do for `target`.
+/// Solves for the setpoint of `compensator` that serves `target`.
 ///
 /// `is_self`: the trimmed whisker itself, which may only lower its pressure.
 #[must_use]
@@ -191,11 +191,11 @@ pub fn propose(
     }
 }
 
-/// The compensator's offset, with its change from the present pressure by its own calibration.
+/// The compensator's offset, changed from the present pressure by its own calibration.
 struct AsFelt<'a> {
     one: &'a Fitness<'a>,
     offset: [f64; CONTACT_RATIOS.len()],
-    /// None where it is not known to have a calibration of its own.
+    /// `None` if no calibration of its own is known.
     own: Option<(Family, LogChanges)>,
 }
 
@@ -244,7 +244,7 @@ fn refusal(params: &PolicyParams, case: Case, solution: &Solution) -> Option<Ref
 }
 
 impl Proposal {
-    /// The predicted mean error, if it can be taken.
+    /// The predicted mean error, if the candidate is acceptable.
     #[must_use]
     pub fn predicted_error(&self) -> Option<f64> {
         self.setpoint.filter(|_| self.refused.is_none()).map(|setpoint| setpoint.error.mean)
@@ -252,14 +252,14 @@ impl Proposal {
 }
 
 impl PolicyParams {
-    /// What choosing a compensator costs in an assignment: its predicted error, that it gives up its own
-    /// role, and that something changes.
+    /// Cost of a compensator in an assignment: its predicted error, plus the loss of its own role, plus the margin
+    /// for a change.
     #[must_use]
     pub fn cost(&self, case: Case, predicted_error: f64, in_force: bool) -> f64 {
         let role = match (case, self.longer_for_shorter) {
             (Case::SelfCompensation, _) => 0.0,
             (Case::ShorterForLonger, _) | (Case::LongerForShorter, LongerForShorter::Allowed) => self.own_role_cost,
-            // Any case 1, however bad, comes first.
+            // Any candidate of case 1, however bad, comes first.
             (Case::LongerForShorter, LongerForShorter::LastResort | LongerForShorter::Never) => {
                 self.own_role_cost + 10.0
             }

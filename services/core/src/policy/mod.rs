@@ -1,7 +1,7 @@
-//! Who compensates for whom.
+//! Chooses compensators for broken whiskers.
 //!
-//! Knows whiskers as lengths, pressures and offsets, not as MQTT or SQL. [`candidate`] asks of one whisker
-//! whether and how well it can compensate, [`assignment`] picks the best set for an array.
+//! Knows lengths, pressures and offsets, not MQTT or SQL. [`candidate`] evaluates one whisker as a compensator;
+//! [`assignment`] picks the best set for an array.
 
 pub mod assignment;
 pub mod candidate;

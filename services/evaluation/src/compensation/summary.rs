@@ -1,39 +1,39 @@
-//! Means over trials.
+//! Means over the trials of a case.
 
 use super::{Case, Outcome, Served};
 
 /// Means over the trials of one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
-    /// Which.
+    /// Experiment of the trials.
     pub case: Case,
-    /// Trials that were served.
+    /// Number of trials in which the target was served.
     pub served: usize,
-    /// Trials that nobody served: the cut was not found, or Eq. 34 has no root in range.
+    /// Number of trials without compensation: the cut was not detected, or eq. 34 has no root in range.
     pub unserved: usize,
-    /// Open loop, Eq. 34.
+    /// Mean error in open loop by eq. 34, as a ratio.
     pub tip: f64,
-    /// Open loop, least mean.
+    /// Mean error in open loop with the least-mean objective.
     pub mean: f64,
-    /// Closed loop.
+    /// Mean error in closed loop.
     pub closed: f64,
-    /// Closed loop with gain.
+    /// Mean error in closed loop with the gain.
     pub with_gain: f64,
-    /// Best single pressure.
+    /// Mean error at the best single pressure.
     pub best: f64,
     /// Mean error that the first decision predicted.
     pub predicted: f64,
-    /// Share of the trials whose true open-loop error lies in the predicted interval.
+    /// Share of the trials with a true open-loop error in the predicted interval.
     pub coverage: f64,
     /// Mean width of that interval.
     pub width: f64,
-    /// Median of the contacts at the last pressure when the last gain was published.
+    /// Median number of contacts at the last pressure when the last gain was published.
     pub gain_contacts: u32,
-    /// Setpoints sent, on average and at most.
+    /// Number of setpoints sent: mean and maximum.
     pub setpoints: (f64, usize),
 }
 
-/// The means of a case; none if nothing was served.
+/// The means of a case; `None` if no trial was served.
 #[must_use]
 pub fn summary(case: Case, outcomes: &[Outcome]) -> Option<Summary> {
     let served: Vec<&Served> = served_in(case, outcomes).collect();
@@ -71,7 +71,8 @@ pub fn served_in(case: Case, outcomes: &[Outcome]) -> impl Iterator<Item = &Serv
     })
 }
 
-/// The trials of a case that are drawn by deflection: the first plant's greatest difference in length.
+/// The trial of a case for the plot over deflection: that of the first plant with the greatest difference in
+/// length.
 #[must_use]
 pub fn example(case: Case, outcomes: &[Outcome]) -> Option<&Served> {
     let apart = |one: &Served| (one.trial.length_mm - case.target_mm()).abs();

@@ -1,14 +1,14 @@
-//! What a compensation is worth on the plant itself, without noise.
+//! True value of a compensation on the plant itself, without noise.
 
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile, Model};
 use vibrissa_core::units::{Megapascal, Millimetre};
 
 use super::{Case, START_MPA, Trial, TrueError};
 
-/// The search for the best single pressure goes in steps of a quarter of a kilopascal.
+/// Number of steps in the search for the best single pressure: 0.25 kPa each over 0.2 MPa.
 const BRUTE_FORCE_STEPS: u32 = 800;
 
-/// The plant itself.
+/// The plant of a trial with its reference sensitivities.
 pub struct Truth {
     model: Model,
     case: Case,
@@ -18,7 +18,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Of one trial.
+    /// The plant of a trial.
     #[must_use]
     pub fn new(trial: &Trial) -> Self {
         let model = trial.rubber.model().expect("factors that a scenario may have");
@@ -27,29 +27,29 @@ impl Truth {
         Self { model, case: trial.case, length_mm: trial.length_mm, before, target }
     }
 
-    /// Eq. 35 at a pressure, with a gain on the compensator's strain if there is one.
+    /// Eq. 35 at a pressure, with an optional gain on the compensator's strain.
     ///
-    /// Strain is linear in the deflection, so that the deflections of the paper (0 to 6 mm in 0.1 mm) cancel in
-    /// the ratio: one stands for all.
+    /// Strain is linear in the deflection, so the paper's deflections (0 to 6 mm in steps of 0.1 mm) cancel in the
+    /// ratio.
     #[must_use]
     pub fn error(&self, pressure_mpa: f64, gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> TrueError {
         ErrorProfile::new(&self.after(pressure_mpa, gain), &self.before, &self.target)
     }
 
-    /// Sensitivities at a pressure, with a gain on the strain if there is one; per mm.
+    /// Sensitivities at a pressure, with an optional gain on the strain; per mm.
     #[must_use]
     pub fn after(&self, pressure_mpa: f64, gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> ByRatio {
         let bare = per_mm(&self.model, self.length_mm, pressure_mpa);
         std::array::from_fn(|k| Some(bare[k]? * gain.map_or(1.0, |gain| gain[k])))
     }
 
-    /// Sensitivities of the compensator before and of the target, per mm.
+    /// Sensitivities of the compensator before the compensation, and of the target; per mm.
     #[must_use]
     pub fn before_and_target(&self) -> (ByRatio, ByRatio) {
         (self.before, self.target)
     }
 
-    /// The best single pressure: every quarter of a kilopascal is tried.
+    /// The best single pressure in MPa, by brute force.
     #[must_use]
     pub fn best_mpa(&self) -> f64 {
         let highest_mpa = self.case.highest_mpa();

@@ -1,7 +1,7 @@
-//! How soon a trim is known, at a stated mean number of contacts between false alarms.
+//! Delay until a trim is detected, at a given mean number of contacts between false alarms.
 //!
-//! Everything is learned as in the service: a robot is born, its whisker learns offset and noise in its cold
-//! start, and the core gets nothing but messages' contents. Beside it runs the [`oracle`] on the same contacts.
+//! The core learns everything as in service: a robot connects, its whisker learns offset and noise in its cold
+//! start, and the core gets only the content of messages. The [`oracle`] runs on the same contacts.
 
 pub mod oracle;
 pub mod plant;
@@ -16,26 +16,26 @@ use oracle::Oracle;
 use plant::{DEFLECTIONS_MM, NOISE, Plant, RATIOS, WHOLE_MM};
 use supervised::{Said, Supervised};
 
-/// What is evaluated.
+/// Parameters of the evaluation.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Where all randomness starts.
+    /// Seed of all randomness.
     pub seed: u64,
-    /// Cuts of each size.
+    /// Number of cuts of each size.
     pub cuts: u32,
-    /// Whiskers that are watched while nothing happens to them.
+    /// Number of whiskers without any change.
     pub healthy_whiskers: u32,
-    /// How many contacts each of them is watched, after its cold start.
+    /// Number of contacts of each of them after the cold start.
     pub healthy_contacts: u32,
-    /// Stated mean number of contacts between false alarms.
+    /// Configured mean number of contacts between false alarms.
     pub contacts_between_false_alarms: f64,
-    /// How far each parameter of a whisker's calibration may be off, relative.
+    /// Largest relative deviation of each parameter of a whisker's calibration.
     pub calibration_error: f64,
     /// Share of contacts with ten times the noise.
     pub outliers: f64,
-    /// What is cut off, mm.
+    /// Lengths that are cut off, mm.
     pub sizes_mm: Vec<f64>,
-    /// The contacts at which the cuts happen.
+    /// Numbers of contacts before the cuts.
     pub changes_at: Vec<u32>,
 }
 
@@ -55,72 +55,72 @@ impl Default for Plan {
     }
 }
 
-/// Delays for one size of cut at one moment.
+/// Delays for one size of cut at one time.
 #[derive(Debug, Clone)]
 pub struct Delay {
-    /// What was cut off, mm.
+    /// Length that was cut off, mm.
     pub size_mm: f64,
     /// Contacts before the cut.
     pub change_at: u32,
-    /// Cuts that count: those without a false alarm under way at the change.
+    /// Number of cuts that count: those without a false alarm in progress at the cut.
     pub cuts: u32,
     /// Mean number of contacts from the cut to the alarm.
     pub alarm: f64,
-    /// Its standard error.
+    /// Standard error of `alarm`.
     pub alarm_error: f64,
-    /// Mean number of contacts to the trim being called: confirmed, told from erosion, its length certain.
+    /// Mean number of contacts from the cut to the trim verdict: confirmed, told from erosion, its length certain.
     pub called: f64,
-    /// Share of the cuts that were called a trim within the time allowed.
+    /// Share of the cuts with a trim verdict within the time limit.
     pub called_share: f64,
-    /// The oracle's mean delay on the same contacts.
+    /// Mean delay of the oracle on the same contacts.
     pub oracle: f64,
-    /// log(ARL0) / KL: Lorden's bound, to first order.
+    /// log(ARL0) / KL: first-order approximation of Lorden's bound.
     pub lorden: f64,
-    /// Share of the called trims whose 95 % interval of the length holds the truth.
+    /// Share of the trim verdicts whose 95 % interval of the length contains the truth.
     pub covered: f64,
-    /// Mean of |length - truth| of the called trims, mm.
+    /// Mean of |length - truth| over the trim verdicts, mm.
     pub length_error_mm: f64,
 }
 
 impl Delay {
-    /// Alarm delay against the oracle's.
+    /// Ratio of the mean alarm delay to the oracle's.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.alarm / self.oracle
     }
 }
 
-/// What healthy whiskers showed.
+/// Results of the whiskers without any change.
 #[derive(Debug, Clone, Copy)]
 pub struct Healthy {
-    /// Contacts that were watched.
+    /// Number of contacts after the cold start.
     pub contacts: u64,
-    /// False alarms.
+    /// Number of false alarms.
     pub alarms: u64,
-    /// Trims, erosions and the like that were called.
+    /// Number of false verdicts: trims, erosions and losses of sensitivity.
     pub called: u64,
-    /// Mean of the squared standardised innovations, outliers cut at 9 (a consistent filter: 0.995).
+    /// Mean of the squared standardised innovations, each limited to 9 (0.995 for a consistent filter).
     pub mean_square: f64,
 }
 
 impl Healthy {
-    /// Mean number of contacts between false alarms; with no alarm, the contacts watched.
+    /// Mean number of contacts between false alarms; without an alarm, the number of contacts.
     #[must_use]
     pub fn between_false_alarms(&self) -> f64 {
         self.contacts as f64 / self.alarms.max(1) as f64
     }
 }
 
-/// The whole answer.
+/// Result of the evaluation.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
-    /// By moment and size.
+    /// Delays by time and size.
     pub delays: Vec<Delay>,
-    /// Healthy whiskers.
+    /// Results of the healthy whiskers.
     pub healthy: Healthy,
 }
 
-/// Runs a plan on all cores; the same plan gives the same answer. `done` is called after each whisker.
+/// Runs a plan on all processors; the same plan gives the same result. `done` is called after each whisker.
 #[must_use]
 pub fn evaluate(plan: &Plan, done: &(dyn Fn() + Sync)) -> Evaluation {
     let cells: Vec<(u32, f64)> =
@@ -129,7 +129,7 @@ pub fn evaluate(plan: &Plan, done: &(dyn Fn() + Sync)) -> Evaluation {
     Evaluation { delays, healthy: healthy(plan, done) }
 }
 
-/// How many whiskers a plan has.
+/// Number of whiskers of a plan.
 #[must_use]
 pub fn whiskers(plan: &Plan) -> u64 {
     let cells = plan.changes_at.len() as u64 * plan.sizes_mm.len() as u64;
@@ -167,18 +167,18 @@ fn healthy(plan: &Plan, done: &(dyn Fn() + Sync)) -> Healthy {
     Healthy { mean_square: sum.mean_square / sum.contacts as f64, ..sum }
 }
 
-/// One cut: contacts to the alarm, to the call, and of the oracle.
+/// Result of one cut: contacts to the alarm, to the verdict, and to the oracle's alarm.
 struct Cut {
     alarm: u32,
     called: Option<(u32, Said)>,
     oracle: u32,
-    /// What remained, mm.
+    /// Remaining length, mm.
     length_mm: f64,
 }
 
 fn delays(plan: &Plan, change_at: u32, size_mm: f64, done: &(dyn Fn() + Sync)) -> Delay {
     let length_mm = WHOLE_MM - size_mm;
-    // The typical whisker's shifts: the oracle's threshold depends on them alone.
+    // Shifts of a typical whisker, on which the oracle's threshold depends.
     let typical = Plant::new(0, 0.0, 0.0);
     let shifts: Vec<f64> = (0..12)
         .map(|k| ContactRatio::known(RATIOS.0 + (RATIOS.1 - RATIOS.0) * (f64::from(k) + 0.5) / 12.0))
@@ -201,7 +201,7 @@ fn delays(plan: &Plan, change_at: u32, size_mm: f64, done: &(dyn Fn() + Sync)) -
     summary(size_mm, change_at, &cuts, plan.contacts_between_false_alarms.ln() / information)
 }
 
-/// None if a false alarm was under way at the change.
+/// `None` if a false alarm was in progress at the cut.
 fn cut(plan: &Plan, mut plant: Plant, (at, size_mm): (u32, f64), threshold: f64, patience: u32) -> Option<Cut> {
     let length_mm = plant.whole_mm - size_mm;
     let mut supervised = Supervised::new(plan.contacts_between_false_alarms);
@@ -246,7 +246,7 @@ fn summary(size_mm: f64, change_at: u32, cuts: &[Cut], lorden: f64) -> Delay {
     let mean = |of: &dyn Fn(&Cut) -> f64| cuts.iter().map(of).sum::<f64>() / count;
     let alarm = mean(&|cut| f64::from(cut.alarm));
     let variance = mean(&|cut| (f64::from(cut.alarm) - alarm).powi(2));
-    // Trims: contacts to the call, |length - truth|, its standard deviation.
+    // Trims: contacts to the verdict, |length - truth|, its standard deviation.
     let trims: Vec<(f64, f64, f64)> = cuts
         .iter()
         .filter_map(|cut| {
@@ -271,7 +271,7 @@ fn summary(size_mm: f64, change_at: u32, cuts: &[Cut], lorden: f64) -> Delay {
     }
 }
 
-/// A seed of its own for each purpose and whisker.
+/// A separate seed for each purpose and whisker.
 fn seed(plan: &Plan, purpose: u64, number: u32) -> u64 {
     let mut seed = plan.seed;
     for part in [purpose, u64::from(number)] {
@@ -280,7 +280,7 @@ fn seed(plan: &Plan, purpose: u64, number: u32) -> u64 {
     seed
 }
 
-/// Deflections and ratios that the plan's text names.
+/// The contacts' parameters as text.
 #[must_use]
 pub fn contacts_in_words() -> String {
     format!(

@@ -1,16 +1,16 @@
-//! The oracle: a CUSUM that is told the size of the cut, the whisker's own curve and its noise.
+//! The oracle: a CUSUM that knows the size of the cut, the whisker's true curve and its noise.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
 
-/// States of the Markov chain that stands for the CUSUM's continuous value.
+/// Number of states of the Markov chain that approximates the CUSUM's continuous value.
 const STATES: usize = 120;
 
-/// Threshold of the CUSUM on log likelihood ratios for a mean number of contacts between false alarms.
+/// Threshold of the CUSUM of log likelihood ratios for a mean number of contacts between false alarms.
 ///
-/// The shifts are those of equally likely contact ratios, in standard deviations. The CUSUM's value is cut
-/// into states (Brook and Evans, Biometrika 59 (1972) 539) and the mean run length solved for; the threshold
-/// is found by bisection.
+/// The shifts are those of equally likely contact ratios, in standard deviations. The CUSUM's value is divided into
+/// states (Brook and Evans, Biometrika 59 (1972) 539) and the linear system is solved for the mean run length; the
+/// threshold is found by bisection.
 #[must_use]
 pub fn threshold(shifts: &[f64], contacts_between_false_alarms: f64) -> f64 {
     let (mut low, mut high) = (0.0, contacts_between_false_alarms.ln() + 2.0);
@@ -25,10 +25,10 @@ pub fn threshold(shifts: &[f64], contacts_between_false_alarms: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Mean number of contacts to an alarm while nothing changes, from zero on.
+/// Mean number of contacts from zero to an alarm while nothing changes.
 #[must_use]
 pub fn mean_run_length(shifts: &[f64], threshold: f64) -> f64 {
-    // State 0 is zero itself; the others are cells of equal width.
+    // State 0 is exactly zero; the others are cells of equal width.
     let width = threshold / (STATES as f64 - 0.5);
     let below = |limit: f64| {
         let one = |&shift: &f64| normal_cdf((limit + 0.5 * shift * shift) / shift.abs());
@@ -49,15 +49,15 @@ fn normal_cdf(value: f64) -> f64 {
     0.5 * erfc(-value / std::f64::consts::SQRT_2)
 }
 
-/// The CUSUM.
+/// State of the CUSUM.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Oracle {
     value: f64,
 }
 
 impl Oracle {
-    /// Takes one contact in: its deviation from the whole whisker's truth and the shift, in standard
-    /// deviations. True at the alarm.
+    /// Updates with one contact: its deviation from the whole whisker's truth, and the shift, both in standard
+    /// deviations. Returns true at the alarm.
     pub fn update(&mut self, deviation: f64, shift: f64, threshold: f64) -> bool {
         self.value = (self.value + shift * deviation - 0.5 * shift * shift).max(0.0);
         self.value >= threshold

@@ -1,4 +1,4 @@
-//! A whisker in truth, as bare as a detector sees it: contacts at random contact ratios, 5 % of noise.
+//! The true whisker for the detection evaluation: contacts at random contact ratios with 5 % noise.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -6,42 +6,42 @@ use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
-/// Where contacts are.
+/// Range of the contact ratios.
 pub const RATIOS: (f64, f64) = (0.45, 1.0);
-/// How deep contacts are, mm.
+/// Range of the deflections, mm.
 pub const DEFLECTIONS_MM: (f64, f64) = (0.2, 6.0);
 /// Length of a whole whisker, mm.
 pub const WHOLE_MM: f64 = 70.0;
-/// How far its true length is off that, as a standard deviation, mm.
+/// Standard deviation of the true whole length, mm.
 pub const WHOLE_SD_MM: f64 = 0.1;
-/// Its pressure, MPa.
+/// Chamber pressure, MPa.
 pub const PRESSURE_MPA: f64 = 0.1;
 /// Standard deviation of the log sensitivity of one contact.
 pub const NOISE: f64 = 0.05;
-/// An outlier has this many times the noise.
+/// Noise of an outlier, as a multiple of the normal noise.
 pub const OUTLIER_FACTOR: f64 = 10.0;
 
-/// One contact as the robot reads it, with what only the oracle knows.
+/// One contact as the robot reads it, with a value for the oracle.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
-    /// Contact ratio.
+    /// Contact ratio a, above 0 and at most 1.
     pub ratio: ContactRatio,
-    /// Deflection, mm.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Measured strain, m/m.
     pub strain: f64,
-    /// ln(measured / true whole sensitivity), had it been no outlier: the oracle is spared them, since without a
-    /// guard of its own it would take them for the change.
+    /// ln(measured / true whole sensitivity), without the outlier factor: without a guard of its own the oracle
+    /// would take outliers for the change.
     pub log_deviation: f64,
 }
 
-/// A whisker whose truth differs from the model by up to `off` in each parameter, in either formulation.
+/// A whisker whose parameters deviate from the model by up to `off`, in either formulation.
 pub struct Plant {
     model: Model,
     morphology: Morphology,
-    /// Length as it was built in, mm: near what the factsheet says.
+    /// True length at installation, mm, close to the factsheet's.
     pub whole_mm: f64,
-    /// Length now, mm.
+    /// Present length, mm.
     pub length_mm: f64,
     outliers: f64,
     random: ChaCha8Rng,
@@ -70,7 +70,7 @@ impl Plant {
         Self { model, morphology, whole_mm, length_mm: whole_mm, outliers, random }
     }
 
-    /// The next contact.
+    /// Makes the next contact.
     pub fn touch(&mut self) -> Touch {
         let ratio = ContactRatio::known((self.random.random_range(RATIOS.0..=RATIOS.1) * 1e4_f64).round() / 1e4);
         let deflection_mm = self.random.random_range(DEFLECTIONS_MM.0..=DEFLECTIONS_MM.1);

@@ -1,4 +1,4 @@
-//! One whisker under the core's eyes: contacts in, what it says out.
+//! One whisker supervised by the core: takes contacts, returns verdicts.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Condition, Effect};
@@ -10,10 +10,10 @@ use super::plant::{PRESSURE_MPA, Touch, WHOLE_MM};
 
 const BOOT: &str = "b";
 const ARRAY: &str = "a";
-/// From one contact to the next.
+/// Time between two contacts, in microseconds.
 const CONTACT_US: u64 = 20_000;
 
-/// One whisker and the core.
+/// One whisker and the core's state.
 pub(super) struct Supervised {
     params: Params,
     robot: Robot,
@@ -21,7 +21,7 @@ pub(super) struct Supervised {
     contacts: u64,
 }
 
-/// What the core said to one contact.
+/// The core's reaction to one contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Said {
     /// A change is suspected.
@@ -38,7 +38,8 @@ impl Supervised {
     pub(super) fn new(contacts_between_false_alarms: f64) -> Self {
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.contacts_between_false_alarms = contacts_between_false_alarms;
-        // The kind of noise is stated, its size is learned: 2 % is far too little.
+        // Only the strain's relative noise is configured, at 2 %, far below the true noise: its size must be
+        // learned.
         params.noise.strain_floor = 5e-6;
         params.noise.ratio = 0.0;
         params.noise.deflection_relative = 0.0;
@@ -99,12 +100,12 @@ impl Supervised {
         said
     }
 
-    /// Past the cold start.
+    /// Whether the cold start is over.
     pub(super) fn is_watching(&self) -> bool {
         self.condition() != Some(Condition::Learning)
     }
 
-    /// Past the cold start, and nothing suspected.
+    /// Whether the cold start is over and no change is suspected.
     pub(super) fn is_calm(&self) -> bool {
         self.condition() == Some(Condition::Healthy)
     }

@@ -1,4 +1,4 @@
-//! What is simulated for each class.
+//! Simulated scenarios of each class.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -16,16 +16,16 @@ use super::Class;
 /// Contacts of each whisker per second.
 pub(super) const CONTACTS_PER_SECOND: f64 = 10.0;
 const ARRAY: &str = "array";
-/// The stated floor of the strain's noise, of which a baseline's drift is a multiple.
+/// Configured floor of the strain noise; a baseline drift is a multiple of it.
 const STRAIN_FLOOR: f64 = 5e-6;
-/// A slow change of the temperature goes by so many steps.
+/// Number of steps of a slow change of temperature.
 const RAMP_STEPS: u32 = 25;
 
-/// One case.
+/// One simulated case.
 pub(super) struct Case {
     pub(super) class: Class,
     pub(super) scenario: Scenario,
-    /// Position of the whisker that has it; none for the whole array or nobody.
+    /// Index of the affected whisker; `None` if the whole array or no whisker is affected.
     pub(super) whisker: Option<usize>,
     pub(super) onset_s: f64,
     pub(super) end_s: f64,
@@ -52,7 +52,7 @@ pub(super) fn case(seed: u64, class: Class, number: u32) -> Case {
             contacts_per_second: CONTACTS_PER_SECOND,
             contacts_per_message: 20,
             notices_faults: false,
-            // Nobody is told when a supervisor that has nothing to say is lost.
+            // The supervisor is never lost, although it may send nothing for a long time.
             supervisor_lost_after_s: 86_400.0,
             ..Behaviour::default()
         },
@@ -75,7 +75,7 @@ fn kind(rng: &mut ChaCha8Rng) -> ArrayType {
     if rng.random() { ArrayType::Type1 } else { ArrayType::Type2 }
 }
 
-/// The one that something happens to can lose 30 mm and still be beyond its chamber.
+/// The affected whisker is long enough to lose 30 mm and still reach beyond its chamber.
 fn built_in(number: u16, count: u16, affected: u16, rng: &mut ChaCha8Rng) -> WhiskerScenario {
     let lengths_mm: &[f64] = if number == affected { &[70.0, 75.0] } else { &[65.0, 70.0, 75.0] };
     WhiskerScenario {
@@ -101,7 +101,7 @@ fn scaled(factor: f64) -> Noise {
     }
 }
 
-/// What happens, and for how many contacts the core may look at it.
+/// The events, and the number of contacts that the core may use.
 fn events(class: Class, own: &WhiskerScenario, onset_s: f64, rng: &mut ChaCha8Rng) -> (Vec<Event>, u32) {
     let to_one = |change| vec![Event::whisker_at_s(onset_s, name(ARRAY), own.whisker, change)];
     match class {
@@ -128,7 +128,7 @@ fn events(class: Class, own: &WhiskerScenario, onset_s: f64, rng: &mut ChaCha8Rn
     }
 }
 
-/// A step or a ramp of the temperature, or deflections that are told wrongly from now on.
+/// A step or a ramp of the temperature, or wrongly reported deflections.
 fn array_shift(onset_s: f64, rng: &mut ChaCha8Rng) -> Vec<Event> {
     let factor = 1.0 + either_sign(rng.random_range(0.03..=0.15), rng);
     let at = |seconds, change| Event { array: Some(name(ARRAY)), ..Event::robot_at_s(seconds, change) };
@@ -144,7 +144,7 @@ fn array_shift(onset_s: f64, rng: &mut ChaCha8Rng) -> Vec<Event> {
     }
 }
 
-/// The strain that this part of a whole whisker's contacts reaches.
+/// The strain that this share of a whole whisker's contacts reaches.
 fn strain_reached_by(part: f64, own: &WhiskerScenario, rng: &mut ChaCha8Rng) -> f64 {
     const SAMPLES: usize = 400;
     let model = Model::nguyen_2021(Formulation::Consistent);

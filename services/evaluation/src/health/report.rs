@@ -1,11 +1,11 @@
-//! The confusion matrix and what goes with it.
+//! The confusion matrix with its statistics.
 
 use super::{Called, Class, Outcome, Plan};
 
-/// What came of all cases.
+/// Results of all cases.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// The seed.
+    /// Seed of the plan.
     pub seed: u64,
     /// One entry for each class, in the order of the plan.
     pub classes: Vec<ClassReport>,
@@ -13,22 +13,22 @@ pub struct Report {
     pub outcomes: Vec<Outcome>,
 }
 
-/// What came of the cases of one class.
+/// Results of the cases of one class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassReport {
-    /// What they are.
+    /// True class of the cases.
     pub truth: Class,
-    /// How many there were.
+    /// Number of cases.
     pub cases: u32,
-    /// How many were called what, in the order of [`Report::columns`].
+    /// Number of cases by verdict, in the order of [`Report::columns`].
     pub called: Vec<u32>,
-    /// In how many another whisker was called something.
+    /// Number of cases with a statement about an unaffected whisker.
     pub with_bystanders: u32,
-    /// How many were right: called by their name, and no other whisker called anything.
+    /// Number of correct cases: the right verdict, and no statement about another whisker.
     pub right: u32,
-    /// Trims that were called and are none.
+    /// Number of false trim verdicts.
     pub wrong_trims: u32,
-    /// Median and 95 % quantile of the contacts until the right call; none without one.
+    /// Median and 95 % quantile of the contacts until the right verdict; `None` without one.
     pub delay_contacts: Option<(f64, f64)>,
 }
 
@@ -38,20 +38,20 @@ impl Report {
         Self { seed: plan.seed, classes, outcomes }
     }
 
-    /// The matrix's columns: each class, and any other name.
+    /// Columns of the matrix: each class, and all other statements.
     #[must_use]
     pub fn columns() -> Vec<&'static str> {
         Class::ALL.into_iter().map(Class::word).chain(["OTHER"]).collect()
     }
 
-    /// Part of the cases that were right.
+    /// Share of correct cases.
     #[must_use]
     pub fn right(&self) -> f64 {
         let cases: u32 = self.classes.iter().map(|class| class.cases).sum();
         f64::from(self.classes.iter().map(|class| class.right).sum::<u32>()) / f64::from(cases.max(1))
     }
 
-    /// Trims that were called and are none.
+    /// Number of false trim verdicts.
     #[must_use]
     pub fn wrong_trims(&self) -> u32 {
         self.classes.iter().map(|class| class.wrong_trims).sum()

@@ -1,4 +1,4 @@
-//! What the core says of a case.
+//! Verdict of the core on a case.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
@@ -9,17 +9,17 @@ use super::Class;
 use super::cases::{CONTACTS_PER_SECOND, Case};
 use crate::world::{START_US, World};
 
-/// What something was called.
+/// Class that a statement assigns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Called {
-    /// By the name of a class.
+    /// One of the evaluated classes.
     Class(Class),
-    /// By a name that none of the classes has.
+    /// A statement that belongs to none of the classes.
     Other(&'static str),
 }
 
 impl Called {
-    /// Its word.
+    /// Word of the statement.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -29,23 +29,23 @@ impl Called {
     }
 }
 
-/// What came of one case.
+/// Result of one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// What it is.
+    /// True class of the case.
     pub truth: Class,
-    /// What it was called first.
+    /// First verdict on the affected whisker or array.
     pub called: Called,
-    /// What another whisker was called, which has nothing.
+    /// First statement about an unaffected whisker.
     pub bystander: Option<Called>,
-    /// Trims that were called and are none.
+    /// Number of false trim verdicts.
     pub wrong_trims: u32,
-    /// Contacts of one whisker from the onset to that call.
+    /// Contacts of one whisker from the onset to the verdict.
     pub delay_contacts: Option<f64>,
 }
 
 impl Outcome {
-    /// Called by its name, and nobody else called anything.
+    /// Whether the verdict is right and there was no statement about another whisker.
     #[must_use]
     pub fn is_right(&self) -> bool {
         self.called == Called::Class(self.truth) && self.bystander.is_none()
@@ -62,7 +62,7 @@ pub(super) fn judge(case: &Case) -> Outcome {
         let is_own = case.whisker == Some(whisker);
         let is_trim = statement == Called::Class(Class::Trim);
         wrong_trims += u32::from(is_trim && !(is_own && case.class == Class::Trim));
-        // What is true of the array may be said of any of its whiskers, and nobody in particular is healthy.
+        // A shift of the array may be reported for any whisker; in a healthy case no whisker is special.
         let of_all = case.whisker.is_none();
         if is_own || of_all {
             if called.is_none() {
@@ -80,8 +80,8 @@ pub(super) fn judge(case: &Case) -> Outcome {
     Outcome { truth: case.class, called, bystander, wrong_trims, delay_contacts }
 }
 
-/// A definite statement about a whisker. A suspicion is none, and neither is what follows from a statement: that
-/// nobody can compensate, or that a leaking chamber does not reach its setpoint.
+/// A definite statement about a whisker. Suspicions do not count, nor consequences of a statement: that nobody can
+/// compensate, or that a leaking chamber does not reach its setpoint.
 fn statement(effect: &Effect) -> Option<(usize, Called)> {
     match effect {
         Effect::Trim(trim) => Some((trim.whisker, Called::Class(Class::Trim))),

@@ -1,15 +1,15 @@
-//! `contacts` as nearly every robot writes them, read in one pass: a burst is made of nothing else.
+//! Fast reader of `contacts` messages in the form that nearly all robots write, in one pass.
 //!
-//! What is not written plainly (fields in another order than the contract's, one that is unknown or missing, an escape in
-//! a name, anything wrong) is left to the full reader, which alone refuses. So this one takes nothing that the other
-//! does not take, and what it takes is the same to the last bit: a test holds them against each other.
+//! Any other form (fields in another order, unknown or missing fields, escapes in a name, any error) is left to the
+//! full reader, which alone refuses messages. So this reader accepts no message that the full reader refuses, and
+//! its values are equal to the last bit; a test compares the two.
 
 use crate::{BootId, Contact, Contacts, Name};
 
-/// More digits than this could be too much for 64 bits.
+/// Most digits that are sure to fit 64 bits.
 const DIGITS_MAX: usize = 18;
 
-/// Reads a message; its contacts go into `list`, in place of what was there. None if it is not written plainly.
+/// Reads a message; its contacts replace the contents of `list`. `None` if the message has another form.
 pub(super) fn contacts(text: &str, list: &mut Vec<Contact>) -> Option<Contacts> {
     list.clear();
     let mut reader = Reader { text, at: 0 };
@@ -20,7 +20,7 @@ pub(super) fn contacts(text: &str, list: &mut Vec<Contact>) -> Option<Contacts> 
     reader.next().is_none().then(|| Contacts { boot_id, seq, contacts: std::mem::take(list) })
 }
 
-/// A place in a text.
+/// A position in a text.
 struct Reader<'a> {
     text: &'a str,
     at: usize,
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
         self.text.as_bytes().get(self.at).copied()
     }
 
-    /// The next byte that is no white space, not taken yet.
+    /// The next byte other than white space, without consuming it.
     #[inline]
     fn next(&mut self) -> Option<u8> {
         loop {
@@ -80,8 +80,8 @@ impl<'a> Reader<'a> {
         Some(())
     }
 
-    /// Goes to the value of the field of that name, which is in its quotes already. Inlined, so that comparing is one
-    /// instruction or two.
+    /// Moves to the value of a field, given its quoted name. Inlined, so that the comparison takes one or two
+    /// instructions.
     #[inline(always)]
     fn field(&mut self, before: u8, quoted: &'static str) -> Option<&mut Self> {
         self.take(before)?;
@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
         Some(self)
     }
 
-    /// A text in quotes without escapes.
+    /// Reads a quoted text without escapes.
     #[inline]
     fn string(&mut self) -> Option<&'a str> {
         self.take(b'"')?;
@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
         self.text.get(start..start + length)
     }
 
-    /// How many digits come next; they are taken.
+    /// Consumes digits and returns their number.
     #[inline]
     fn digits(&mut self) -> usize {
         let start = self.at;
@@ -117,7 +117,8 @@ impl<'a> Reader<'a> {
         self.at - start
     }
 
-    /// The digits before a decimal point: none, or more than one after a zero, are no number in JSON.
+    /// Consumes the digits before a decimal point; `None` for no digits, or for a leading zero before others
+    /// (invalid in JSON).
     #[inline]
     fn whole(&mut self) -> Option<usize> {
         let first = self.peek();
@@ -125,7 +126,7 @@ impl<'a> Reader<'a> {
         (count == 1 || count > 1 && first != Some(b'0')).then_some(count)
     }
 
-    /// An integer from 0, without decimals or exponent.
+    /// Reads an integer from 0, without decimals or exponent.
     fn integer(&mut self) -> Option<u64> {
         let start = self.at;
         if self.whole()? > DIGITS_MAX || matches!(self.peek(), Some(b'.' | b'e' | b'E')) {
@@ -135,7 +136,7 @@ impl<'a> Reader<'a> {
         Some(digits.iter().fold(0, |value, digit| 10 * value + u64::from(digit - b'0')))
     }
 
-    /// A number as JSON writes it. The standard library gives the nearest one there is.
+    /// Reads a JSON number; the standard library rounds it to the nearest `f64`.
     fn number(&mut self) -> Option<f64> {
         let start = self.at;
         self.at += usize::from(self.peek() == Some(b'-'));

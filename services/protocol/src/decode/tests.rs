@@ -10,7 +10,7 @@ fn refused(last: &str, payload: &str) -> Refusal {
     decode(&topic(last), payload.as_bytes()).unwrap_err()
 }
 
-/// The golden message with one thing replaced.
+/// Refusal of the golden message with one replacement.
 fn refused_after(last: &str, golden: &str, from: &str, to: &str) -> Refusal {
     assert!(golden.contains(from), "{from} is not in the golden message");
     refused(last, &golden.replacen(from, to, 1))

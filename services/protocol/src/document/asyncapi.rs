@@ -1,4 +1,4 @@
-//! The AsyncAPI 3.0 document. It describes the robot: what the robot sends, the supervisor receives.
+//! The AsyncAPI 3.0 document. It describes the robot: the robot sends, the supervisor receives.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use super::schemas::{component_name, components, parsed};
 use super::{BEYOND_SCHEMAS, CONTRACT_VERSION, Channel};
 use crate::{Name, PAYLOAD_MAX_BYTES, RobotTopic};
 
-/// The version of the MQTT bindings.
+/// Version of the MQTT bindings.
 const BINDING_VERSION: &str = "0.2.0";
 
-/// The whole document, in the order in which it is read.
+/// The whole document, in reading order.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Document {
@@ -51,7 +51,7 @@ impl Document {
                 security_schemes: json!({
                     "password": {
                         "type": "userPassword",
-                        "description": "Where the broker has users: a robot's is FLEET/ROBOT, and may publish and \
+                        "description": "If the broker has users: a robot's user is FLEET/ROBOT, and may publish and \
                                         subscribe below its own level only.",
                     }
                 }),
@@ -64,16 +64,16 @@ impl Document {
 fn info() -> Value {
     let beyond: Vec<String> = BEYOND_SCHEMAS.iter().map(|one| format!("- {one}")).collect();
     let description = format!(
-        "What a robot with soft whiskers says and hears over MQTT 5. **This document describes the robot**: where it \
+        "MQTT 5 messages of a robot with soft whiskers. **This document describes the robot**: where it \
          says `send`, the robot publishes and the supervisor subscribes; where it says `receive`, the supervisor \
          publishes and the robot subscribes.\n\n\
          Every message carries `boot_id`, new at each start of its sender, and `seq`, from 0 per boot and topic and \
-         without gaps: both name it, and a second message of one name changes nothing. Fields that a receiver does \
-         not know are ignored; a missing or wrong one refuses that message and nothing else. A payload has at most \
+         without gaps: both identify it, and a duplicate changes nothing. Fields that a receiver does \
+         not know are ignored; a message with a missing or wrong field is refused. A payload has at most \
          {PAYLOAD_MAX_BYTES} bytes.\n\n\
-         Beyond its schema a message is refused for:\n\n{}\n\n\
-         The rules that a robot keeps over time, such as sending again what no receipt covers, are told with the \
-         messages they are about.\n\n\
+         A message that matches its schema is still refused for:\n\n{}\n\n\
+         Rules for a robot's behaviour over time, such as sending messages again without a receipt, are stated with \
+         the messages concerned.\n\n\
          Level `{}` of a fleet belongs to the supervisor. Every few seconds it publishes a probe there for each topic \
          that robots send, such as `whisker/v1/lab/supervisor/contacts`, and expects to receive it through its own \
          subscriptions. The broker must let the supervisor publish there, and no robot.",
@@ -96,7 +96,7 @@ fn servers() -> Value {
             "protocolVersion": "5.0",
             "summary": summary,
             "variables": { "host": {
-                "description": format!("Name or address of the broker, and its port: {port} by custom."),
+                "description": format!("Name or address of the broker, and its port, usually {port}."),
                 "default": format!("localhost:{port}"),
             } },
             "bindings": { "mqtt": {
@@ -116,7 +116,7 @@ fn servers() -> Value {
         server
     };
     json!({
-        "plain": server("mqtt", "1883", "In plain text, such as the supervisor's own broker.", false),
+        "plain": server("mqtt", "1883", "Without TLS, such as the supervisor's own broker.", false),
         "tls": server("secure-mqtt", "8883", "A broker with TLS and users.", true),
     })
 }
@@ -129,7 +129,7 @@ fn parameters() -> Value {
             "x-pattern": Name::pattern(),
         },
         "robot": {
-            "description": format!("The robot: {}; {} is no robot's name.", Name::pattern(), Name::RESERVED),
+            "description": format!("The robot: {}; {} is reserved.", Name::pattern(), Name::RESERVED),
             "examples": ["crawler-1"],
             "x-pattern": Name::robot_pattern(),
         },
@@ -152,7 +152,7 @@ fn channel(channel: Channel) -> Value {
 fn operation(channel: Channel) -> (String, Value) {
     let name = channel.name();
     let (action, summary) = if channel.is_from_robot() {
-        ("send", "The robot publishes; the supervisor subscribes, with + in the place of the robot.")
+        ("send", "The robot publishes; the supervisor subscribes, with + in place of the robot.")
     } else {
         ("receive", "The supervisor publishes; the robot subscribes.")
     };
@@ -166,7 +166,7 @@ fn operation(channel: Channel) -> (String, Value) {
         "messages": [{ "$ref": format!("#/channels/{name}/messages/{name}") }],
     });
     if channel == Channel::Robot(RobotTopic::Setpoint) {
-        // As long as the setpoint itself may be taken, which is the supervisor's to choose.
+        // The expiry is that of the setpoint itself, which the supervisor chooses.
         mqtt["messageExpiryInterval"] = json!({ "type": "integer", "minimum": 1 });
         operation["reply"] = json!({ "channel": { "$ref": "#/channels/setpoint_state" } });
     }
@@ -185,7 +185,7 @@ fn message(channel: Channel) -> Value {
     });
     if matches!(channel, Channel::Robot(RobotTopic::Setpoint | RobotTopic::SetpointState)) {
         message["correlationId"] = json!({
-            "description": "The command, and what became of it.",
+            "description": "The command and its result.",
             "location": "$message.payload#/command_id",
         });
     }

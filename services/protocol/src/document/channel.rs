@@ -1,20 +1,20 @@
-//! The topics of the contract, each with the one message that is sent on it.
+//! The contract's topics, each with its message.
 
 use crate::{QualityOfService, RobotTopic};
 
 use super::examples;
 
-/// A topic and its message.
+/// A topic and the message that is sent on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
-    /// A robot's.
+    /// A topic of a robot.
     Robot(RobotTopic),
-    /// Whether a supervisor owns the fleet.
+    /// The topic that states whether a supervisor owns the fleet.
     SupervisorState,
 }
 
 impl Channel {
-    /// All of them, in the contract's order.
+    /// All topics, in the contract's order.
     pub const ALL: [Self; 9] = [
         Self::Robot(RobotTopic::Connection),
         Self::Robot(RobotTopic::Factsheet),
@@ -27,7 +27,7 @@ impl Channel {
         Self::SupervisorState,
     ];
 
-    /// Its name in documents, such as `contacts`.
+    /// Name of the topic in documents, such as `contacts`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Channel {
         }
     }
 
-    /// Its topic, with parameters in braces.
+    /// Address of the topic, with parameters in braces.
     #[must_use]
     pub fn address(self) -> String {
         match self {
@@ -45,7 +45,7 @@ impl Channel {
         }
     }
 
-    /// Whether the robot sends it; otherwise the supervisor does.
+    /// Whether the robot sends the message; otherwise the supervisor does.
     #[must_use]
     pub const fn is_from_robot(self) -> bool {
         match self {
@@ -54,7 +54,7 @@ impl Channel {
         }
     }
 
-    /// The quality of service it is sent with, as MQTT's number.
+    /// Quality of service of the message, as MQTT's number.
     #[must_use]
     pub const fn qos(self) -> u8 {
         match self {
@@ -66,7 +66,7 @@ impl Channel {
         }
     }
 
-    /// Whether the broker retains it.
+    /// Whether the broker retains the message.
     #[must_use]
     pub const fn is_retained(self) -> bool {
         match self {
@@ -75,44 +75,44 @@ impl Channel {
         }
     }
 
-    /// What it is for and when it is sent, for the robot's engineer.
+    /// Purpose of the message and when it is sent, for robot engineers.
     #[must_use]
     pub const fn purpose(self) -> &'static str {
         match self {
             Self::Robot(RobotTopic::Connection) => {
-                "Retained. ONLINE at each connection, OFFLINE before leaving in good order, and CONNECTION_BROKEN as the \
-                 last will, with the boot_id of the connection that it belongs to."
+                "Retained. ONLINE at each connection, OFFLINE before a deliberate disconnect, and CONNECTION_BROKEN as \
+                 the last will, with the boot_id of the same connection."
             }
             Self::Robot(RobotTopic::Factsheet) => {
-                "Retained. What is on the robot: arrays, whiskers, limits. After each birth, and again on request."
+                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, and again on request."
             }
             Self::Robot(RobotTopic::Contacts) => {
-                "Contacts in batches. The robot keeps each message, in bounded number, until a receipt covers its seq, \
-                 and sends uncovered ones again under their old seq, oldest first, with exponential backoff while no \
-                 receipt comes. QoS 0 for robots that do so, 1 for others."
+                "Contacts in batches. The robot stores each message, up to a limit, until a receipt covers its seq, \
+                 and sends uncovered ones again with the same seq, oldest first, with exponential backoff while no \
+                 receipt arrives. QoS 0 for robots that do so, 1 for others."
             }
-            Self::Robot(RobotTopic::Status) => "Every 1 to 10 s and on change; again on request.",
+            Self::Robot(RobotTopic::Status) => "Sent every 1 to 10 s, on change, and on request.",
             Self::Robot(RobotTopic::Receipt) => {
-                "How far the robot's contacts are committed in the supervisor's database."
+                "The robot's contacts messages that are committed in the supervisor's database."
             }
             Self::Robot(RobotTopic::Setpoint) => {
-                "A pressure to hold. Never retained, and it expires in the broker, too. The robot takes it only if \
-                 robot_boot_id is its own, (epoch, version) is higher than any seen for that whisker, expires_us lies \
-                 ahead on its own clock, and the pressure is in its factsheet's range. The same command_id again is \
-                 answered again and not applied again."
+                "A pressure to hold. Never retained, and it expires in the broker, too. The robot accepts it only if \
+                 robot_boot_id is its own, (epoch, version) is higher than any seen for that whisker, expires_us is \
+                 in the future by its own clock, and the pressure is in its factsheet's range. A repeated command_id \
+                 is answered again and not applied again."
             }
             Self::Robot(RobotTopic::SetpointState) => {
-                "What became of a setpoint: RECEIVED, APPLYING, then one of APPLIED, REJECTED, FAILED or SUPERSEDED."
+                "Progress of a setpoint: RECEIVED, APPLYING, then one of APPLIED, REJECTED, FAILED or SUPERSEDED."
             }
             Self::Robot(RobotTopic::Request) => "Asks the robot to send its factsheet or its status again.",
             Self::SupervisorState => {
-                "Retained, with a last will. Whether a supervisor owns the fleet, and in which epoch. For tools: a robot \
-                 needs it for nothing, and the shipped access lists do not let it read this."
+                "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. For tools: robots \
+                 do not need it, and the shipped access lists do not let them read it."
             }
         }
     }
 
-    /// Messages that keep the contract: what each shows, and its JSON. At least one.
+    /// Valid example messages: the name and the JSON of each. At least one.
     #[must_use]
     pub const fn examples(self) -> &'static [(&'static str, &'static str)] {
         match self {

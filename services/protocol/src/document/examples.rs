@@ -1,27 +1,27 @@
-//! Messages that keep the contract, byte for byte as this crate writes them.
+//! Valid example messages, byte for byte as this crate writes them.
 
-/// A robot's birth.
+/// Birth of a robot.
 pub const CONNECTION: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","state":"ONLINE"}"#;
-/// The last will that belongs to that birth.
+/// Last will of the same connection.
 pub const CONNECTION_WILL: &str =
     r#"{"boot_id":"b7","seq":1,"timestamp":"2026-11-21T08:00:00.000Z","state":"CONNECTION_BROKEN"}"#;
-/// Two whiskers that can take each other's place.
+/// Two whiskers that can compensate for each other.
 pub const FACTSHEET: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-2","on_supervisor_loss":"HOLD","arrays":[{"array":"left","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[1]},{"whisker":1,"x_mm":25.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":65.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[0]}]}]}"#;
-/// One contact.
+/// A message with one contact.
 pub const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"left","whisker":0,"t_us":1795248000123456,"ratio":0.85,"deflection_mm":2.4,"strain":0.009671,"pressure_mpa":0.1002,"temperature_c":24.1}]}"#;
-/// A chamber that holds its pressure.
+/// A chamber at its setpoint.
 pub const STATUS: &str = r#"{"boot_id":"b7","seq":77,"t_us":1795248000123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.1002,"setpoint_mpa":0.1,"regulator":"OK","gauge":"OK"}]}"#;
-/// A chamber under way, and messages that the robot could not keep.
+/// A chamber on its way to the setpoint, and dropped contacts messages.
 pub const STATUS_DROPPED: &str = r#"{"boot_id":"b7","seq":78,"t_us":1795248001123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.081,"setpoint_mpa":0.048,"regulator":"VENTING","gauge":"OK"}],"contacts_dropped":12}"#;
-/// Everything below 1810 is committed, and 1811 to 1813 beyond a gap.
+/// All messages below 1810 are committed, and 1811 to 1813 beyond a gap.
 pub const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
 /// A trimmed whisker compensates for itself.
 pub const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":1795248000000,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
-/// The chamber holds the pressure.
+/// The chamber has reached the pressure.
 pub const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","state":"APPLIED","t_us":1795248002123456,"pressure_mpa":0.0481}"#;
-/// Not taken, and why.
+/// A rejected setpoint with its reason.
 pub const SETPOINT_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":32,"command_id":"0198c5d2-7a42-7c10-8f31-51f2f0b9c6aa","state":"REJECTED","t_us":1795248003123456,"pressure_mpa":0.0481,"error":"STALE"}"#;
-/// Send the factsheet again.
+/// Asks for the factsheet again.
 pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;

@@ -1,8 +1,8 @@
-//! The contract as documents for other people's tools: AsyncAPI 3.0, and a JSON Schema for each message.
+//! The contract as documents: AsyncAPI 3.0, and a JSON Schema for each message.
 //!
-//! Both come from the types and constants that [`mod@crate::decode`] checks with, so they say what it enforces.
-//! What no schema can say is in [`BEYOND_SCHEMAS`]. `vibrissa contract --write docs` writes them; a test keeps
-//! the files in `docs` equal to this.
+//! Both are generated from the types and constants that [`mod@crate::decode`] uses, so they state what it enforces.
+//! [`BEYOND_SCHEMAS`] lists the rules that a schema cannot express. `vibrissa contract --write docs` writes the
+//! files; a test compares them with the code.
 
 mod asyncapi;
 mod channel;
@@ -12,31 +12,31 @@ mod schemas;
 pub use channel::Channel;
 pub use schemas::json_schema;
 
-/// Version of the contract and of its documents: the first number is the one in the topics.
+/// Version of the contract and of its documents; the topics contain its major number.
 pub const CONTRACT_VERSION: &str = "1.0.0";
 
-/// What receivers refuse although a message's schema allows it.
+/// Messages that receivers refuse although they match the schema.
 pub const BEYOND_SCHEMAS: &[&str] = &[
-    "a payload that is too long, or not JSON in UTF-8",
-    "a number that is written with decimals or an exponent where an integer is due (`1.0` for `1`)",
+    "a payload that is too long or is not JSON in UTF-8",
+    "an integer written with decimals or an exponent (`1.0` for `1`)",
     "a field twice in one object",
-    "a day that its month does not have, and the leap second after the year 9999, in `timestamp` and `issued`",
-    "in a factsheet: the same array or whisker twice, a neighbour that is the whisker itself or that its array does \
-     not have, `pressure_mpa` above `pressure_max_mpa`",
+    "a day that does not exist in its month, or the leap second after the year 9999, in `timestamp` and `issued`",
+    "in a factsheet: the same array or whisker twice, a neighbour that is the whisker itself or does not exist in \
+     its array, `pressure_mpa` above `pressure_max_mpa`",
     "in a receipt: a `held` range whose last `seq` is below its first",
     "in a setpoint: contact ratios of `gain` that do not rise",
 ];
 
-/// A document and where it belongs.
+/// A document with its path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// Below the folder of documents, such as `schemas/contacts.json`.
+    /// Path below the folder of documents, such as `schemas/contacts.json`.
     pub path: String,
-    /// All of it.
+    /// Full text of the document.
     pub text: String,
 }
 
-/// Every document of the contract.
+/// All documents of the contract.
 #[must_use]
 pub fn files() -> Vec<File> {
     let asyncapi = File { path: "asyncapi.yaml".to_owned(), text: asyncapi() };
@@ -50,7 +50,7 @@ pub fn files() -> Vec<File> {
 /// The AsyncAPI 3.0 document, in YAML.
 ///
 /// # Panics
-/// Never: it is made of texts, numbers and lists of them.
+/// Never: it consists of texts, numbers and lists of them.
 #[must_use]
 pub fn asyncapi() -> String {
     let yaml = serde_saphyr::to_string(&asyncapi::Document::new()).expect("a document of texts and numbers");

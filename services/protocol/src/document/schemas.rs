@@ -1,4 +1,4 @@
-//! The messages' schemas: JSON Schema 2020-12 for files of their own, draft 7 inside the AsyncAPI document,
+//! Schemas of the messages: JSON Schema 2020-12 for the separate files, and draft 7 inside the AsyncAPI document,
 //! whose schemas are a superset of that draft.
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use super::Channel;
 use crate::messages::{Connection, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status};
 use crate::{RobotTopic, SupervisorState, schema};
 
-/// The schema of a channel's message, in JSON Schema 2020-12, with its examples.
+/// The JSON Schema 2020-12 of a channel's message, with examples.
 #[must_use]
 pub fn json_schema(channel: Channel) -> Schema {
     let generator = SchemaSettings::draft2020_12().with_transform(schema::without_number_formats).into_generator();
@@ -21,7 +21,7 @@ pub fn json_schema(channel: Channel) -> Schema {
     schema
 }
 
-/// An example's value.
+/// Parses an example.
 pub(super) fn parsed(text: &str) -> Value {
     serde_json::from_str(text).expect("a test decodes every example")
 }
@@ -40,7 +40,7 @@ fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
     }
 }
 
-/// The name of the component that describes a channel's payload.
+/// Name of the component that describes a channel's payload.
 pub(super) fn component_name(channel: Channel) -> String {
     title(&root(channel, SchemaGenerator::default()))
 }
@@ -49,7 +49,7 @@ fn title(schema: &Schema) -> String {
     schema.get("title").and_then(Value::as_str).expect("a root schema has its type's name").to_owned()
 }
 
-/// Every component: messages and what they are made of, by name.
+/// All components by name: messages and their parts.
 pub(super) fn components() -> BTreeMap<String, Schema> {
     let settings = || {
         SchemaSettings::draft07().with(|settings| {

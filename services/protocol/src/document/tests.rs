@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use super::*;
 use crate::{INTEGER_LIMIT, Message, Refusal, Topic, decode};
 
-/// The AsyncAPI document as other people's tools read it.
+/// The AsyncAPI document, parsed.
 static DOCUMENT: LazyLock<Value> = LazyLock::new(|| serde_saphyr::from_str(&asyncapi()).unwrap());
 
-/// Of each channel: its own schema, and the component of the AsyncAPI document.
+/// Validators of each channel: from its own schema, and from its component of the AsyncAPI document.
 static VALIDATORS: LazyLock<Vec<[Validator; 2]>> = LazyLock::new(|| {
     let both = |channel: &Channel| {
         let own = serde_json::to_value(json_schema(*channel)).unwrap();
@@ -33,11 +33,11 @@ fn decoded(channel: Channel, message: &Value) -> Result<Message, Refusal> {
 #[test]
 fn the_files_in_docs_are_what_the_program_writes() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    const MEND: &str = "mend it with: cargo run -- contract --write docs";
+    const MEND: &str = "write it with: cargo run -- contract --write docs";
     let written = files();
     for file in &written {
         let there = fs::read_to_string(docs.join(&file.path)).unwrap_or_default();
-        assert!(there == file.text, "docs/{} is not what the code says; {MEND}", file.path);
+        assert!(there == file.text, "docs/{} differs from the code; {MEND}", file.path);
     }
     for entry in fs::read_dir(docs.join("schemas")).unwrap() {
         let path = format!("schemas/{}", entry.unwrap().file_name().into_string().unwrap());
@@ -60,7 +60,7 @@ fn every_example_is_what_its_schemas_and_the_decoder_accept() {
     }
 }
 
-/// Every `$ref` below a value.
+/// All `$ref` values below a value.
 fn references(value: &Value) -> Vec<&str> {
     match value {
         Value::Array(items) => items.iter().flat_map(references).collect(),
@@ -111,14 +111,14 @@ enum Change {
     Set(Value),
     Remove,
     AddUnknown,
-    /// A list gets so many copies of its first entry; another value is set to zero.
+    /// A list gets this many copies of its first entry; another value is set to zero.
     Repeat(usize),
 }
 
 fn change() -> impl Strategy<Value = Change> {
     let near = [0.0, 1.0, 10.0, -1.0, 64.0, -100.0, 300.0, 1000.0, 65_535.0, 1e5, -1e5];
     let near = near.into_iter().flat_map(|limit| [limit, limit - 1e-4, limit + 1e-4, limit + 1.0]);
-    // A whole number with decimals is an integer to schemas, and none to the decoder.
+    // To schemas, a whole number with decimals is an integer; the decoder refuses it.
     let number = |number: f64| if number.fract() == 0.0 { json!(number as i64) } else { json!(number) };
     let numbers: Vec<Value> =
         near.map(number).chain([json!(INTEGER_LIMIT - 1), json!(INTEGER_LIMIT), json!(u64::MAX)]).collect();
@@ -141,7 +141,7 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// The places of everything in a message, as JSON pointers.
+/// The JSON pointers of all values in a message.
 fn places(value: &Value, at: &str, found: &mut Vec<String>) {
     found.push(at.to_owned());
     match value {
@@ -178,7 +178,7 @@ fn apply(message: &mut Value, place: &str, change: &Change) {
     }
 }
 
-/// Whether this refusal is one of those that [`BEYOND_SCHEMAS`] lists.
+/// Whether [`BEYOND_SCHEMAS`] lists this refusal.
 fn is_beyond_schemas(refusal: &Refusal) -> bool {
     match refusal {
         Refusal::Duplicate { .. } | Refusal::WrongNeighbour { .. } | Refusal::TooLarge { .. } => true,

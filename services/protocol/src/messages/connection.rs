@@ -4,20 +4,20 @@ use serde::{Deserialize, Serialize};
 use super::Checked;
 use crate::{BootId, ConnectionState, Refusal, Timestamp, check, schema};
 
-/// `connection`: a robot's birth, its farewell, or (as last will) that its connection broke.
+/// `connection`: birth or farewell of a robot, or (as last will) its broken connection.
 ///
-/// The order of receipt counts, not `seq` or `timestamp`: a will's are as old as its connection. A will
+/// The order of arrival counts, not `seq` or `timestamp`: those of a will are as old as its connection. A will
 /// whose boot id is not the robot's newest is ignored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Connection {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// When it was written.
+    /// Time at which the message was written.
     pub timestamp: Timestamp,
-    /// Whether the robot is there.
+    /// State of the connection.
     pub state: ConnectionState,
 }
 

@@ -8,35 +8,34 @@ use crate::{BootId, CONTACTS_MAX, Name, Refusal, check, schema};
 /// `contacts`: a batch of contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contacts {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// In the order in which they were felt.
+    /// The contacts in the order of their measurement.
     #[schemars(length(max = CONTACTS_MAX))]
     pub contacts: Vec<Contact>,
 }
 
-/// What one touch of one whisker read.
+/// Measurements of one contact of one whisker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contact {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
-    /// When, in microseconds since 1970 UTC by the robot's clock.
+    /// Time of the contact, in microseconds since 1970 UTC by the robot's clock.
     #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
     /// The paper's contact ratio a: contact distance / present length, both without the chamber's
     /// elongation; from 0.01 to 1.
     #[schemars(transform = RATIO.in_schema())]
     pub ratio: f64,
-    /// How far the contact bent the whisker, in mm; at least 0.01.
+    /// Deflection of the whisker at the contact, in mm; at least 0.01.
     #[schemars(transform = DEFLECTION_MM.in_schema())]
     pub deflection_mm: f64,
-    /// Mean strain over the gauge grid, in m/m; between -1 and 1. 0 is
-    /// a reading, and what is nearer to it than 1e-9 is none.
+    /// Mean strain over the gauge grid, in m/m; between -1 and 1. It is 0 or has a magnitude of at least 1e-9.
     #[schemars(transform = STRAIN.in_schema())]
     pub strain: f64,
     /// The chamber's measured gauge pressure in MPa.

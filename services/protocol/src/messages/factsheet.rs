@@ -8,65 +8,65 @@ use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
 use crate::name::short_text;
 use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check, schema};
 
-/// `factsheet`: what is on a robot.
+/// `factsheet`: arrays and whiskers of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Factsheet {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// When it was written.
+    /// Time at which the message was written.
     pub timestamp: Timestamp,
-    /// The robot's model.
+    /// Model of the robot.
     #[serde(deserialize_with = "short_text")]
     #[schemars(schema_with = "schema::identifier_field")]
     pub model: String,
-    /// What the robot does when the supervisor is gone.
+    /// Behaviour of the robot without a supervisor.
     pub on_supervisor_loss: OnSupervisorLoss,
-    /// Each of another name.
+    /// Arrays of the robot, with distinct names.
     #[schemars(length(max = ARRAYS_MAX))]
     pub arrays: Vec<ArrayFacts>,
 }
 
-/// One array.
+/// One array of whiskers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ArrayFacts {
-    /// Its name.
+    /// Name of the array.
     pub array: Name,
-    /// What it can do about a shortened whisker.
+    /// Ways in which the array can compensate for a shortened whisker.
     #[serde(rename = "type")]
     pub array_type: ArrayType,
-    /// Each of another number.
+    /// Whiskers of the array, with distinct numbers.
     #[schemars(length(max = WHISKERS_MAX))]
     pub whiskers: Vec<WhiskerFacts>,
 }
 
-/// One whisker as it was built in.
+/// One whisker as installed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WhiskerFacts {
-    /// Its number in the array.
+    /// Number of the whisker in the array.
     pub whisker: u16,
-    /// Where it stands, in mm.
+    /// Position of the whisker along x, in mm.
     #[schemars(transform = PLACE_MM.in_schema())]
     pub x_mm: f64,
-    /// Where it stands, in mm.
+    /// Position of the whisker along y, in mm.
     #[schemars(transform = PLACE_MM.in_schema())]
     pub y_mm: f64,
-    /// The calibration to use, such as `nguyen-2021`.
+    /// Name of the whisker's calibration, such as `nguyen-2021`.
     #[serde(deserialize_with = "short_text")]
     #[schemars(schema_with = "schema::identifier_field")]
     pub model: String,
-    /// Its length without the chamber's elongation, in mm.
+    /// Length without the chamber's elongation, in mm.
     #[schemars(transform = LENGTH_MM.in_schema())]
     pub length_mm: f64,
     /// The chamber's nominal gauge pressure in MPa; at most `pressure_max_mpa`.
     #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: f64,
-    /// The highest pressure that the robot lets into the chamber, in MPa.
+    /// Highest pressure that the robot permits in the chamber, in MPa.
     #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_max_mpa: f64,
-    /// Whiskers of the same array that can take its place: numbers of others that the array has.
+    /// Numbers of other whiskers of the same array that can compensate for this one.
     #[schemars(length(max = WHISKERS_MAX))]
     pub neighbours: Vec<u16>,
 }

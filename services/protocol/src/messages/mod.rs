@@ -1,7 +1,7 @@
-//! One struct per message, with exactly the contract's field names.
+//! One struct for each message, with the contract's field names.
 //!
-//! Each carries `boot_id` (new at each start of its sender) and `seq` (from 0, per boot and topic, without
-//! gaps): (robot, boot id, topic, seq) names a message, and a second one of that name changes nothing.
+//! Each has `boot_id` (new at each start of its sender) and `seq` (from 0, per boot and topic, without gaps).
+//! (robot, boot id, topic, seq) identifies a message; a duplicate changes nothing.
 
 mod connection;
 mod contacts;
@@ -23,8 +23,8 @@ pub use supervisor::SupervisorState;
 
 use crate::Refusal;
 
-/// What a message must hold beyond the types of its fields.
+/// Checks beyond the types of a message's fields.
 pub(crate) trait Checked {
-    /// Refuses what no sender that keeps the contract would send.
+    /// Returns a refusal if the message violates the contract.
     fn check(&self) -> Result<(), Refusal>;
 }

@@ -4,26 +4,27 @@ use serde::{Deserialize, Serialize};
 use super::Checked;
 use crate::{BootId, HELD_MAX, Refusal, check, schema};
 
-/// `receipt`: how far the contacts of one boot of a robot are committed in the supervisor's database.
+/// `receipt`: which contacts messages of one boot of a robot are committed in the supervisor's database.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Receipt {
-    /// The supervisor's boot.
+    /// Boot id of the supervisor.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// The robot's boot whose `contacts` it speaks of.
+    /// Boot id of the robot whose `contacts` messages are receipted.
     pub robot_boot_id: BootId,
-    /// Every contacts message of that boot with a `seq` below it is committed.
+    /// All contacts messages of that boot with a `seq` below this one are committed.
     #[schemars(transform = schema::exact_integer)]
     pub next: u64,
-    /// Committed ones beyond a gap: first and last `seq` of each range, both included, the last not below the first.
+    /// Committed messages beyond a gap: first and last `seq` of each range, both inclusive, with last not below
+    /// first.
     #[schemars(schema_with = "schema::held")]
     pub held: Vec<(u64, u64)>,
 }
 
 impl Receipt {
-    /// Whether the contacts message of that `seq` is committed.
+    /// Whether the contacts message with this `seq` is committed.
     #[must_use]
     pub fn covers(&self, seq: u64) -> bool {
         seq < self.next || self.held.iter().any(|&(first, last)| (first..=last).contains(&seq))
@@ -38,7 +39,7 @@ impl Checked for Receipt {
         check::each("held", &self.held, |&(first, last)| {
             check::integer("", first)?;
             check::integer("", last)?;
-            // A range that is upside down would cover nothing in silence.
+            // A reversed range would silently cover nothing.
             if first <= last {
                 return Ok(());
             }

@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 use super::Checked;
 use crate::{BootId, Refusal, RequestKind, check, schema};
 
-/// `request`: the supervisor asks a robot to send something again.
+/// `request`: the supervisor asks a robot to send a message again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Request {
-    /// The supervisor's boot.
+    /// Boot id of the supervisor.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// What to send.
+    /// The requested message.
     pub request: RequestKind,
 }
 

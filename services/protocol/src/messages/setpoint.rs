@@ -9,26 +9,26 @@ use crate::{
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
 ///
-/// The pressure is not checked here: a robot answers one outside its factsheet's range with
-/// `OUT_OF_RANGE` instead of leaving the supervisor without an answer.
+/// The pressure is not checked here: a robot answers a pressure outside its factsheet's range with `OUT_OF_RANGE`,
+/// so that the supervisor gets an answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Setpoint {
-    /// The supervisor's boot.
+    /// Boot id of the supervisor.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// Names the command: the same one again is answered again and not applied again.
+    /// Identifies the command: a repeated one is answered again and not applied again.
     #[schemars(schema_with = "schema::identifier_field")]
     pub command_id: String,
-    /// The supervisor's epoch; with `version` the order of setpoints for a whisker. It rises with each owner of the fleet,
-    /// by leaps, and needs 64 bits: it is the time at which it began, in milliseconds since 1970 UTC, or later.
+    /// Epoch of the supervisor; (`epoch`, `version`) orders the setpoints of a whisker. It rises by leaps with each
+    /// owner of the fleet and needs 64 bits: it is the start of ownership in milliseconds since 1970 UTC, or later.
     #[schemars(transform = schema::exact_integer)]
     pub epoch: u64,
-    /// Grows within an epoch.
+    /// Version of the setpoint; it rises within an epoch.
     #[schemars(transform = schema::exact_integer)]
     pub version: u64,
-    /// The robot's boot that it is meant for.
+    /// Boot id of the robot that the setpoint is for.
     pub robot_boot_id: BootId,
     /// The whisker's array.
     pub array: Name,
@@ -36,44 +36,44 @@ pub struct Setpoint {
     pub whisker: u16,
     /// The gauge pressure to hold, in MPa.
     pub pressure_mpa: f64,
-    /// How fast the pressure may change, in MPa/s; above 0.
+    /// Highest rate of change of the pressure, in MPa/s; above 0.
     #[schemars(transform = SLEW_MPA_PER_S.in_schema())]
     pub slew_mpa_per_s: f64,
-    /// When it was issued, by the supervisor's clock.
+    /// Time at which it was issued, by the supervisor's clock.
     pub issued: Timestamp,
-    /// When it ceases to be valid, in microseconds since 1970 UTC by the robot's own clock.
+    /// Time at which it expires, in microseconds since 1970 UTC by the robot's own clock.
     #[schemars(transform = schema::exact_integer)]
     pub expires_us: u64,
-    /// Why.
+    /// Reason of the setpoint.
     pub reason: SetpointReason,
-    /// What is left to correct after the pressure: pairs of contact ratio and factor on the compensator's
-    /// strain, by rising ratio, to interpolate between.
+    /// Remaining correction after the pressure: pairs of contact ratio and factor on the compensator's strain, by
+    /// rising ratio, for interpolation.
     #[schemars(schema_with = "schema::gain")]
     pub gain: Vec<(f64, f64)>,
 }
 
-/// `setpoint_state`: what became of a setpoint.
+/// `setpoint_state`: progress or result of a setpoint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = schema::error_where_due)]
 pub struct SetpointState {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// The command that it answers.
+    /// Id of the answered command.
     #[schemars(schema_with = "schema::identifier_field")]
     pub command_id: String,
-    /// What became of it.
+    /// State of the setpoint.
     pub state: SetpointOutcome,
-    /// When, in microseconds since 1970 UTC by the robot's clock.
+    /// Time of the state, in microseconds since 1970 UTC by the robot's clock.
     #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
-    /// The chamber's measured gauge pressure in MPa; absent where there is no such chamber.
+    /// Measured gauge pressure of the chamber, in MPa; absent if there is no such chamber.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: Option<f64>,
-    /// Why, with `REJECTED` and `FAILED`; absent otherwise.
+    /// Reason, with `REJECTED` and `FAILED`; absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<SetpointError>,
 }
@@ -107,7 +107,7 @@ impl Checked for SetpointState {
             PRESSURE_MPA.check("pressure_mpa", pressure_mpa)?;
         }
         if self.state.needs_error() && self.error.is_none() {
-            let problem = format!("missing, but {} must say why", self.state);
+            let problem = format!("missing, but {} needs a reason", self.state);
             return Err(Refusal::Malformed { path: "error".to_owned(), problem });
         }
         Ok(())

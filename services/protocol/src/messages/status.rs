@@ -5,43 +5,43 @@ use super::Checked;
 use crate::check::PRESSURE_MPA;
 use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check, schema};
 
-/// `status`: the condition of a robot's chambers and gauges.
+/// `status`: condition of a robot's chambers and gauges.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Status {
-    /// The robot's boot.
+    /// Boot id of the robot.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// When, in microseconds since 1970 UTC by the robot's clock.
+    /// Time of the status, in microseconds since 1970 UTC by the robot's clock.
     #[schemars(transform = schema::exact_integer)]
     pub t_us: u64,
-    /// One entry per whisker.
+    /// One entry for each whisker.
     #[schemars(length(max = ARRAYS_MAX * WHISKERS_MAX))]
     pub whiskers: Vec<WhiskerStatus>,
-    /// Contacts messages that the robot dropped in this boot because it kept too many, or lost in the
-    /// restart before it; absent for zero or for a robot that does not count them.
+    /// Contacts messages that the robot dropped in this boot because its store was full, or lost in the restart
+    /// before; absent for zero or for a robot that does not count them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(transform = schema::exact_integer)]
     pub contacts_dropped: Option<u64>,
 }
 
-/// The condition of one whisker's chamber and gauge.
+/// Condition of one whisker's chamber and gauge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WhiskerStatus {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
-    /// The chamber's measured gauge pressure in MPa.
+    /// Measured gauge pressure of the chamber, in MPa.
     #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub pressure_mpa: f64,
-    /// The pressure that the regulator is to hold, in MPa.
+    /// Pressure that the regulator shall hold, in MPa.
     #[schemars(transform = PRESSURE_MPA.in_schema())]
     pub setpoint_mpa: f64,
-    /// The regulator's condition.
+    /// Condition of the regulator.
     pub regulator: Regulator,
-    /// The gauge's condition.
+    /// Condition of the gauge.
     pub gauge: Gauge,
 }
 

@@ -4,17 +4,18 @@ use serde::{Deserialize, Serialize};
 use super::Checked;
 use crate::{BootId, Refusal, SupervisorPresence, check, schema};
 
-/// `whisker/v1/{fleet}/supervisor/state`: whether a supervisor owns the fleet, and in which epoch.
+/// `whisker/v1/{fleet}/supervisor/state`: states whether a supervisor owns the fleet, and its epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct SupervisorState {
-    /// The supervisor's boot.
+    /// Boot id of the supervisor.
     pub boot_id: BootId,
-    /// From 0 in each boot.
+    /// Sequence number, from 0 in each boot.
     #[schemars(transform = schema::exact_integer)]
     pub seq: u64,
-    /// Whether it is there.
+    /// Whether the supervisor owns the fleet.
     pub state: SupervisorPresence,
-    /// Grows by at least one at each start of a supervisor of this fleet: the higher one is in charge.
+    /// Epoch of the supervisor; it rises by at least one at each start of a supervisor of this fleet, and the
+    /// highest one owns the fleet.
     #[schemars(transform = schema::exact_integer)]
     pub epoch: u64,
 }

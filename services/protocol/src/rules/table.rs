@@ -1,31 +1,32 @@
-//! The rules as a document for the people who build robots.
+//! The rules as a document for robot engineers.
 
 use std::fmt::Write;
 
 use super::{Rule, Scope, Visible};
 
 const HEAD: &str = "\
-# What the contract asks of a robot
+# Rules of the contract for robots
 
-Each rule of the MQTT contract that a robot must keep, under the name by which `vibrissa check-robot` tells it. This table is written
-from `services/protocol/src/rules.rs`; `VIBRISSA_WRITE_DOCS=1 cargo test --workspace --lib rules` writes it anew.
+Rules of the MQTT contract for robots, each with the name that `vibrissa check-robot` reports. This table is generated
+from `services/protocol/src/rules.rs`; `VIBRISSA_WRITE_DOCS=1 cargo test --workspace --lib rules` writes it again.
 
-*Every robot* must keep most of them. Those *with receipts* are for robots that keep contacts until a receipt covers them, and show it by
-sending contacts with quality of service 0. Rules marked *restart* are only tested while somebody takes the robot's power away and
-gives it back (`--restart`).
+Most rules apply to *every robot*. Those *with receipts* apply to robots that store contacts until a receipt covers them;
+such robots send contacts with quality of service 0. Rules marked *restart* are only tested while somebody switches the
+robot off and on again (`--restart`).
 
-The contract gives no times for what follows, so that the check is patient: 5 s for an answer to a request or the first one to a setpoint, 30 s
-for a setpoint's final state, 60 s until a contacts message comes again, 1 s in which what a receipt covers may still be under way. A pressure
-is near its setpoint within 0.005 MPa, and may be as far ahead of its ramp.
+The contract defines no times for the following, so the check is patient: 5 s for an answer to a request and for the
+first answer to a setpoint, 30 s for the final state of a setpoint, 60 s until a contacts message is sent again, and 1 s
+in which a message may still arrive although a receipt covers it. A pressure counts as reached within 0.005 MPa of its
+setpoint, and may be as far ahead of its ramp.
 
-| rule | topic | asked of | tested | what is asked |
+| rule | topic | applies to | tested | requirement |
 | --- | --- | --- | --- | --- |
 ";
 
 const TAIL_HEAD: &str = "
 ## Not tested
 
-From outside these cannot be seen; they hold all the same.
+A test from outside cannot verify these rules; they apply nevertheless.
 
 | rule | why it is not tested |
 | --- | --- |
@@ -49,7 +50,7 @@ pub fn markdown() -> String {
                 "no"
             }
         };
-        // Writing into a text cannot fail.
+        // Writing to a `String` cannot fail.
         let _ = writeln!(text, "| `{rule}` | `{}` | {scope} | {tested} | {} |", rule.topic(), rule.asked());
     }
     text + &untested
@@ -78,6 +79,6 @@ mod tests {
             std::fs::write(path, markdown()).unwrap();
         }
         let written = std::fs::read_to_string(path).unwrap();
-        assert!(written == markdown(), "docs/contract-rules.md is old: VIBRISSA_WRITE_DOCS=1 writes it anew");
+        assert!(written == markdown(), "docs/contract-rules.md is out of date: VIBRISSA_WRITE_DOCS=1 writes it again");
     }
 }

@@ -1,4 +1,4 @@
-//! Whiskers that are cut one after the other, and the setpoints that this leads to.
+//! Cuts whiskers one after the other, and measures the setpoints that follow.
 
 use std::collections::BTreeMap;
 
@@ -7,28 +7,28 @@ use vibrissa_protocol::{Setpoint, SetpointReason};
 
 use super::texts::Touching;
 
-/// Without a setpoint after so many contacts the next whisker's turn comes.
+/// Number of contacts without a setpoint after which the next whisker is cut.
 const CONTACTS_MAX: usize = 200;
-/// What is left of a cut whisker, mm: from the longest to the shortest.
+/// Remaining lengths of cut whiskers, in mm, from the longest to the shortest.
 const LENGTHS_MM: [f64; 5] = [66.0, 65.0, 64.0, 63.0, 62.0];
-/// Setpoints say when they were issued in milliseconds, rounded down.
+/// Setpoints state their time of issue in milliseconds, rounded down.
 const ISSUED_WITHIN_US: u64 = 1000;
 
-/// The whiskers of one robot that were cut.
+/// Cut whiskers of one robot.
 #[derive(Debug, Default)]
 pub struct Cuts {
     touching: BTreeMap<usize, Touching>,
-    /// The one that was cut last, and when its contacts were sent since then.
+    /// The whisker that was cut last, and the transmission times of its contacts since then.
     active: Option<(usize, Vec<u64>)>,
-    /// Cut whiskers for which no setpoint came.
+    /// Number of cut whiskers that got no setpoint.
     pub missed: u64,
 }
 
 impl Cuts {
-    /// The whisker that waits for a setpoint; cuts the next one if none does. None once all of them are cut.
+    /// The whisker that waits for a setpoint; cuts the next one if none does. `None` once all are cut.
     ///
     /// # Errors
-    /// The mechanics are none; cannot happen.
+    /// The mechanics are invalid; cannot happen.
     pub fn active(&mut self, robot: usize, whiskers: usize, now_us: u64) -> Result<Option<usize>, ModelError> {
         if self.active.as_ref().is_some_and(|(_, sent_us)| sent_us.len() >= CONTACTS_MAX) {
             self.missed += 1;
@@ -44,7 +44,7 @@ impl Cuts {
         Ok(self.active.as_ref().map(|&(whisker, _)| whisker))
     }
 
-    /// What a cut whisker reads at a contact that is sent now; none of a whole one.
+    /// The encoded reading of a cut whisker for a contact that is sent now; `None` for a whole whisker.
     pub fn touch(&mut self, whisker: usize, now_us: u64) -> Option<Vec<u8>> {
         let reading = self.touching.get_mut(&whisker)?.touch();
         if let Some((active, sent_us)) = &mut self.active
@@ -55,10 +55,10 @@ impl Cuts {
         Some(reading)
     }
 
-    /// A setpoint is applied. How long after its contact it came, in microseconds, if it is the first one for the whisker that
-    /// was cut last.
+    /// Applies a setpoint. Returns the time since the contact that led to it, in microseconds, if it is the first
+    /// setpoint for the whisker that was cut last.
     ///
-    /// Its contact is the last one of that whisker that was sent before it was issued.
+    /// That contact is the whisker's last one sent before the setpoint was issued.
     pub fn take(&mut self, whisker: usize, setpoint: &Setpoint, now_us: u64) -> Option<u64> {
         if let Some(touching) = self.touching.get_mut(&whisker) {
             touching.set_pressure(setpoint.pressure_mpa);

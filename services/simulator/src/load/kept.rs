@@ -1,37 +1,39 @@
-//! The contacts messages of one robot until a receipt covers them.
+//! Contacts messages of one robot until a receipt covers them.
 //!
-//! By the rules of [`crate::outbox`], made for many messages per second: what it takes to write a message once more is kept, not
-//! the message. What a receipt passes over is sent again a second after it was sent last; what lies beyond all receipts only when
-//! none comes any more, because it may still be on its way. Oldest first, a window at a time.
+//! It follows the rules of [`crate::outbox`], but for many messages per second: it stores the data from which a
+//! message can be written again, not the message. A message that a receipt passes over is sent again one second
+//! after its last transmission. Messages beyond all receipts may still be on their way; they are sent again only
+//! when no receipt arrives any more. Oldest first, in windows.
 
 use std::collections::VecDeque;
 
 use crate::outbox::{BACKOFF_MAX_US, BACKOFF_START_US, WINDOW};
 
-/// A message that is kept.
+/// A stored message.
 #[derive(Debug, Clone)]
 pub struct Kept {
-    /// When its contacts were felt, in microseconds since 1970 UTC: with robot and number it gives the message again.
+    /// Time of its contacts, in microseconds since 1970 UTC; with robot and sequence number it determines the
+    /// message.
     pub felt_us: u64,
-    /// The message itself, if it cannot be made again.
+    /// The message itself, if it cannot be written again.
     pub payload: Option<Box<[u8]>>,
     sent_us: u64,
     is_covered: bool,
 }
 
-/// The messages of one boot.
+/// Messages of one boot.
 #[derive(Debug, Clone)]
 pub struct Outbox {
-    /// The number of the first message that is kept.
+    /// Sequence number of the first stored message.
     first: u64,
     kept: VecDeque<Kept>,
     uncovered: usize,
-    /// Beyond the highest number that a receipt has covered.
+    /// One more than the highest number that a receipt has covered.
     end: u64,
     backoff_us: u64,
-    /// When something was last covered or, since then, sent again.
+    /// Time of the last covering receipt or, after it, of the last window sent again.
     answered_us: u64,
-    /// A window was sent again, and nothing has been covered since.
+    /// Whether a window was sent again and nothing has been covered since.
     is_waiting: bool,
 }
 
@@ -50,19 +52,19 @@ impl Default for Outbox {
 }
 
 impl Outbox {
-    /// The number of the next message.
+    /// Sequence number of the next message.
     #[must_use]
     pub fn next_seq(&self) -> u64 {
         self.first + self.kept.len() as u64
     }
 
-    /// How many no receipt covers.
+    /// Number of messages that no receipt covers.
     #[must_use]
     pub fn uncovered(&self) -> usize {
         self.uncovered
     }
 
-    /// Keeps the next message, which is sent now.
+    /// Stores the next message, which is sent now.
     pub fn keep(&mut self, now_us: u64, payload: Option<Box<[u8]>>) {
         if self.uncovered == 0 {
             self.answered_us = now_us;
@@ -71,13 +73,13 @@ impl Outbox {
         self.uncovered += 1;
     }
 
-    /// A message by its number.
+    /// The message with a sequence number.
     #[must_use]
     pub fn get(&self, seq: u64) -> Option<&Kept> {
         self.kept.get(usize::try_from(seq.checked_sub(self.first)?).ok()?)
     }
 
-    /// Forgets what a receipt covers; gives how many that were.
+    /// Removes the messages that a receipt covers, and returns their number.
     pub fn receipt(&mut self, now_us: u64, next: u64, held: &[(u64, u64)]) -> usize {
         let before = self.uncovered;
         self.cover(self.first, next);
@@ -97,7 +99,7 @@ impl Outbox {
         covered
     }
 
-    /// Covers from a number to before another.
+    /// Marks the messages from one number to before another as covered.
     fn cover(&mut self, from: u64, to: u64) {
         let to = to.min(self.next_seq());
         self.end = self.end.max(to);
@@ -110,7 +112,7 @@ impl Outbox {
         }
     }
 
-    /// The numbers of the messages to send again now, oldest first; they count as sent.
+    /// Sequence numbers of the messages to send again now, oldest first; they count as sent.
     pub fn resend(&mut self, now_us: u64) -> Vec<u64> {
         let is_silent = now_us >= self.answered_us + self.backoff_us;
         if self.uncovered == 0 || self.is_waiting && !is_silent {
@@ -145,7 +147,7 @@ mod tests {
 
     const S: u64 = 1_000_000;
 
-    /// Messages 0.. that were sent at 100 s.
+    /// An outbox with messages 0.. sent at 100 s.
     fn outbox(count: u64) -> Outbox {
         let mut outbox = Outbox::default();
         (0..count).for_each(|_| outbox.keep(100 * S, None));

@@ -1,4 +1,4 @@
-//! One connection to the broker with its share of the robots: what is sent, and when.
+//! One connection to the broker, with its share of the robots.
 
 mod hear;
 
@@ -17,14 +17,14 @@ use super::robots::Robot;
 use super::texts::Texts;
 use crate::fleet::now_us;
 
-/// Enough for one write.
+/// Size of the output buffer up to which messages are added, in bytes.
 const OUT_BYTES: usize = 64 * 1024;
-/// How often it is looked what is to be sent again, and whose status is due.
+/// Period of the checks for messages to send again and for due statuses.
 const ROUND_US: u64 = 20_000;
-/// Between two looks at what came back, in a burst.
+/// Pause between two reads in a burst.
 const PAUSE: Duration = Duration::from_micros(500);
 
-/// What a connection shares with the others.
+/// Data that all connections share.
 #[derive(Debug, Clone)]
 pub(super) struct Common {
     pub(super) plan: Arc<LoadPlan>,
@@ -33,20 +33,20 @@ pub(super) struct Common {
     pub(super) address: String,
 }
 
-/// New messages to send, and how.
+/// New messages to send, with their schedule.
 #[derive(Debug, Clone)]
 pub(super) struct Task {
-    /// How many of this connection's robots together.
+    /// Number of messages of this connection's robots together.
     pub(super) messages: u64,
-    /// Contacts in each.
+    /// Number of contacts in each message.
     pub(super) contacts: usize,
-    /// Messages per second of this connection, from that time in microseconds on.
+    /// Start time in microseconds, and messages per second of this connection; `None` for as fast as possible.
     pub(super) schedule: Option<(f64, f64)>,
     /// Whether whiskers are cut.
     pub(super) cuts: bool,
 }
 
-/// What a connection has counted since it was last asked.
+/// Counters since the last [`Line::take_counts`].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Counts {
     pub(super) sent: u64,
@@ -71,10 +71,11 @@ pub(super) struct Line {
     turn: usize,
     packet_id: u16,
     in_flight: usize,
-    /// The window was full: a quarter of it is waited for, or each acknowledgement would lead to a write of its own.
+    /// The window was full. Sending resumes once a quarter of it is free, or else each acknowledgement would lead
+    /// to a write.
     is_full: bool,
     uncovered: usize,
-    /// Acknowledgements of other kinds that are waited for.
+    /// Number of other acknowledgements that are still to come.
     waited_for: usize,
     round_at_us: u64,
     heard: Instant,
@@ -82,7 +83,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Connects, and subscribes to what is said to its robots.
+    /// Connects, and subscribes to the topics of its robots.
     pub(super) async fn connect(common: Common, index: usize) -> io::Result<Self> {
         let stream = TcpStream::connect(&common.address).await?;
         stream.set_nodelay(true)?;
@@ -121,22 +122,22 @@ impl Line {
         Ok(line)
     }
 
-    /// How many robots it has.
+    /// Number of robots of this connection.
     pub(super) fn robots(&self) -> usize {
         self.robots.len()
     }
 
-    /// What was counted since this was asked last.
+    /// Counters since the last call.
     pub(super) fn take_counts(&mut self) -> Counts {
         std::mem::take(&mut self.counts)
     }
 
-    /// Cut whiskers for which no setpoint came.
+    /// Number of cut whiskers that got no setpoint.
     pub(super) fn missed(&self) -> u64 {
         self.robots.iter().map(|robot| robot.cuts.missed).sum()
     }
 
-    /// Births, factsheets and statuses of all its robots.
+    /// Publishes births, factsheets and statuses of all robots.
     pub(super) async fn introduce(&mut self) -> io::Result<()> {
         for at in 0..self.robots.len() {
             let now_us = now_us();
@@ -152,7 +153,7 @@ impl Line {
         self.settle().await
     }
 
-    /// Says farewell for all its robots, and disconnects.
+    /// Publishes the farewells of all robots, and disconnects.
     pub(super) async fn end(&mut self) -> io::Result<()> {
         for at in 0..self.robots.len() {
             let farewell = self.robots[at].connection(now_us(), ConnectionState::Offline);
@@ -166,7 +167,7 @@ impl Line {
         Ok(())
     }
 
-    /// Sends new messages, and again what is not receipted, until all of it is.
+    /// Sends new messages, and unreceipted ones again, until all are receipted.
     pub(super) async fn work(&mut self, mut task: Task) -> io::Result<()> {
         loop {
             let now_us = now_us();
@@ -180,25 +181,26 @@ impl Line {
                 break;
             }
             if task.schedule.is_none() && task.messages > 0 && !is_unwritten && self.may_send(&task, now_us) {
-                // The buffer was the limit: the other connections' turn, then on.
+                // The buffer was the limit: let the other connections run, then continue.
                 tokio::task::yield_now().await;
                 self.read()?;
                 continue;
             }
             if task.schedule.is_none() {
-                // Not awaited: each acknowledgement would wake it, and interrupt the broker on the same core.
+                // A blocking sleep: an await would wake up for each acknowledgement and interrupt a broker on the
+                // same core.
                 std::thread::sleep(PAUSE);
             }
             let next_us = task.due_at_us().map_or(self.round_at_us, |at_us| at_us.min(self.round_at_us));
             self.wait(Duration::from_micros(next_us.saturating_sub(now_us)), is_unwritten).await?;
         }
-        // What was sent with QoS 0 has reached the broker when it answers this.
+        // The broker answers the ping after it has received all QoS 0 messages.
         self.out.extend_from_slice(&packet::PING);
         self.waited_for += 1;
         self.settle().await
     }
 
-    /// Writes and reads until nothing is waited for.
+    /// Writes and reads until all acknowledgements have arrived.
     async fn settle(&mut self) -> io::Result<()> {
         loop {
             let is_unwritten = self.flush()?;
@@ -209,7 +211,7 @@ impl Line {
         }
     }
 
-    /// New messages as far as windows, schedule and buffer allow.
+    /// Adds new messages as far as windows, schedule and buffer allow.
     fn send_new(&mut self, task: &mut Task, now_us: u64) -> io::Result<()> {
         let window = self.common.plan.window;
         self.is_full &= self.in_flight > window - window / 4;
@@ -237,7 +239,7 @@ impl Line {
         }
     }
 
-    /// The next contacts message of a robot.
+    /// Adds the next contacts message of a robot.
     fn send_next(&mut self, at: usize, task: &Task, now_us: u64) -> Result<(), ModelError> {
         let seq = self.robots[at].outbox.next_seq();
         let cut = if task.cuts { self.cut_reading(at, seq, now_us)? } else { None };
@@ -250,7 +252,7 @@ impl Line {
         let kept = cut.map(|_| self.payload.clone().into_boxed_slice());
         self.robots[at].outbox.keep(now_us, kept);
         if self.common.plan.no_receipts {
-            // Nobody will: it counts as covered, so that nothing is kept.
+            // Without receipts the message counts as covered, so that nothing is stored.
             self.robots[at].outbox.receipt(now_us, seq + 1, &[]);
         } else {
             self.uncovered += 1;
@@ -263,7 +265,7 @@ impl Line {
         Ok(())
     }
 
-    /// The whisker and its reading, if the message is one of a whisker that was cut.
+    /// Whisker and reading, if the message is one of a cut whisker.
     fn cut_reading(&mut self, at: usize, seq: u64, now_us: u64) -> Result<Option<(usize, Vec<u8>)>, ModelError> {
         let plan = &self.common.plan;
         let robot = &mut self.robots[at];
@@ -273,7 +275,7 @@ impl Line {
         Ok(robot.cuts.touch(whisker, now_us).map(|reading| (whisker, reading)))
     }
 
-    /// Sends again what is due, and statuses.
+    /// Sends due messages again, and due statuses.
     fn go_round(&mut self, now_us: u64, contacts: usize) {
         self.round_at_us = now_us + ROUND_US;
         let texts = self.common.texts.clone();
@@ -299,13 +301,13 @@ impl Line {
         let status = self.robots[at].status(now_us);
         self.publish(at, RobotTopic::Status, &status);
         let every_us = (self.common.plan.status_every_s * 1e6) as u64;
-        // Spread out over the time from one to the next, so that not all of them speak at once.
+        // The first statuses are spread over the period, so that the robots do not send at the same time.
         let first = self.robots[at].status_at_us == 0;
         let pause_us = if first { every_us * (at as u64 + 1) / self.robots.len() as u64 } else { every_us };
         self.robots[at].status_at_us = now_us + pause_us;
     }
 
-    /// Publishes what is in `payload` as contacts of a robot.
+    /// Publishes `payload` as contacts of a robot.
     fn publish_payload(&mut self, at: usize) {
         let payload = std::mem::take(&mut self.payload);
         self.publish(at, RobotTopic::Contacts, &payload);
@@ -329,7 +331,7 @@ impl Line {
         packet::publish(&mut self.out, &self.topic, Manner { id, retain: kind.is_retained() }, payload);
     }
 
-    /// Writes what can be written; whether something is left.
+    /// Writes as much as possible; returns whether data is left.
     fn flush(&mut self) -> io::Result<bool> {
         while self.written < self.out.len() {
             match self.stream.try_write(&self.out[self.written..]) {
@@ -343,10 +345,10 @@ impl Line {
         Ok(false)
     }
 
-    /// Until something comes, can be written again, or the time is over.
+    /// Waits until data arrives, data can be written again, or the pause is over.
     async fn wait(&mut self, pause: Duration, is_unwritten: bool) -> io::Result<()> {
         if self.heard.elapsed().as_secs_f64() > self.common.plan.patience_s {
-            return Err(io::Error::new(io::ErrorKind::TimedOut, "nothing comes back any more"));
+            return Err(io::Error::new(io::ErrorKind::TimedOut, "no answer from the broker or the supervisor"));
         }
         tokio::select! {
             readable = self.stream.readable() => {
@@ -360,7 +362,7 @@ impl Line {
 }
 
 impl Task {
-    /// When the next message is due, by the schedule.
+    /// Time of the next message by the schedule.
     fn due_at_us(&self) -> Option<u64> {
         self.schedule.filter(|_| self.messages > 0).map(|(at_us, _)| at_us as u64)
     }

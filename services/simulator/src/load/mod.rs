@@ -1,10 +1,12 @@
-//! Load: as many contacts messages of as many robots as a broker takes, made as cheaply as it can be done.
+//! Load generator: as many contacts messages of as many robots as a broker accepts, at low cost.
 //!
-//! Unlike [`crate::Fleet`], robots share connections, their chambers obey at once, and what ordinary whiskers read is drawn from
-//! readings made before. What they keep is the contract: births and factsheets first, numbers without gaps, a boot of its own
-//! for each run, statuses, answers to setpoints and requests, and sending again by receipt until everything is receipted.
+//! Unlike in [`crate::Fleet`], robots share connections, their chambers reach setpoints at once, and the readings
+//! of whole whiskers are drawn from precomputed ones. The robots obey the contract: births and factsheets first,
+//! sequence numbers without gaps, a new boot for each run, statuses, answers to setpoints and requests, and
+//! repeated transmission until all messages are receipted.
 //!
-//! Read in this order: [`plan`], [`texts`] and [`robots`] (what is said), [`kept`] (what is sent again), `line` (how), [`cuts`].
+//! Read in this order: [`plan`], [`texts`] and [`robots`] (messages), [`kept`] (repeated transmission), `line`
+//! (connections), [`cuts`].
 
 pub mod cuts;
 pub mod kept;
@@ -27,27 +29,27 @@ use crate::fleet::{Broker, CannotStart, now_us};
 use line::{Common, Line, Task};
 use texts::Texts;
 
-/// What [`say_prepared`] says.
+/// Text printed by [`say_prepared`].
 pub const PREPARED: &str = "prepared";
-/// Contacts in the messages of the preparation.
+/// Contacts in each message of the preparation.
 const LEARN_CONTACTS: usize = 20;
 
-/// Load that cannot be made, or could not be made to the end.
+/// Why load could not be generated to the end.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// The plan is none.
+    /// The plan is invalid.
     #[error(transparent)]
     Plan(#[from] BadPlan),
-    /// The broker's address is none, or speaks TLS.
+    /// The broker's URL is invalid or requires TLS.
     #[error("--mqtt-url: {0}")]
     Address(String),
-    /// The broker cannot be reached, or nothing is receipted any more.
-    #[error("the load was not made to the end: {0}")]
+    /// The broker cannot be reached, or receipts stopped.
+    #[error("the load stopped before its end: {0}")]
     Broken(#[from] io::Error),
 }
 
-/// Makes load until all of it is receipted; within a tokio runtime, of which one thread is enough. `prepared` is called when the
-/// preparation is over, before the first message that counts.
+/// Generates load until all messages are receipted. Needs a tokio runtime, for which one thread is enough.
+/// `prepared` is called after the preparation, before the first message that counts.
 ///
 /// # Errors
 /// See [`LoadError`].
@@ -56,7 +58,7 @@ pub async fn run(plan: LoadPlan, prepared: impl FnOnce()) -> Result<LoadReport, 
     let broker =
         Broker::from_url(&plan.mqtt_url).map_err(|problem: CannotStart| LoadError::Address(problem.to_string()))?;
     if broker.tls.is_some() {
-        return Err(LoadError::Address("the load speaks no TLS".to_owned()));
+        return Err(LoadError::Address("the load generator does not support TLS".to_owned()));
     }
     let boot_id = BootId::new(&format!("load-{:016x}-{}", now_us(), std::process::id())).expect("a short text");
     let texts = Texts::new(&plan, boot_id.as_str()).map_err(io::Error::other)?;
@@ -84,19 +86,21 @@ pub async fn run(plan: LoadPlan, prepared: impl FnOnce()) -> Result<LoadReport, 
     Ok(report)
 }
 
-/// What is sent before anything is measured: at least one message of each robot, whose receipt says that it is known.
+/// Messages before the measurement: at least one for each robot, whose receipt shows that the supervisor knows the
+/// robot.
 fn preparation(plan: &LoadPlan, robots: usize) -> Task {
     let of_each = (plan.learn * plan.whiskers).div_ceil(LEARN_CONTACTS).max(1);
     let contacts = if plan.learn > 0 { LEARN_CONTACTS } else { 1 };
     Task { messages: (of_each * robots) as u64, contacts, schedule: None, cuts: false }
 }
 
-/// Says that the preparation is over, on standard error: whoever has started this program may look at others' processor time.
+/// Prints on standard error that the preparation is over, so that a caller can start its own measurements of
+/// processor time.
 pub fn say_prepared() {
     eprintln!("{PREPARED}");
 }
 
-/// This connection's share of what is measured.
+/// This connection's share of the measured messages.
 fn measured(plan: &LoadPlan, robots: usize, now_us: u64) -> Task {
     let share = robots as f64 / plan.robots as f64;
     let schedule = plan.rate.map(|rate| (now_us as f64, rate * share));
@@ -104,7 +108,7 @@ fn measured(plan: &LoadPlan, robots: usize, now_us: u64) -> Task {
     Task { messages, contacts: plan.contacts, schedule, cuts: plan.trim_every.is_some() }
 }
 
-/// Lets all connections do something at once, and waits until all of them have done it.
+/// Runs `work` on all connections concurrently, and waits for all.
 async fn each(mut lines: Vec<Line>, work: impl AsyncFn(&mut Line) -> io::Result<()>) -> io::Result<Vec<Line>> {
     futures_util::future::try_join_all(lines.iter_mut().map(|line| work(line))).await?;
     Ok(lines)

@@ -1,48 +1,48 @@
-//! As much of MQTT 3.1.1 as it takes to make load: whole packets into one buffer, and out of another.
+//! The part of MQTT 3.1.1 that the load generator needs: packets are written to one buffer and parsed from another.
 //!
-//! Written by hand, because what the generator costs is taken from what it measures.
+//! Written by hand, since the generator's processor time is taken from the system under test.
 
 use std::io;
 
-/// The end of a connection in good order.
+/// DISCONNECT packet.
 pub const DISCONNECT: [u8; 2] = [0xe0, 0];
-/// The broker answers it after everything that was sent before.
+/// PINGREQ packet; the broker answers it after all earlier packets.
 pub const PING: [u8; 2] = [0xc0, 0];
-/// Filters of one SUBSCRIBE.
+/// Largest number of filters in one SUBSCRIBE.
 const FILTERS_MAX: usize = 200;
 
-/// What comes from the broker.
+/// A packet from the broker.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Incoming<'a> {
-    /// It lets us in, if that is 0.
+    /// Answer to CONNECT; 0 is success.
     ConnAck(u8),
-    /// A subscription stands.
+    /// A subscription is confirmed.
     SubAck,
-    /// A message of ours of QoS 1 has arrived.
+    /// A QoS 1 message has been acknowledged.
     PubAck,
-    /// Everything before the ping has arrived.
+    /// Answer to a ping, after all earlier packets.
     PingResponse,
-    /// A message, with a number if it wants an acknowledgement.
+    /// A message; `id` is set if it must be acknowledged.
     Publish {
-        /// Topic.
+        /// Topic of the message.
         topic: &'a [u8],
-        /// The number to acknowledge.
+        /// Packet identifier to acknowledge.
         id: Option<u16>,
-        /// Payload.
+        /// Payload of the message.
         payload: &'a [u8],
     },
 }
 
-/// How a message is published.
+/// Options of a published message.
 #[derive(Debug, Clone, Copy)]
 pub struct Manner {
-    /// The number to be acknowledged, with QoS 1.
+    /// Packet identifier for QoS 1; `None` for QoS 0.
     pub id: Option<u16>,
-    /// Whether the broker retains it.
+    /// Retain flag.
     pub retain: bool,
 }
 
-/// Appends a CONNECT of a clean session, without keep-alive: a burst is no time to fall silent in.
+/// Appends a CONNECT with a clean session and without keep-alive, which a burst might miss.
 pub fn connect(out: &mut Vec<u8>, client_id: &str) {
     out.push(0x10);
     length(out, 10 + 2 + client_id.len());
@@ -51,7 +51,7 @@ pub fn connect(out: &mut Vec<u8>, client_id: &str) {
     text(out, client_id.as_bytes());
 }
 
-/// Appends SUBSCRIBEs of QoS 1; gives how many acknowledgements there will be.
+/// Appends SUBSCRIBE packets with QoS 1; returns the number of expected acknowledgements.
 pub fn subscribe(out: &mut Vec<u8>, filters: &[String]) -> usize {
     let groups = filters.chunks(FILTERS_MAX);
     let count = groups.len();
@@ -100,7 +100,7 @@ fn text(out: &mut Vec<u8>, text: &[u8]) {
     out.extend_from_slice(text);
 }
 
-/// What was received and is not taken apart yet.
+/// Buffer of received bytes that are not parsed yet.
 #[derive(Debug)]
 pub struct Inbound {
     buffer: Vec<u8>,
@@ -115,12 +115,12 @@ impl Default for Inbound {
 }
 
 impl Inbound {
-    /// One without a buffer, to put in the place of another for a moment.
+    /// An empty placeholder without a buffer.
     pub fn none() -> Self {
         Self { buffer: Vec::new(), begin: 0, end: 0 }
     }
 
-    /// Where to read to; say with [`Self::filled`] how much it was.
+    /// Space to read into; call [`Self::filled`] with the number of bytes read.
     pub fn space(&mut self) -> &mut [u8] {
         if self.begin == self.end {
             (self.begin, self.end) = (0, 0);
@@ -135,15 +135,15 @@ impl Inbound {
         &mut self.buffer[self.end..]
     }
 
-    /// So many bytes were read.
+    /// Adds the number of bytes that were read.
     pub fn filled(&mut self, bytes: usize) {
         self.end += bytes;
     }
 
-    /// The next whole packet; none if it is not there yet.
+    /// The next complete packet; `None` if it has not arrived yet.
     ///
     /// # Errors
-    /// It is no packet that we expect.
+    /// The packet is malformed or unexpected.
     pub fn next_packet(&mut self) -> io::Result<Option<Incoming<'_>>> {
         let bytes = &self.buffer[self.begin..self.end];
         let Some((&head, rest)) = bytes.split_first() else { return Ok(None) };
@@ -156,7 +156,7 @@ impl Inbound {
                 break;
             }
             if digits == 4 {
-                return Err(io::Error::other("a packet of the broker's has no length"));
+                return Err(io::Error::other("packet from the broker with an invalid length"));
             }
         }
         let begin = self.begin + 1 + digits;
@@ -169,7 +169,7 @@ impl Inbound {
 }
 
 fn incoming(head: u8, body: &[u8]) -> io::Result<Incoming<'_>> {
-    let short = || io::Error::other("a packet of the broker's is too short");
+    let short = || io::Error::other("packet from the broker is too short");
     match head >> 4 {
         2 => Ok(Incoming::ConnAck(*body.get(1).ok_or_else(short)?)),
         3 => {
@@ -184,7 +184,7 @@ fn incoming(head: u8, body: &[u8]) -> io::Result<Incoming<'_>> {
         4 => Ok(Incoming::PubAck),
         9 => Ok(Incoming::SubAck),
         13 => Ok(Incoming::PingResponse),
-        kind => Err(io::Error::other(format!("an unexpected packet of the broker's: {kind}"))),
+        kind => Err(io::Error::other(format!("unexpected packet from the broker: type {kind}"))),
     }
 }
 

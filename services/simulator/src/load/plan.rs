@@ -1,90 +1,90 @@
-//! What load is made.
+//! Parameters of the load.
 
 use clap::ValueEnum;
 use vibrissa_protocol::{CONTACTS_MAX, Name, WHISKERS_MAX};
 
-/// The most robots: their names have six digits, and a supervisor takes no more of one fleet.
+/// Largest number of robots: their names have six digits, and a supervisor accepts no more in a fleet.
 pub const ROBOTS_MAX: usize = 10_000;
 
-/// How contacts are published.
+/// Quality of service of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Quality {
-    /// At most once: the robot of the contract, which sends again by receipt.
+    /// At most once: robots that send again without a receipt.
     #[value(name = "0")]
     AtMostOnce,
-    /// At least once.
+    /// At least once: the broker acknowledges each message.
     #[value(name = "1")]
     AtLeastOnce,
 }
 
-/// What load is made: which robots, what they send, and how fast.
+/// Parameters of the load: robots, messages, and rate.
 #[derive(Debug, Clone, clap::Args)]
 pub struct LoadPlan {
-    /// The broker, in plain text: mqtt://host[:1883]
+    /// Broker URL, without TLS: mqtt://host[:1883]
     #[arg(long, env = "VIBRISSA_MQTT_URL", default_value = "mqtt://127.0.0.1:1883")]
     pub mqtt_url: String,
-    /// The fleet's name
+    /// Name of the fleet
     #[arg(long, default_value = "load")]
     pub fleet: Name,
-    /// Robots, 1 to 10000
+    /// Number of robots, 1 to 10000
     #[arg(long, default_value_t = 100)]
     pub robots: usize,
-    /// Whiskers of each robot
+    /// Whiskers per robot
     #[arg(long, default_value_t = 10)]
     pub whiskers: usize,
-    /// Whiskers of each of its arrays
+    /// Whiskers per array
     #[arg(long, default_value_t = 10)]
     pub array_whiskers: usize,
     /// Contacts messages of all robots together, without those of the preparation
     #[arg(long, default_value_t = 100_000)]
     pub messages: u64,
-    /// Contacts in one message, 1 to 1000
+    /// Contacts per message, 1 to 1000
     #[arg(long, default_value_t = 1)]
     pub contacts: usize,
-    /// How contacts are published
+    /// Quality of service of contacts
     #[arg(long, value_enum, default_value = "1")]
     pub qos: Quality,
-    /// Messages per second of all robots, by the clock whatever comes back; as fast as possible if left out
+    /// Messages per second of all robots together, regardless of receipts; default: as fast as possible
     #[arg(long)]
     pub rate: Option<f64>,
-    /// Connections to the broker, among which the robots are shared out
+    /// Connections to the broker, which the robots share
     #[arg(long, default_value_t = 2)]
     pub connections: usize,
-    /// Messages of QoS 1 that the broker has not acknowledged, of each connection
+    /// Unacknowledged QoS 1 messages per connection
     #[arg(long, default_value_t = 1000)]
     pub window: usize,
-    /// Messages without a receipt, of all robots together: beyond it a robot waits before it sends a new one. 16 for each
-    /// robot if left out, but at least 16000
+    /// Unreceipted messages of all robots together, beyond which robots send no new ones; default: 16 per robot,
+    /// but at least 16000
     #[arg(long)]
     pub unreceipted: Option<usize>,
-    /// Nobody receipts: ends when the broker has got everything
+    /// Expect no receipts: end when the broker has received all messages
     #[arg(long)]
     pub no_receipts: bool,
-    /// Contacts of each whisker in the preparation, in messages of 20, so that it is learned what the whisker feels
+    /// Contacts per whisker in the preparation, in messages of 20, to train the supervisor's estimates
     #[arg(long, default_value_t = 0)]
     pub learn: usize,
-    /// Whiskers are cut one after the other on each robot, which gives every n-th of its contacts to the one that was cut
-    /// last until a setpoint comes for it; the time from that contact to its setpoint is measured
+    /// Cut whiskers one after the other on each robot; every N-th contact goes to the whisker cut last until a
+    /// setpoint arrives, and the time from the contact to its setpoint is measured
     #[arg(long, value_name = "N")]
     pub trim_every: Option<u64>,
-    /// Seconds between two statuses of a robot, up to 10 by the contract
+    /// Seconds between two statuses of a robot, at most 10 by the contract
     #[arg(long, default_value_t = 10.0)]
     pub status_every_s: f64,
-    /// Give up when nothing comes back for so many seconds
+    /// Give up after this many seconds without an answer
     #[arg(long, default_value_t = 60.0)]
     pub patience_s: f64,
 }
 
-/// A plan that cannot be carried out: what is wrong with it.
+/// An invalid plan, with the reason.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct BadPlan(String);
 
 impl LoadPlan {
-    /// Checks it as a whole.
+    /// Checks the plan as a whole.
     ///
     /// # Errors
-    /// Something is out of the contract's limits or of the generator's.
+    /// A value exceeds the limits of the contract or of the generator.
     pub fn check(&self) -> Result<(), BadPlan> {
         let within = |what: &str, value: usize, most: usize| {
             let is_within = (1..=most).contains(&value);
@@ -106,28 +106,28 @@ impl LoadPlan {
         let trims_well = self.contacts == 1 && self.array_whiskers == 1 && !self.no_receipts;
         if self.trim_every.is_some_and(|every| every == 0 || !trims_well) {
             let needs =
-                "--trim-every needs a number above 0, one contact a message, one whisker an array, and receipts";
+                "--trim-every needs a number above 0, one contact per message, one whisker per array, and receipts";
             return Err(BadPlan(needs.to_owned()));
         }
         Ok(())
     }
 
-    /// Messages without a receipt, of all robots together.
+    /// Largest number of unreceipted messages of all robots together.
     #[must_use]
     pub fn unreceipted(&self) -> usize {
         self.unreceipted.unwrap_or_else(|| (16 * self.robots).max(16_000))
     }
 
-    /// A robot's name.
+    /// Name of a robot.
     ///
     /// # Panics
-    /// Never: it is made of a letter and digits.
+    /// Never: the name consists of a letter and digits.
     #[must_use]
     pub fn robot(&self, number: usize) -> Name {
         Name::robot(&format!("r{number:06}")).expect("a name")
     }
 
-    /// A whisker's array and its number there.
+    /// Array of a whisker, and its number there.
     #[must_use]
     pub fn place(&self, whisker: usize) -> (String, u16) {
         let number = u16::try_from(whisker % self.array_whiskers).unwrap_or(u16::MAX);

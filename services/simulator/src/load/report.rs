@@ -1,49 +1,51 @@
-//! What came of a load.
+//! Result of a load.
 
 use serde::{Deserialize, Serialize};
 
 use super::line::{Common, Counts};
 
-/// Ticks per second in which Linux tells times of processes, whatever the kernel's own are.
+/// Clock ticks per second in Linux's process statistics, whatever the kernel's own rate.
 const TICKS_PER_S: f64 = 100.0;
 
-/// What came of a load.
+/// Result of a load.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LoadReport {
-    /// The boot of all its robots.
+    /// Boot id of all robots.
     pub boot_id: String,
-    /// Robots.
+    /// Number of robots.
     pub robots: usize,
-    /// Whiskers of all robots.
+    /// Number of whiskers of all robots.
     pub whiskers: usize,
     /// Contacts in one message.
     pub contacts: usize,
-    /// Contacts of this boot in all, those of the preparation among them: as many rows must be recorded.
+    /// Number of contacts in this boot including the preparation: the expected number of recorded rows.
     pub contacts_in_all: u64,
-    /// Seconds until every robot was known and had learned.
+    /// Duration of the preparation, in seconds.
     pub prepared_s: f64,
-    /// Messages, each counted once.
+    /// Number of messages, each counted once.
     pub sent: u64,
-    /// Messages that were sent again, counted as often as they were.
+    /// Number of repeated transmissions.
     pub sent_again: u64,
-    /// Messages that a receipt covers.
+    /// Number of receipted messages.
     pub receipted: u64,
-    /// When the first one was sent, in microseconds since 1970 UTC.
+    /// Time of the first message, in microseconds since 1970 UTC.
     pub first_sent_us: u64,
-    /// From the first message to the last receipt; without receipts, until the broker had everything. Seconds.
+    /// Time from the first message to the last receipt (without receipts: until the broker had all messages), in
+    /// seconds.
     pub seconds: f64,
-    /// The generator's own processor time meanwhile, seconds.
+    /// Processor time of the generator during the measurement, in seconds.
     pub cpu_s: f64,
-    /// Setpoints that came.
+    /// Number of received setpoints.
     pub setpoints: u64,
-    /// Cut whiskers for which none came.
+    /// Number of cut whiskers that got no setpoint.
     pub missed: u64,
-    /// From each contact that led to a setpoint until that came, ascending, in microseconds.
+    /// Times from a contact to the setpoint that it caused, ascending, in microseconds.
     pub latencies_us: Vec<u64>,
 }
 
 impl LoadReport {
-    /// Adds up what connections have counted; `before` are the contacts of the preparation, times are those of beginning, of the first measured message, and of the end.
+    /// Adds up the counters of all connections. `before` is the number of contacts in the preparation; `times_us`
+    /// are the times of the start, of the first measured message, and of the end.
     pub(super) fn new(
         common: &Common,
         counts: Vec<(Counts, u64)>,
@@ -81,10 +83,10 @@ fn seconds(from_us: u64, to_us: u64) -> f64 {
     to_us.saturating_sub(from_us) as f64 / 1e6
 }
 
-/// Processor time of this process since its start, in seconds; 0 where there is no /proc.
+/// Processor time of this process since its start, in seconds; 0 without /proc.
 pub(super) fn cpu_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // After the name, which may hold anything; user and system time are the 12th and 13th field from there.
+    // The fields follow the process name, which may contain anything; user and system time are the 12th and 13th.
     let fields = stat.rsplit_once(") ").map_or("", |(_, fields)| fields);
     let ticks = fields.split(' ').skip(11).take(2).filter_map(|field| field.parse::<f64>().ok());
     ticks.sum::<f64>() / TICKS_PER_S

@@ -1,4 +1,4 @@
-//! What robots of a load say beside contacts: births, factsheets, statuses, answers.
+//! Messages of the load's robots other than contacts: births, factsheets, statuses, answers.
 
 use vibrissa_protocol::{
     ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Factsheet, Gauge, Name, OnSupervisorLoss, Regulator,
@@ -10,18 +10,18 @@ use super::kept::Outbox;
 use super::plan::LoadPlan;
 use crate::scenario::WhiskerScenario;
 
-/// One robot.
+/// One robot of the load.
 #[derive(Debug)]
 pub struct Robot {
-    /// Its number in the fleet.
+    /// Number of the robot in the fleet.
     pub number: usize,
-    /// Its topic without the last level: `whisker/v1/fleet/r000000/`.
+    /// Topic of the robot without the last level: `whisker/v1/fleet/r000000/`.
     pub level: String,
     /// Contacts messages without a receipt.
     pub outbox: Outbox,
-    /// Its whiskers that were cut.
+    /// Cut whiskers of the robot.
     pub cuts: Cuts,
-    /// When its next status is due.
+    /// Time of the next status, in microseconds since 1970 UTC.
     pub status_at_us: u64,
     boot_id: BootId,
     arrays: Vec<Name>,
@@ -33,7 +33,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// One that has said nothing yet.
+    /// A robot that has not sent anything yet.
     #[must_use]
     pub fn new(plan: &LoadPlan, number: usize, boot_id: &BootId) -> Self {
         let arrays = plan.whiskers.div_ceil(plan.array_whiskers);
@@ -54,20 +54,20 @@ impl Robot {
         }
     }
 
-    /// Its birth or farewell.
+    /// The encoded birth or farewell.
     #[must_use]
     pub fn connection(&self, now_us: u64, state: ConnectionState) -> Vec<u8> {
         let seq = u64::from(state != ConnectionState::Online);
         encode(&Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(now_us), state })
     }
 
-    /// What is on it.
+    /// The encoded factsheet.
     #[must_use]
     pub fn factsheet(&mut self, now_us: u64) -> Vec<u8> {
         let whiskers = self.pressures_mpa.len();
         let array = |(index, array): (usize, &Name)| {
             let count = (whiskers - index * self.array_whiskers).min(self.array_whiskers);
-            // Whoever has no neighbour can only help himself.
+            // A whisker without neighbours can only compensate for itself.
             let array_type = if count > 1 { ArrayType::Type1 } else { ArrayType::Type2 };
             let whiskers = (0..count).map(|number| whisker_facts(number as u16, count as u16)).collect();
             ArrayFacts { array: array.clone(), array_type, whiskers }
@@ -82,7 +82,7 @@ impl Robot {
         })
     }
 
-    /// All its chambers are well.
+    /// The encoded status; all chambers are in order.
     #[must_use]
     pub fn status(&mut self, now_us: u64) -> Vec<u8> {
         let status = |(whisker, &pressure_mpa): (usize, &f64)| WhiskerStatus {
@@ -102,7 +102,8 @@ impl Robot {
         })
     }
 
-    /// Applies a setpoint at once; gives its answers and the whisker, unless it is for another boot or for no whisker of ours.
+    /// Applies a setpoint at once; returns the whisker and the encoded answers. `None` if the setpoint is for
+    /// another boot or for an unknown whisker.
     pub fn apply(&mut self, setpoint: &Setpoint, now_us: u64) -> Option<(usize, [Vec<u8>; 3])> {
         let array = self.arrays.iter().position(|array| *array == setpoint.array)?;
         let whisker = array * self.array_whiskers + usize::from(setpoint.whisker);

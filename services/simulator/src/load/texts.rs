@@ -1,8 +1,8 @@
-//! Contacts messages, written from pieces that are ready.
+//! Contacts messages, assembled from precomputed pieces.
 //!
-//! What an ordinary whisker reads is drawn from readings that were made before by a [`Plant`] with the simulator's noise: each
-//! message takes its own by its robot and number, so that the same message can be written once more. Whiskers that were cut
-//! have a plant of their own, see [`super::cuts`].
+//! Readings of whole whiskers are drawn from readings that a [`Plant`] made in advance with the simulator's noise.
+//! The robot and the sequence number determine the readings of a message, so that the same message can be written
+//! again. Cut whiskers have a plant of their own, see [`super::cuts`].
 
 use std::io::Write;
 
@@ -15,26 +15,26 @@ use crate::plant::{Plant, Reading, Streams, Truth};
 use crate::random::{Purpose, normal, stream};
 use crate::scenario::{Noise, Rubber, WhiskerScenario};
 
-/// Readings that ordinary contacts are drawn from.
+/// Number of precomputed readings.
 const READINGS: usize = 16_384;
-/// What a chamber's pressure sensor adds, standard deviation in MPa.
+/// Noise of a chamber's pressure sensor (standard deviation), in MPa.
 const PRESSURE_NOISE_MPA: f64 = 0.0003;
 
-/// Pieces of the messages of one fleet.
+/// Precomputed pieces of the messages of one fleet.
 #[derive(Debug)]
 pub struct Texts {
     boot_id: String,
-    /// Each whisker's place, up to the time: the same for all robots.
+    /// The start of each whisker's contact, up to the time; the same for all robots.
     places: Vec<Vec<u8>>,
-    /// What was read, from after the time to the end of the contact.
+    /// The rest of a contact, after the time.
     readings: Vec<Vec<u8>>,
 }
 
 impl Texts {
-    /// The pieces for a plan, in one boot of all its robots.
+    /// The pieces for a plan, with one boot id for all robots.
     ///
     /// # Errors
-    /// The whiskers' mechanics are none; cannot happen.
+    /// The mechanics of the whiskers are invalid; cannot happen.
     pub fn new(plan: &LoadPlan, boot_id: &str) -> Result<Self, ModelError> {
         let place = |whisker| {
             let (array, number) = plan.place(whisker);
@@ -48,21 +48,21 @@ impl Texts {
         })
     }
 
-    /// Writes an ordinary contacts message of a robot; its contacts go round its whiskers.
+    /// Writes an ordinary contacts message of a robot; its contacts cycle through the robot's whiskers.
     pub fn ordinary(&self, out: &mut Vec<u8>, (robot, seq): (usize, u64), felt_us: u64, contacts: usize) {
         self.head(out, seq);
         for position in 0..contacts {
             let number = seq * contacts as u64 + position as u64;
             let whisker = (number % self.places.len() as u64) as usize;
             let reading = mixed((robot as u64) << 40 ^ number) as usize % self.readings.len();
-            // In the order in which they were felt, the last one now.
+            // In chronological order; the last contact is the newest.
             let felt_us = felt_us - (contacts - 1 - position) as u64;
             self.contact(out, position, whisker, felt_us, &self.readings[reading]);
         }
         out.extend_from_slice(b"]}");
     }
 
-    /// Writes a message with one contact, whose reading comes from elsewhere.
+    /// Writes a message with one contact and a given reading.
     pub fn single(&self, out: &mut Vec<u8>, seq: u64, whisker: usize, felt_us: u64, reading: &[u8]) {
         self.head(out, seq);
         self.contact(out, 0, whisker, felt_us, reading);
@@ -87,7 +87,7 @@ impl Texts {
     }
 }
 
-/// A whisker that is touched, with its chamber.
+/// A simulated whisker with its chamber.
 #[derive(Debug)]
 pub struct Touching {
     plant: Plant,
@@ -96,10 +96,10 @@ pub struct Touching {
 }
 
 impl Touching {
-    /// A whole one; all whiskers of the load are of the same rubber.
+    /// A whole whisker; all whiskers of the load have the same rubber.
     ///
     /// # Errors
-    /// Its mechanics are none; cannot happen.
+    /// The mechanics are invalid; cannot happen.
     pub fn new(robot: &str, whisker: u16) -> Result<Self, ModelError> {
         let stream = |purpose| stream(0, robot, "", whisker, purpose);
         let streams = Streams {
@@ -114,20 +114,20 @@ impl Touching {
         Ok(Self { plant, pressure_mpa, sensor })
     }
 
-    /// Cuts it.
+    /// Cuts the whisker.
     pub fn trim(&mut self, now_us: u64, length_mm: f64) {
         self.plant.trim(now_us, length_mm);
     }
 
-    /// Its chamber has another pressure from now on.
+    /// Sets the chamber's pressure.
     pub fn set_pressure(&mut self, pressure_mpa: f64) {
         self.pressure_mpa = pressure_mpa;
     }
 
-    /// What is read at the next contact, from after the time to the end of the contact.
+    /// The encoded reading of the next contact, after its time.
     pub fn touch(&mut self) -> Vec<u8> {
         loop {
-            // A contact on the chamber is none that the gauge could tell.
+            // The gauge cannot measure a contact on the chamber.
             let Ok(reading) = self.plant.touch(self.pressure_mpa) else { continue };
             let Reading { ratio, deflection_mm, strain, temperature_c } = reading;
             let pressure_mpa = (self.pressure_mpa + normal(&mut self.sensor, PRESSURE_NOISE_MPA)).max(0.0);
@@ -139,13 +139,13 @@ impl Touching {
     }
 }
 
-/// Appends a number.
+/// Appends a number in decimal.
 fn decimal(out: &mut Vec<u8>, number: u64) {
-    // Writing into memory does not fail.
+    // Writing to memory cannot fail.
     let _ = write!(out, "{number}");
 }
 
-/// A number that looks like chance (the finaliser of SplitMix64): neighbours differ in half of all bits.
+/// A pseudo-random number (the finaliser of SplitMix64): the results of neighbours differ in half of all bits.
 fn mixed(number: u64) -> u64 {
     let number = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let number = (number ^ number >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

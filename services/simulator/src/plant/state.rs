@@ -1,4 +1,4 @@
-//! A whisker's truth, to be written down and taken up again.
+//! State of a whisker's physics, for the state file.
 
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub(crate) struct PlantState {
     deflection_factor: f64,
     sensitivity_factor: f64,
     temperature_c: f64,
-    /// Words of 32 bits that were drawn from each stream.
+    /// Number of 32-bit words drawn from each stream.
     contact_words: u64,
     noise_words: u64,
 }
@@ -49,7 +49,7 @@ impl Plant {
     /// Names the first invalid value.
     pub(crate) fn take_up(&mut self, state: &PlantState) -> Result<(), String> {
         if !(state.length_mm > 0.0 && state.length_mm <= self.whole_length_mm) {
-            return Err(format!("length_mm is {}, but it was built in with {}", state.length_mm, self.whole_length_mm));
+            return Err(format!("length_mm is {}, but was {} when installed", state.length_mm, self.whole_length_mm));
         }
         for (name, factor) in
             [("deflection_factor", state.deflection_factor), ("sensitivity_factor", state.sensitivity_factor)]

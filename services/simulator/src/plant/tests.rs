@@ -49,7 +49,7 @@ fn a_trim_raises_the_sensitivity_at_equal_ratio_and_is_recorded() {
     plant.trim(6, 68.0);
     assert_eq!(plant.length_mm(), 65.0, "a cut cannot lengthen it");
     assert_eq!(plant.changes()[0], LengthChange { t_us: 5, contact: 1, length_mm: 65.0, gradual: false });
-    // d ln s / d ln La is -2.43 at the tip: 5 of 70 mm are 18 to 20 %.
+    // d ln s / d ln La is -2.43 at the tip: 5 of 70 mm give 18 to 20 %.
     let gain = plant.sensitivity_per_mm(1.0, 0.1).unwrap() / plant.whole_sensitivity_per_mm(1.0).unwrap();
     assert!((1.17..1.22).contains(&gain), "{gain}");
 }
@@ -149,7 +149,7 @@ fn a_whisker_that_is_taken_up_goes_on_as_if_nothing_had_been() {
         one.touch(0.1).unwrap();
     }
     let text = serde_json::to_string(&one.state()).unwrap();
-    // Its rubber comes from the file, too: this one would be another whisker.
+    // The rubber comes from the state, too: this seed would give another one.
     let mut other = plant(2, 0.03, Noise::default());
     other.contact_stream = stream(1, "r", "a", 0, Purpose::Contact);
     other.noise_stream = stream(1, "r", "a", 0, Purpose::Noise);

@@ -1,4 +1,4 @@
-//! What the scenario does to a robot.
+//! Applies the events of the scenario to a robot.
 
 use super::{Outgoing, Robot, boot_id};
 use crate::commands::Commands;
@@ -7,7 +7,7 @@ use crate::plant::GaugeCondition;
 use crate::scenario::{Change, Event, Misbehaviour};
 
 impl Robot {
-    /// Sorts the scenario's events by what brings them about.
+    /// Sorts the scenario's events by their triggers.
     pub(super) fn plan_events(&mut self) {
         let mut timed = Vec::new();
         for event in self.config.robot.events.clone() {
@@ -19,7 +19,7 @@ impl Robot {
                 }
             }
         }
-        // Stable: of two at the same time the one that is written first goes first.
+        // The sort is stable: of simultaneous events, the first one in the scenario comes first.
         timed.sort_by_key(|&(at_us, _)| at_us);
         self.events = timed.into();
         for whisker in &mut self.whiskers {
@@ -27,12 +27,12 @@ impl Robot {
         }
     }
 
-    /// Where the whisker of an event is, if it is about one.
+    /// Index of the whisker of an event, if it has one.
     fn place(&self, event: &Event) -> Option<usize> {
         self.places.get(&(event.array.clone()?, event.whisker?)).copied()
     }
 
-    /// What happens to a whisker before the contact that it is about to make.
+    /// Applies the events that are due before a whisker's next contact.
     pub(super) fn happen_by_contact(&mut self, at: usize, at_us: u64) {
         while let Some(whisker) = self.whiskers.get_mut(at) {
             match whisker.events.front() {
@@ -45,7 +45,7 @@ impl Robot {
         }
     }
 
-    /// An event of the scenario whose time has come.
+    /// Applies a timed event of the scenario.
     pub(super) fn happen(&mut self, event: &Event, at_us: u64, out: &mut Vec<Outgoing>) {
         let until_us = |for_s: f64| at_us.saturating_add((for_s * 1e6) as u64);
         self.has_changed = true;
@@ -103,7 +103,7 @@ impl Robot {
             Change::Temperature { sensitivity_factor, temperature_c } => {
                 whisker.plant.set_temperature(sensitivity_factor, temperature_c);
             }
-            // These happen to the robot as a whole.
+            // These affect the robot as a whole.
             Change::Lose { .. }
             | Change::Repeat { .. }
             | Change::Reorder { .. }
@@ -113,13 +113,13 @@ impl Robot {
         self.report_change(at_us);
     }
 
-    /// Starts again at its next poll, as if its power had been cut: without a farewell, in a new boot.
+    /// Restarts at the next poll, as after a power cut: without a farewell, in a new boot.
     pub fn restart_soon(&mut self) {
         let restart = Event { at_s: None, at_contact: None, array: None, whisker: None, change: Change::Restart };
         self.events.push_front((0, restart));
     }
 
-    /// A restart without a farewell: a new boot that has nothing of the old one's memory.
+    /// Restarts without a farewell: a new boot without the memory of the old one.
     pub(super) fn restart(&mut self, out: &mut Vec<Outgoing>) {
         self.connected = false;
         out.push(Outgoing::Restart);

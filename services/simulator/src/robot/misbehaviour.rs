@@ -1,5 +1,5 @@
-//! How a robot breaks the contract, if its scenario wants it to: messages on their way out and in are changed here, and
-//! nowhere else but where a rule is kept.
+//! Violations of the contract that a scenario can request. They change messages on their way in and out; other
+//! violations are in the code that implements the rule.
 
 use vibrissa_protocol::{Contact, Contacts, Message, Receipt, RobotTopic, Status, WhiskerStatus, decode, encode};
 
@@ -7,33 +7,33 @@ use super::{Outgoing, Robot};
 use crate::outbox::Outbox;
 use crate::scenario::{Behaviour, Misbehaviour};
 
-/// How far [`Misbehaviour::HoldsLess`] stays below.
+/// Pressure deficit of [`Misbehaviour::HoldsLess`], in MPa.
 pub(super) const HELD_LESS_MPA: f64 = 0.008;
-/// A slew that no valve keeps up with.
+/// A slew faster than any valve.
 pub(super) const AT_ONCE_MPA_PER_S: f64 = 10.0;
-/// A whisker that no scenario has.
+/// A whisker number that no scenario has.
 const NO_WHISKER: u16 = 60_000;
 const HOUR_US: u64 = 3_600_000_000;
 
-/// Where it keeps what it has sent.
+/// The outbox for this behaviour.
 pub(super) fn outbox(behaviour: &Behaviour) -> Outbox {
     let is_steady = behaviour.misbehaviour == Some(Misbehaviour::NoBackoff);
     Outbox::new(behaviour.kept_messages, is_steady)
 }
 
 impl Robot {
-    /// Whether it has that fault.
+    /// Whether the robot has this fault.
     pub(super) fn breaks(&self, fault: Misbehaviour) -> bool {
         self.config.behaviour.misbehaviour == Some(fault)
     }
 
-    /// Its fault, if it has one.
+    /// The robot's fault, if it has one.
     #[must_use]
     pub fn misbehaviour(&self) -> Option<Misbehaviour> {
         self.config.behaviour.misbehaviour
     }
 
-    /// Seconds from one status to the next.
+    /// Seconds between two `status` messages.
     pub(super) fn status_every_s(&self) -> f64 {
         match self.misbehaviour() {
             Some(Misbehaviour::StatusSeldom) => 25.0,
@@ -42,7 +42,7 @@ impl Robot {
         }
     }
 
-    /// What becomes of a status on its way out.
+    /// Encodes a status, changed by the fault.
     pub(super) fn status_as_sent(&self, mut status: Status) -> Vec<u8> {
         let is_third = status.seq % 3 == 2;
         if self.breaks(Misbehaviour::StatusLeavesOut) {
@@ -71,7 +71,7 @@ impl Robot {
         }
     }
 
-    /// What becomes of a contact before it is put into its message; `number` counts the whisker's contacts.
+    /// A contact changed by the fault, before it is put into a message; `number` counts the whisker's contacts.
     pub(super) fn contact_as_sent(&self, mut contact: Contact, number: u64) -> Contact {
         let is_fifth = number % 5 == 4;
         if self.breaks(Misbehaviour::ContactsAhead) {
@@ -86,7 +86,7 @@ impl Robot {
         contact
     }
 
-    /// What of a receipt the robot sees.
+    /// A receipt changed by the fault.
     pub(super) fn receipt_as_read(&self, receipt: &Receipt) -> Receipt {
         let mut read = receipt.clone();
         match self.misbehaviour() {
@@ -101,7 +101,7 @@ impl Robot {
         read
     }
 
-    /// What becomes of messages that are sent again.
+    /// Messages to send again, changed by the fault.
     pub(super) fn resent_as_sent(&self, mut payloads: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
         if self.breaks(Misbehaviour::ResendsNewestFirst) {
             payloads.reverse();
@@ -122,13 +122,13 @@ impl Robot {
         }
     }
 
-    /// Whether a message that was read is not taken all the same.
+    /// Whether the fault ignores a valid message.
     pub(super) fn overlooks(&self, message: &Message, payload: &[u8]) -> bool {
-        // What is written anew has only the fields that the contract knows.
+        // The re-encoded message has only the known fields.
         self.breaks(Misbehaviour::RefusesUnknownFields) && encode(message).len() < payload.len()
     }
 
-    /// What a message that cannot be read does.
+    /// Handles an invalid message.
     pub(super) fn stumble(&mut self, out: &mut Vec<Outgoing>) {
         self.refused += 1;
         if self.breaks(Misbehaviour::RestartsOnMalformed) {

@@ -1,9 +1,9 @@
 //! One robot: the contract's rules around whiskers and their regulators, without sockets and clock.
 //!
-//! Call [`Robot::will`] before connecting, [`Robot::connected`] after subscribing, then [`Robot::poll`] at
-//! each [`Robot::next_deadline`] and [`Robot::receive`] for each message; send what they return, in order.
-//! [`Robot::disconnected`] says that the connection is gone: the robot lives on and keeps its contacts.
-//! Every time is in microseconds since 1970 UTC by the robot's clock.
+//! Call [`Robot::will`] before connecting, [`Robot::connected`] after subscribing, then [`Robot::poll`] at each
+//! [`Robot::next_deadline`] and [`Robot::receive`] for each message; send the returned messages in order. Call
+//! [`Robot::disconnected`] after the connection is lost: the robot continues and keeps its contacts. All times are
+//! in microseconds since 1970 UTC by the robot's clock.
 
 mod events;
 mod misbehaviour;
@@ -32,26 +32,26 @@ use crate::scenario::{Behaviour, Event, Misbehaviour, Noise, RobotScenario, Scen
 use outgoing::Sequences;
 use timers::Contacts;
 
-/// The most timers that one [`Robot::poll`] handles: a robot that woke up late catches up in several.
+/// Largest number of timers in one [`Robot::poll`]; a late robot catches up in several polls.
 const STEPS_PER_POLL: usize = 4096;
 
-/// What one robot is made from.
+/// Configuration of one robot.
 #[derive(Debug, Clone)]
 pub struct RobotConfig {
-    /// The fleet's name.
+    /// Name of the fleet.
     pub fleet: Name,
-    /// How it behaves.
+    /// Behaviour of the robot.
     pub behaviour: Behaviour,
-    /// What its sensors add to the truth.
+    /// Noise of the sensors.
     pub noise: Noise,
-    /// How far its whiskers' calibrations may be off, relative.
+    /// Largest relative deviation of the whiskers' calibrations.
     pub calibration_error: f64,
-    /// The robot itself.
+    /// Scenario of the robot.
     pub robot: RobotScenario,
 }
 
 impl RobotConfig {
-    /// The configurations of a scenario's robots, in its order.
+    /// Configurations of a scenario's robots, in its order.
     pub fn all(scenario: &Scenario) -> impl Iterator<Item = Self> {
         scenario.robots.iter().map(|robot| Self {
             fleet: scenario.fleet.clone(),
@@ -79,7 +79,7 @@ pub struct Robot {
     commands: Commands,
     outbox: Outbox,
     link: Link,
-    /// Contacts that wait for their message to fill up, and until when.
+    /// Contacts of the incomplete message, and the time at which it is sent.
     batch: Vec<Contact>,
     batch_until_us: Option<u64>,
     contacts: Contacts,
@@ -87,19 +87,19 @@ pub struct Robot {
     status_at_us: u64,
     status_sent_us: u64,
     events: VecDeque<(u64, Event)>,
-    /// When the supervisor was last heard of, until its loss has been answered.
+    /// Time of the last message from the supervisor; `None` once its loss has been handled.
     supervisor_heard_us: Option<u64>,
     refused: u64,
     journal: Journal,
-    /// Something happened to it since [`Robot::take_change`].
+    /// Whether something has happened since the last [`Robot::take_change`].
     has_changed: bool,
 }
 
 impl Robot {
-    /// A robot that starts at that time, with whole whiskers at their nominal pressure, not connected.
+    /// A robot that starts at the given time, with whole whiskers at their nominal pressure, not connected.
     ///
     /// # Errors
-    /// A whisker's calibration is none: the configuration was not checked with [`Scenario::check`].
+    /// A whisker's calibration is invalid: the configuration was not checked with [`Scenario::check`].
     pub fn new(config: RobotConfig, seed: u64, start_us: u64) -> Result<Self, ModelError> {
         Self::begin(config, seed, start_us, start_us)
     }
@@ -143,8 +143,8 @@ impl Robot {
         Ok(robot)
     }
 
-    /// The connection stands and the subscriptions are made: birth, factsheet, status, and everything kept
-    /// is due to be sent again.
+    /// Handles an established connection with its subscriptions: sends birth, factsheet and status; all stored
+    /// contacts messages become due.
     pub fn connected(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
         self.connected = true;
@@ -158,13 +158,12 @@ impl Robot {
         out
     }
 
-    /// The connection is gone; contacts are kept until there is another.
+    /// Handles the loss of the connection; contacts are stored until the next one.
     pub fn disconnected(&mut self) {
         self.connected = false;
     }
 
-    /// Does everything that is due, but a bounded amount: what is left makes the next deadline lie in the
-    /// past.
+    /// Does a limited part of the work that is due; after the limit, the next deadline lies in the past.
     pub fn poll(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
         for _ in 0..STEPS_PER_POLL {
@@ -176,13 +175,13 @@ impl Robot {
         out
     }
 
-    /// When [`Robot::poll`] is to be called next, at the latest.
+    /// Latest time of the next [`Robot::poll`].
     #[must_use]
     pub fn next_deadline(&self) -> u64 {
         self.next_timer().map_or(u64::MAX, |(at_us, _)| at_us)
     }
 
-    /// Takes a message that came on one of the robot's topics; what is refused is counted and changes nothing.
+    /// Handles a message on one of the robot's topics; an invalid one is counted and has no effect.
     pub fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
         let Ok(message) = decode(&topic.of(&self.config.fleet, &self.config.robot.robot), payload) else {
@@ -202,7 +201,7 @@ impl Robot {
                 RequestKind::Status if self.breaks(Misbehaviour::IgnoresStatusRequest) => {}
                 RequestKind::Status => self.status(now_us, &mut out),
             },
-            // A robot does not subscribe to what robots send.
+            // A robot does not subscribe to robots' topics.
             Message::Connection(_)
             | Message::Factsheet(_)
             | Message::Contacts(_)
@@ -219,92 +218,92 @@ impl Robot {
         }
     }
 
-    /// Makes no more contacts; what was made is sent, and sent again until it is receipted.
+    /// Stops making contacts; the existing ones are sent until they are receipted.
     pub fn rest(&mut self) {
         self.contacts.stop();
         self.batch_until_us = self.batch_until_us.map(|_| 0);
     }
 
-    /// Whether its connection stands.
+    /// Whether the robot is connected.
     #[must_use]
     pub fn is_connected(&self) -> bool {
         self.connected
     }
 
-    /// Its fleet.
+    /// Fleet of the robot.
     #[must_use]
     pub fn fleet(&self) -> &Name {
         &self.config.fleet
     }
 
-    /// Its name.
+    /// Name of the robot.
     #[must_use]
     pub fn name(&self) -> &Name {
         &self.config.robot.robot
     }
 
-    /// Its present boot.
+    /// Id of the present boot.
     #[must_use]
     pub fn boot_id(&self) -> &BootId {
         &self.boot_id
     }
 
-    /// Its start, in microseconds since 1970 UTC; the scenario's seconds count from it.
+    /// Start of the robot, in microseconds since 1970 UTC; the scenario's seconds count from it.
     #[must_use]
     pub fn start_us(&self) -> u64 {
         self.start_us
     }
 
-    /// Its whiskers, in the order of the scenario.
+    /// Whiskers of the robot, in the order of the scenario.
     #[must_use]
     pub fn whiskers(&self) -> &[Whisker] {
         &self.whiskers
     }
 
-    /// A whisker by array and number.
+    /// Whisker with this array and number.
     #[must_use]
     pub fn whisker(&self, array: &Name, number: u16) -> Option<&Whisker> {
         self.whiskers.get(*self.places.get(&(array.clone(), number))?)
     }
 
-    /// The present length without the chamber's elongation, in mm; `None` if there is no such whisker.
+    /// True length without the chamber's elongation, in mm; `None` if there is no such whisker.
     #[must_use]
     pub fn true_length_mm(&self, array: &Name, number: u16) -> Option<f64> {
         Some(self.whisker(array, number)?.plant().length_mm())
     }
 
-    /// Contacts made so far by all whiskers.
+    /// Number of contacts made by all whiskers so far.
     #[must_use]
     pub fn contacts_made(&self) -> u64 {
         self.whiskers.iter().map(|whisker| whisker.plant().contacts()).sum()
     }
 
-    /// Contacts messages that no receipt covers yet.
+    /// Number of contacts messages without a receipt.
     #[must_use]
     pub fn messages_kept(&self) -> usize {
         self.outbox.len()
     }
 
-    /// Contacts messages of this boot that were dropped because too many were kept, and those that the
-    /// restart before it lost.
+    /// Number of contacts messages of this boot dropped because the outbox was full, plus those lost in the restart
+    /// before.
     #[must_use]
     pub fn messages_dropped(&self) -> u64 {
         self.outbox.dropped()
     }
 
-    /// What its journal says since this was last asked; nothing unless [`Behaviour::journal`] is set.
+    /// Journal entries since the last call; empty unless [`Behaviour::journal`] is set.
     pub fn take_journal(&mut self) -> Vec<JournalEntry> {
         self.journal.take()
     }
 
-    /// Received messages that were refused.
+    /// Number of received messages that were refused.
     #[must_use]
     pub fn messages_refused(&self) -> u64 {
         self.refused
     }
 }
 
-/// The boot id of a robot's boot.
+/// Boot id of a robot's boot.
 fn boot_id(seed: u64, robot: &Name, start_us: u64, boot: u64) -> BootId {
     BootId::new(&boot_text(seed, robot.as_str(), start_us, boot)).expect("a short text of hexadecimal digits")
 }

@@ -1,4 +1,4 @@
-//! What a robot sends.
+//! Messages that a robot sends.
 
 use vibrissa_protocol::{
     ArrayFacts, Connection, ConnectionState, Contacts, Factsheet, RobotTopic, Status, Timestamp, WhiskerFacts, encode,
@@ -8,27 +8,27 @@ use super::Robot;
 use crate::journal::JournalEntry;
 use crate::scenario::{ArrayScenario, Misbehaviour, WhiskerScenario};
 
-/// The calibration that the factsheet names: the built-in one, which each whisker misses a little.
+/// Calibration in the factsheet: the built-in one, from which each whisker deviates slightly.
 const WHISKER_MODEL: &str = "nguyen-2021";
 
-/// What the network is to do.
+/// Action for the network.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outgoing {
-    /// Publish on one of the robot's topics, with that topic's quality of service and retention.
+    /// Publish on one of the robot's topics, with that topic's quality of service and retain flag.
     Publish {
-        /// The topic.
+        /// Topic of the message.
         topic: RobotTopic,
-        /// The message.
+        /// Encoded message.
         payload: Vec<u8>,
     },
-    /// The robot has restarted: cut the connection without a farewell, then connect anew.
+    /// The robot has restarted: cut the connection without a farewell, then connect again.
     Restart,
 }
 
-/// The next `seq` of each topic in the present boot.
+/// Next `seq` of each topic in the present boot.
 #[derive(Debug, Default)]
 pub(super) struct Sequences {
-    /// Of the next connection's birth; its will or farewell, whichever comes, has the one after.
+    /// That of the next birth; the will or farewell of the connection has the number after it.
     connection: u64,
     factsheet: u64,
     contacts: u64,
@@ -49,7 +49,7 @@ impl Sequences {
 }
 
 impl Robot {
-    /// The last will for the next connection: the same boot id as its birth.
+    /// Last will for the next connection, with the same boot id as its birth.
     #[must_use]
     pub fn will(&self, now_us: u64) -> Vec<u8> {
         let mut will = self.connection(self.sequences.connection + 1, now_us, ConnectionState::ConnectionBroken);
@@ -65,7 +65,7 @@ impl Robot {
         self.publish(RobotTopic::Connection, encode(&birth), out);
     }
 
-    /// The last message of an orderly end; to be sent before the connection is closed.
+    /// Last message before a clean disconnect.
     #[must_use]
     pub fn farewell(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
@@ -117,7 +117,7 @@ impl Robot {
         self.publish(RobotTopic::Status, self.status_as_sent(status), out);
     }
 
-    /// Sends the contacts that wait, as one message, and keeps it until it is receipted.
+    /// Sends the waiting contacts as one message, which is stored until it is receipted.
     pub(super) fn flush(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
         self.batch_until_us = None;
         if self.batch.is_empty() {

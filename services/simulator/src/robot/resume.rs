@@ -1,7 +1,7 @@
-//! A robot's truth, to be written down and taken up again by a later process.
+//! Saves a robot's true state for a later process, and restores it.
 //!
-//! Whiskers stay as they are. The robot's own memory (messages kept, setpoints seen) goes, as in every restart: it is in a new
-//! boot, its chambers have the pressures that they had, and it sets them to the factsheet's.
+//! Whiskers keep their state. The robot's own memory (stored messages, setpoints seen) is lost, as in every
+//! restart: it has a new boot, its chambers still have their pressures, and it sets them to the factsheet's.
 
 use serde::{Deserialize, Serialize};
 use vibrissa_protocol::Name;
@@ -9,21 +9,21 @@ use vibrissa_protocol::Name;
 use super::{Robot, RobotConfig, boot_id};
 use crate::plant::PlantState;
 
-/// The state of one robot that survives a restart of the process.
+/// State of one robot that survives a restart of the process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RobotState {
     robot: Name,
-    /// Microseconds since 1970 UTC: the scenario's seconds count from it.
+    /// Start of the scenario, in microseconds since 1970 UTC.
     start_us: u64,
     boots: u64,
     supply_mpa: f64,
-    /// Timed events of the scenario that are still to come: its last ones.
+    /// Number of timed events that are still to come.
     events_left: usize,
     whiskers: Vec<WhiskerState>,
 }
 
-/// The state of one whisker that survives a restart of the process.
+/// State of one whisker that survives a restart of the process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WhiskerState {
@@ -32,7 +32,7 @@ struct WhiskerState {
     pressure_mpa: f64,
     leak_mpa_per_s: f64,
     silent_until_us: u64,
-    /// Events by number of contacts that are still to come: its last ones.
+    /// Number of events by contact count that are still to come.
     events_left: usize,
     plant: PlantState,
 }
@@ -60,19 +60,19 @@ impl Robot {
         }
     }
 
-    /// Whether something happened to the robot since this was last asked.
+    /// Whether something has happened to the robot since the last call.
     pub(crate) fn take_change(&mut self) -> bool {
         std::mem::take(&mut self.has_changed)
     }
 
-    /// The same robot in its next boot.
+    /// Restores a robot, in its next boot.
     ///
     /// # Errors
-    /// Names the first value that is invalid or does not fit the configuration.
+    /// The first value that is invalid or does not fit the configuration.
     pub(crate) fn resume(config: RobotConfig, seed: u64, state: &RobotState, now_us: u64) -> Result<Self, String> {
         let name = &config.robot.robot;
         if state.robot != *name {
-            return Err(format!("robot {} is in the place of robot {name}", state.robot));
+            return Err(format!("found robot {} instead of robot {name}", state.robot));
         }
         let of_robot = |why: String| format!("robot {}: {why}", state.robot);
         let mut robot = Self::begin(config, seed, state.start_us, now_us).map_err(|why| of_robot(why.to_string()))?;
@@ -97,7 +97,7 @@ impl Robot {
 impl super::Whisker {
     fn take_up(&mut self, state: &WhiskerState) -> Result<(), String> {
         if state.array != *self.array() || state.whisker != self.number() {
-            return Err(format!("in the place of {}/{}", self.array(), self.number()));
+            return Err(format!("expected {}/{} here", self.array(), self.number()));
         }
         for (name, value) in [("pressure_mpa", state.pressure_mpa), ("leak_mpa_per_s", state.leak_mpa_per_s)] {
             if !(0.0..=1.0).contains(&value) {

@@ -1,4 +1,4 @@
-//! Setpoints: taken by the contract's rules, applied by the regulators, answered.
+//! Setpoints: accepted by the contract's rules, applied by the regulators, answered.
 
 use vibrissa_protocol::{
     BootId, OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
@@ -11,7 +11,7 @@ use crate::commands::{Addressee, Answer, Verdict};
 use crate::journal::{HeardSetpoint, JournalEntry};
 use crate::scenario::Misbehaviour;
 
-/// How fast a robot changes a pressure of its own accord.
+/// Slew of pressure changes without a command, in MPa/s.
 pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
 
 impl Robot {
@@ -34,7 +34,7 @@ impl Robot {
             (Verdict::Reject(SetpointError::UnknownWhisker), _)
                 if self.breaks(Misbehaviour::SilentOnUnknownWhisker) => {}
             (Verdict::Reject(error), _) => self.reject(id, at, error, now_us, out),
-            // Only a setpoint for a whisker that exists is taken.
+            // Only a setpoint for an existing whisker is accepted.
             (Verdict::Take, None) => self.reject(id, at, SetpointError::UnknownWhisker, now_us, out),
         }
     }
@@ -68,7 +68,7 @@ impl Robot {
         self.answer(id, at, answer, now_us, out);
     }
 
-    /// Says what became of a command, and remembers it.
+    /// Publishes and stores the state of a command.
     fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now_us: u64, out: &mut Vec<Outgoing>) {
         self.commands.remember(id, answer);
         if !self.connected {
@@ -86,7 +86,7 @@ impl Robot {
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }
 
-    /// Reports setpoints that have arrived, and those that will not.
+    /// Reports setpoints that have been reached, and those that have failed.
     pub(super) fn follow_setpoints(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
         for at in 0..self.whiskers.len() {
             let whisker = &mut self.whiskers[at];
@@ -106,7 +106,7 @@ impl Robot {
         }
     }
 
-    /// Does what the factsheet says when nothing has been heard of the supervisor for long.
+    /// Behaves as the factsheet states after a long time without messages from the supervisor.
     pub(super) fn miss_supervisor(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
         let lost_after_us = (self.config.behaviour.supervisor_lost_after_s * 1e6) as u64;
         if self.supervisor_heard_us.is_none_or(|heard_us| at_us < heard_us + lost_after_us) {
@@ -131,7 +131,7 @@ fn heard(setpoint: &Setpoint, boot_id: &BootId, at_us: u64) -> HeardSetpoint {
     HeardSetpoint { at_us, boot_id: boot_id.clone(), setpoint: setpoint.clone() }
 }
 
-/// An answer that needs no reason.
+/// An answer without an error.
 fn plain(outcome: SetpointOutcome) -> Answer {
     Answer { outcome, error: None }
 }

@@ -1,4 +1,4 @@
-//! What is due when: deadlines are data.
+//! Timers: the deadlines of a robot, as data.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,19 +11,19 @@ use super::{Outgoing, Robot};
 use crate::random::{Purpose, stream};
 use crate::regulator::TICK_US;
 
-/// A status that reports a change comes at most this often.
+/// Shortest time between status messages that report a change, in microseconds.
 const STATUS_PAUSE_US: u64 = 100_000;
 
-/// What can be due; of two at the same time the first in this list goes first.
+/// Kinds of timers; of simultaneous ones, the first in this list comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Timer {
-    /// Something of the scenario happens.
+    /// An event of the scenario.
     Event,
-    /// The regulators act.
+    /// The next step of the regulators.
     Tick,
-    /// A whisker touches something.
+    /// A contact of a whisker.
     Contact,
-    /// Contacts have waited long enough for their message to fill up.
+    /// An incomplete contacts message has waited long enough.
     Flush,
     /// Unreceipted messages are sent again.
     Resend,
@@ -31,7 +31,7 @@ pub(super) enum Timer {
     Status,
 }
 
-/// When each whisker touches next: irregular, at an exact rate, without drift.
+/// Times of the whiskers' next contacts: irregular, at an exact mean rate.
 #[derive(Debug)]
 pub(super) struct Contacts {
     start_us: u64,
@@ -45,7 +45,7 @@ impl Contacts {
         Self { start_us, interval_us: 1e6 / per_second, streams: Vec::new(), next: BinaryHeap::new() }
     }
 
-    /// Plans a whisker's next contact: contact k lies anywhere in the k-th interval.
+    /// Plans a whisker's next contact: contact k lies at a random time in the k-th interval.
     fn plan(&mut self, whisker: usize) {
         let Some((stream, made)) = self.streams.get_mut(whisker) else {
             return;
@@ -85,7 +85,7 @@ impl Robot {
         .min()
     }
 
-    /// Does what was due at `at_us`.
+    /// Handles a timer that was due at `at_us`.
     pub(super) fn expire(&mut self, timer: Timer, at_us: u64, now_us: u64, out: &mut Vec<Outgoing>) {
         match timer {
             Timer::Event => {
@@ -103,15 +103,15 @@ impl Robot {
                     self.contacts.plan(whisker);
                 }
             }
-            // A robot that rests flushes at once, whatever the time: no earlier than its last tick.
+            // A robot at rest flushes with a due time of 0; the message gets at least the time of the last tick.
             Timer::Flush => self.flush(at_us.max(self.tick_at_us.saturating_sub(TICK_US)), out),
-            // These speak of the present: a robot that woke up late does not do them once for each missed time.
+            // These refer to the present: a late robot does not repeat them for each missed time.
             Timer::Resend => self.resend(now_us, out),
             Timer::Status => self.status(now_us, out),
         }
     }
 
-    /// The regulators act, setpoints arrive, conditions change.
+    /// Steps the regulators, then handles setpoints and changes of condition.
     fn tick(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
         for whisker in &mut self.whiskers {
             whisker.regulator.tick(whisker.leak_mpa_per_s, self.supply_mpa);
@@ -121,20 +121,20 @@ impl Robot {
         self.report_change(at_us);
     }
 
-    /// Brings the next status forward if a whisker's condition is not the one that was last reported.
+    /// Brings the next status forward if a whisker's condition differs from the last report.
     pub(super) fn report_change(&mut self, at_us: u64) {
         if self.whiskers.iter().any(|whisker| whisker.condition() != whisker.reported) {
             self.status_at_us = self.status_at_us.min(at_us.max(self.status_sent_us + STATUS_PAUSE_US));
         }
     }
 
-    /// One whisker touches something.
+    /// Makes one contact of a whisker.
     fn touch(&mut self, at: usize, at_us: u64, out: &mut Vec<Outgoing>) {
         self.happen_by_contact(at, at_us);
         let Some(whisker) = self.whiskers.get_mut(at) else {
             return;
         };
-        // A contact on the chamber is none that the gauge could tell: it is not reported.
+        // A robot does not report a contact on the chamber, where the gauge cannot measure it.
         let Ok(reading) = whisker.plant.touch(whisker.regulator.pressure_mpa()) else {
             return;
         };

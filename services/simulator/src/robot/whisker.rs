@@ -1,4 +1,4 @@
-//! One whisker with its chamber and what the robot knows of it.
+//! One whisker with its chamber and the robot's knowledge of it.
 
 use std::collections::VecDeque;
 
@@ -19,21 +19,21 @@ pub struct Whisker {
     pub(super) plant: Plant,
     pub(super) regulator: Regulator,
     pub(super) leak_mpa_per_s: f64,
-    /// Until then nothing is told of it, by the robot's clock.
+    /// Until this time by the robot's clock, the robot sends nothing about the whisker.
     pub(super) silent_until_us: u64,
-    /// Whether the robot notices a leak or a broken gauge.
+    /// Whether the robot detects a leak or a broken gauge.
     notices_faults: bool,
-    /// The highest (epoch, version) seen for it in this boot.
+    /// Highest (epoch, version) seen for the whisker in this boot.
     pub(super) seen: Option<(u64, u64)>,
     /// The setpoint that is being applied.
     pub(super) applying: Option<Applying>,
-    /// What happens after so many of its contacts, in order.
+    /// Events by number of contacts, in order.
     pub(super) events: VecDeque<(u64, Change)>,
-    /// What its last status said.
+    /// Condition in the last status.
     pub(super) reported: (Condition, Gauge),
 }
 
-/// A setpoint on its way.
+/// A setpoint that is being applied.
 #[derive(Debug)]
 pub(super) struct Applying {
     pub(super) command_id: String,
@@ -74,14 +74,14 @@ impl Whisker {
         })
     }
 
-    /// A restart forgets everything but the whisker itself.
+    /// Resets everything except the whisker itself, as after a restart.
     pub(super) fn restart(&mut self) {
         self.seen = None;
         self.applying = None;
         self.regulator.set(self.facts.pressure_mpa, super::setpoints::OWN_SLEW_MPA_PER_S);
     }
 
-    /// The condition of its regulator and gauge as its robot sees it.
+    /// Condition of regulator and gauge as the robot detects it.
     pub(super) fn condition(&self) -> (Condition, Gauge) {
         match (self.notices_faults, self.regulator.condition()) {
             (true, regulator) => (regulator, self.plant.gauge()),
@@ -106,46 +106,46 @@ impl Whisker {
         }
     }
 
-    /// Its array.
+    /// Array of the whisker.
     #[must_use]
     pub fn array(&self) -> &Name {
         &self.array
     }
 
-    /// Its number in the array.
+    /// Number of the whisker in its array.
     #[must_use]
     pub fn number(&self) -> u16 {
         self.facts.whisker
     }
 
-    /// How it was built in.
+    /// Properties of the whisker as installed.
     #[must_use]
     pub fn facts(&self) -> &WhiskerScenario {
         &self.facts
     }
 
-    /// Its physics.
+    /// Physics of the whisker.
     #[must_use]
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
 
-    /// Its chamber.
+    /// Regulator of the chamber.
     #[must_use]
     pub fn regulator(&self) -> &Regulator {
         &self.regulator
     }
 
-    /// When and to what its length changed, in order.
+    /// Changes of the length, in chronological order.
     #[must_use]
     pub fn changes(&self) -> &[LengthChange] {
         self.plant.changes()
     }
 
-    /// The true strain per mm of deflection now, at the chamber's true pressure.
+    /// Present true strain per mm of deflection, at the chamber's true pressure.
     ///
     /// # Errors
-    /// The contact would lie on the chamber, where the mechanics do not hold.
+    /// The contact would lie on the chamber, where the model is invalid.
     pub fn sensitivity_per_mm(&self, ratio: f64) -> Result<f64, ContactOnChamber> {
         self.plant.sensitivity_per_mm(ratio, self.regulator.pressure_mpa())
     }

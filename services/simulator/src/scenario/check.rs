@@ -1,4 +1,4 @@
-//! Says what in a scenario cannot be, and where.
+//! Checks a scenario and names the place of the first error.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -8,43 +8,43 @@ use vibrissa_protocol::{ARRAYS_MAX, CONTACTS_MAX, WHISKERS_MAX};
 use super::event::Target;
 use super::{ArrayScenario, Change, Event, RobotScenario, Scenario, WhiskerScenario};
 
-/// Why a scenario cannot be simulated.
+/// Why a scenario is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BadScenario {
-    /// The text cannot be read; the message has line and column.
-    #[error("the scenario cannot be read: {0}")]
+    /// The text cannot be parsed; the message has line and column.
+    #[error("cannot parse the scenario: {0}")]
     NotToml(String),
-    /// A number is out of its range.
+    /// A number is outside its range.
     #[error("{place} is {value}, but must be {allowed}")]
     OutOfRange {
-        /// Where.
+        /// Place of the number in the scenario.
         place: String,
-        /// What it is.
+        /// The given value.
         value: f64,
-        /// What it may be.
+        /// The permitted range.
         allowed: String,
     },
-    /// Two things have the same name.
-    #[error("{place}: {name} is there more than once")]
+    /// A name occurs twice.
+    #[error("{place}: {name} occurs more than once")]
     Twice {
-        /// Where.
+        /// Place of the list in the scenario.
         place: String,
-        /// The name.
+        /// The repeated name.
         name: String,
     },
-    /// Something is said that does not fit the rest.
+    /// A value does not fit the rest of the scenario.
     #[error("{place}: {problem}")]
     Unfitting {
-        /// Where.
+        /// Place of the value in the scenario.
         place: String,
-        /// What does not fit.
+        /// Description of the error.
         problem: String,
     },
 }
 
 type Checked = Result<(), BadScenario>;
 
-/// Refuses a number outside a closed range.
+/// Checks that a number is in a closed range.
 fn within(place: String, value: f64, range: RangeInclusive<f64>) -> Checked {
     if range.contains(&value) {
         return Ok(());
@@ -56,7 +56,7 @@ fn unfitting(place: &str, problem: impl Into<String>) -> BadScenario {
     BadScenario::Unfitting { place: place.to_owned(), problem: problem.into() }
 }
 
-/// Refuses two equal names.
+/// Checks that all names are distinct.
 fn distinct(place: &str, names: impl Iterator<Item = String>) -> Checked {
     let mut seen = BTreeSet::new();
     for name in names {
@@ -69,10 +69,10 @@ fn distinct(place: &str, names: impl Iterator<Item = String>) -> Checked {
 }
 
 impl Scenario {
-    /// Checks a scenario as a whole; [`Scenario::from_toml_str`] has done it already.
+    /// Checks a scenario as a whole; [`Scenario::from_toml_str`] has already done so.
     ///
     /// # Errors
-    /// Something in it cannot be; the message names the place.
+    /// The first invalid value; the message names its place.
     pub fn check(&self) -> Result<(), BadScenario> {
         let b = &self.behaviour;
         within("behaviour.contacts_per_second".into(), b.contacts_per_second, 1e-6..=10_000.0)?;
@@ -95,7 +95,7 @@ impl RobotScenario {
     fn check(&self) -> Checked {
         let place = format!("robot {}", self.robot);
         if self.robot.as_str() == vibrissa_protocol::Name::RESERVED {
-            return Err(unfitting(&place, "this name belongs to the supervisor"));
+            return Err(unfitting(&place, "this name is reserved for the supervisor"));
         }
         within(format!("{place}: number of arrays"), self.arrays.len() as f64, 1.0..=ARRAYS_MAX as f64)?;
         distinct(&place, self.arrays.iter().map(|array| format!("array {}", array.array)))?;
@@ -117,7 +117,7 @@ impl ArrayScenario {
             whisker.check(&place)?;
             for neighbour in &whisker.neighbours {
                 if *neighbour == whisker.whisker || !self.whiskers.iter().any(|other| other.whisker == *neighbour) {
-                    return Err(unfitting(&place, format!("{neighbour} is no other whisker of this array")));
+                    return Err(unfitting(&place, format!("{neighbour} is not another whisker of this array")));
                 }
             }
         }
@@ -141,8 +141,8 @@ impl WhiskerScenario {
     }
 }
 
-/// A length whose contacts at a ratio of 0.45 still lie beyond the chamber under the highest pressure (it
-/// then ends up to 17.5 mm from the base), and that the body's cone has.
+/// Checks that contacts at a ratio of 0.45 still lie beyond the chamber at the highest pressure (which then ends up
+/// to 17.5 mm from the base), and that the body's cone is long enough.
 fn length(place: String, length_mm: f64) -> Checked {
     within(place, length_mm, 40.0..=150.0)
 }
@@ -179,18 +179,18 @@ impl Event {
                 return Ok(());
             }
             (Target::Whisker, None, _) | (Target::Whisker, _, None) => {
-                return Err(unfitting(place, "happens to a whisker: needs array and whisker"));
+                return Err(unfitting(place, "affects one whisker: needs array and whisker"));
             }
             (Target::RobotOrArray, _, None) | (Target::Robot, None, None) => {}
             (Target::RobotOrArray, _, Some(_)) => {
-                return Err(unfitting(place, "happens to a robot or an array, not to one whisker"));
+                return Err(unfitting(place, "affects a robot or an array: must not have whisker"));
             }
             (Target::Robot, _, _) => {
-                return Err(unfitting(place, "happens to the robot: no array or whisker here"));
+                return Err(unfitting(place, "affects the whole robot: must not have array or whisker"));
             }
         }
         if self.at_contact.is_some() {
-            return Err(unfitting(place, "at_contact counts one whisker's contacts: needs at_s here"));
+            return Err(unfitting(place, "at_contact counts the contacts of one whisker: needs at_s here"));
         }
         Ok(())
     }
@@ -211,7 +211,7 @@ impl Change {
                 within(field("strain_per_contact"), strain_per_contact, -0.01..=0.01)?;
                 within(field("until_strain"), until_strain, -0.5..=0.5)?;
                 if strain_per_contact * until_strain < 0.0 {
-                    return Err(unfitting(place, "strain_per_contact leads away from until_strain"));
+                    return Err(unfitting(place, "strain_per_contact and until_strain have opposite signs"));
                 }
                 Ok(())
             }

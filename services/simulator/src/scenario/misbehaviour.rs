@@ -1,4 +1,4 @@
-//! Rules of the contract that a robot breaks on purpose, so that whoever checks robots can be checked.
+//! Violations of the contract that a robot can commit on purpose, for tests of checkers.
 
 use serde::Deserialize;
 use vibrissa_protocol::Rule;
@@ -6,23 +6,23 @@ use vibrissa_protocol::Rule;
 /// Defines the faults: the enum, their names, and the rule that each breaks.
 macro_rules! misbehaviours {
     ($($(#[$doc:meta])* $variant:ident = $word:literal, $rule:expr;)+) => {
-        /// A fault in how a robot keeps the contract.
+        /// A fault in a robot's implementation of the contract.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
         pub enum Misbehaviour {
             $($(#[$doc])* #[serde(rename = $word)] $variant,)+
         }
 
         impl Misbehaviour {
-            /// Every fault.
+            /// All faults.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// Its name, in kebab case.
+            /// Name of the fault, in kebab case.
             #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self { $(Self::$variant => $word,)+ }
             }
 
-            /// The one rule that it breaks; none for a fault that breaks several.
+            /// The one rule that the fault breaks; `None` if it breaks several.
             #[must_use]
             pub const fn rule(self) -> Option<Rule> {
                 match self { $(Self::$variant => $rule,)+ }
@@ -32,93 +32,94 @@ macro_rules! misbehaviours {
 }
 
 misbehaviours! {
-    /// Its birth is not retained.
+    /// The birth is not retained.
     BirthNotRetained = "birth-not-retained", Some(Rule::Birth);
-    /// Its will names another boot.
+    /// The will has the boot id of another boot.
     WillOfAnotherBoot = "will-of-another-boot", Some(Rule::Will);
-    /// Its will is not retained.
+    /// The will is not retained.
     WillNotRetained = "will-not-retained", Some(Rule::WillRetained);
-    /// It starts again under the boot id that it had, and goes on counting.
+    /// After a restart, the boot id and the sequence numbers continue.
     KeepsBootId = "keeps-boot-id", Some(Rule::BootIdNew);
-    /// No factsheet comes unless it is asked for.
+    /// The factsheet is sent only on request.
     NoFactsheetAtBirth = "no-factsheet-at-birth", Some(Rule::FactsheetAfterBirth);
-    /// Its factsheet is not retained.
+    /// The factsheet is not retained.
     FactsheetNotRetained = "factsheet-not-retained", Some(Rule::FactsheetRetained);
-    /// It does not hear requests for its factsheet.
+    /// Requests for the factsheet are ignored.
     IgnoresFactsheetRequest = "ignores-factsheet-request", Some(Rule::FactsheetOnRequest);
-    /// A status comes every 25 s.
+    /// A status is sent every 25 s.
     StatusSeldom = "status-seldom", Some(Rule::StatusPeriod);
-    /// A status comes every 0.1 s.
+    /// A status is sent every 0.1 s.
     StatusOften = "status-often", Some(Rule::StatusPeriod);
-    /// It does not hear requests for its status.
+    /// Requests for the status are ignored.
     IgnoresStatusRequest = "ignores-status-request", Some(Rule::StatusOnRequest);
-    /// Its status leaves the last whisker out.
+    /// The status omits the last whisker.
     StatusLeavesOut = "status-leaves-out", Some(Rule::StatusWhiskers);
-    /// Every third status has no `t_us`.
+    /// Every third status lacks `t_us`.
     MalformedStatus = "malformed-status", Some(Rule::MessageForm);
-    /// Every third status is numbered one too high.
+    /// Every third status has a sequence number that is one too high.
     SkipsNumbers = "skips-numbers", Some(Rule::SeqWithoutGaps);
-    /// After a restart it counts on.
+    /// After a restart, the sequence numbers continue.
     KeepsCounting = "keeps-counting", Some(Rule::SeqFromZero);
-    /// Its contacts are an hour ahead.
+    /// The times of contacts are an hour ahead.
     ContactsAhead = "contacts-ahead", Some(Rule::Clock);
-    /// Every third status is 1.5 s older than it should be.
+    /// The time of every third status is 1.5 s too early.
     TimeBack = "time-back", Some(Rule::TimeForward);
-    /// What became of setpoints is told with quality of service 0.
+    /// Answers to setpoints have quality of service 0.
     AnswersAtMostOnce = "answers-at-most-once", Some(Rule::QualityOfService);
-    /// Its status is retained.
+    /// The status is retained.
     StatusRetained = "status-retained", Some(Rule::NotRetained);
     /// Every fifth contact has a contact ratio above 1.
     RatioAboveOne = "ratio-above-one", Some(Rule::ContactsInRange);
-    /// Every fifth contact is of a whisker that it does not have.
+    /// Every fifth contact is of a whisker that does not exist.
     UnknownWhiskerTouched = "unknown-whisker-touched", Some(Rule::ContactsOnFactsheet);
-    /// Contacts are sent once and forgotten.
+    /// Contacts messages are sent once and not stored.
     SendsOnce = "sends-once", Some(Rule::ContactsResent);
-    /// Of what it sends again the newest goes first.
+    /// The newest uncovered message is sent again first.
     ResendsNewestFirst = "resends-newest-first", Some(Rule::ResendOldestFirst);
-    /// It sends again at a steady pace, receipt or not.
+    /// Messages are sent again at a constant rate, with or without receipts.
     NoBackoff = "no-backoff", Some(Rule::ResendBackoff);
-    /// What it sends again is not what it sent.
+    /// Messages that are sent again have changed content.
     ResendsAltered = "resends-altered", Some(Rule::ResendSame);
-    /// It does not look at `next`.
+    /// `next` in receipts is ignored.
     IgnoresNext = "ignores-next", Some(Rule::ReceiptNext);
-    /// It does not look at `held`.
+    /// `held` in receipts is ignored.
     IgnoresHeld = "ignores-held", Some(Rule::ReceiptHeld);
-    /// It takes the end of `held` for `next`.
+    /// The end of `held` is mistaken for `next`.
     ForgetsGap = "forgets-gap", Some(Rule::ReceiptGap);
-    /// It takes receipts for other boots.
+    /// Receipts for other boots are applied.
     TakesAnyReceipt = "takes-any-receipt", Some(Rule::ReceiptBoot);
-    /// It says nothing of a setpoint before the end.
+    /// Only the final state of a setpoint is sent.
     SaysOnlyTheEnd = "says-only-the-end", Some(Rule::SetpointAnswers);
-    /// It holds 0.008 MPa less than asked, says otherwise in its status, and calls it applied.
+    /// The pressure is 0.008 MPa below the setpoint, but the status shows the setpoint, and it is reported as
+    /// applied.
     HoldsLess = "holds-less", Some(Rule::SetpointApplied);
-    /// Its status always shows the nominal pressure as setpoint.
+    /// The status always shows the nominal pressure as setpoint.
     StatusStaysNominal = "status-stays-nominal", Some(Rule::SetpointInStatus);
-    /// It changes pressures as fast as it can.
+    /// Pressures change as fast as possible.
     IgnoresSlew = "ignores-slew", Some(Rule::Slew);
-    /// It does not look at versions.
+    /// Versions are ignored.
     TakesOldVersions = "takes-old-versions", Some(Rule::RefuseStaleVersion);
-    /// It does not look at epochs.
+    /// Epochs are ignored.
     TakesOldEpochs = "takes-old-epochs", Some(Rule::RefuseStaleEpoch);
-    /// It takes setpoints that have expired.
+    /// Expired setpoints are accepted.
     TakesExpired = "takes-expired", Some(Rule::RefuseExpired);
-    /// It takes setpoints for other boots.
+    /// Setpoints for other boots are accepted.
     TakesOtherBoots = "takes-other-boots", Some(Rule::RefuseWrongBoot);
-    /// It takes any pressure.
+    /// Any pressure is accepted.
     TakesAnyPressure = "takes-any-pressure", Some(Rule::RefuseOutOfRange);
-    /// It does not answer setpoints for whiskers that it does not have.
+    /// Setpoints for whiskers that do not exist are not answered.
     SilentOnUnknownWhisker = "silent-on-unknown-whisker", Some(Rule::RefuseUnknownWhisker);
-    /// It does not answer a command again.
+    /// A repeated command is not answered.
     SilentOnRepeats = "silent-on-repeats", Some(Rule::CommandAgainAnswered);
-    /// It applies a command again.
+    /// A repeated command is applied again.
     AppliesRepeats = "applies-repeats", Some(Rule::CommandAgainNotApplied);
-    /// It does not say that a setpoint was superseded.
+    /// A superseded setpoint is not reported.
     NeverSuperseded = "never-superseded", Some(Rule::Supersede);
-    /// A message with a field that it does not know is not taken.
+    /// Messages with unknown fields are ignored.
     RefusesUnknownFields = "refuses-unknown-fields", Some(Rule::UnknownFields);
-    /// A message that it cannot read makes it start again.
+    /// An invalid message causes a restart.
     RestartsOnMalformed = "restarts-on-malformed", Some(Rule::MalformedHarmless);
-    /// Any setpoint for a whisker that is there is applied: late, repeated, or of an older epoch.
+    /// Any setpoint for an existing whisker is applied, even if it is late, repeated, or of an older epoch.
     TakesAnySetpoint = "takes-any-setpoint", None;
 }
 
@@ -128,7 +129,7 @@ impl std::str::FromStr for Misbehaviour {
     fn from_str(word: &str) -> Result<Self, String> {
         Self::ALL.iter().copied().find(|one| one.as_str() == word).ok_or_else(|| {
             let known: Vec<&str> = Self::ALL.iter().map(|one| one.as_str()).collect();
-            format!("no such fault; there are {}", known.join(", "))
+            format!("unknown fault; the faults are {}", known.join(", "))
         })
     }
 }

@@ -1,4 +1,4 @@
-//! What is simulated: the fleet, its noise, and what happens to it. Read from TOML or built in code.
+//! Scenario of a simulation: the fleet, its noise, and its events. Read from TOML or built in code.
 
 mod check;
 mod event;
@@ -15,48 +15,48 @@ pub use misbehaviour::Misbehaviour;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// Where all randomness starts: the same seed and inputs give the same contacts.
+    /// Seed of all randomness: the same seed and inputs give the same contacts.
     #[serde(default)]
     pub seed: u64,
-    /// The fleet's name.
+    /// Name of the fleet.
     pub fleet: Name,
-    /// How the robots behave.
+    /// Behaviour of the robots.
     #[serde(default)]
     pub behaviour: Behaviour,
-    /// What the sensors add to the truth.
+    /// Noise of the sensors.
     #[serde(default)]
     pub noise: Noise,
-    /// How far each whisker's calibration may be off, relative: its factors on k2's c, a and b and on the
-    /// elongation gain are each uniform within ± this. 0 to 0.5.
+    /// Largest relative deviation of the whiskers' calibrations, 0 to 0.5: the factors on k2's c, a and b and on
+    /// the elongation gain are each uniform within ± this.
     #[serde(default = "default_calibration_error")]
     pub calibration_error: f64,
-    /// The robots, each of another name.
+    /// The robots, with distinct names.
     pub robots: Vec<RobotScenario>,
 }
 
-/// How the robots behave.
+/// Behaviour of the robots.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Behaviour {
-    /// Contacts that each whisker makes per second; above 0, at most 10000.
+    /// Contacts of each whisker per second; above 0, at most 10000.
     pub contacts_per_second: f64,
-    /// Contacts in one message, 1 to 1000.
+    /// Number of contacts in a full message, 1 to 1000.
     pub contacts_per_message: usize,
-    /// A message that does not fill up is sent after this many seconds.
+    /// Seconds after which an incomplete message is sent.
     pub message_after_s: f64,
     /// Seconds between two `status` messages, 0.1 to 10.
     pub status_every_s: f64,
-    /// Contacts messages that a robot keeps until they are receipted; the oldest are dropped beyond it.
+    /// Contacts messages that a robot stores until they are receipted; beyond it the oldest are dropped.
     pub kept_messages: usize,
-    /// A robot that has heard nothing from the supervisor for this many seconds does what its
-    /// `on_supervisor_loss` says.
+    /// Seconds without a message from the supervisor after which a robot behaves as its `on_supervisor_loss`
+    /// states.
     pub supervisor_lost_after_s: f64,
-    /// Whether robots notice leaks and gauges that are out of order; one that does not says OK of both.
+    /// Whether robots detect leaks and broken gauges; otherwise they report both as OK.
     pub notices_faults: bool,
-    /// Whether robots keep a journal; whoever lets them takes it now and then with [`crate::Robot::take_journal`].
+    /// Whether robots keep a journal; the caller must then empty it regularly with [`crate::Robot::take_journal`].
     #[serde(skip)]
     pub journal: bool,
-    /// A rule of the contract that the robots break, so that a test can see that it notices.
+    /// Fault by which the robots break a rule of the contract, for tests that must detect it.
     pub misbehaviour: Option<Misbehaviour>,
 }
 
@@ -76,17 +76,17 @@ impl Default for Behaviour {
     }
 }
 
-/// What the sensors add to the truth: standard deviations of normal errors.
+/// Noise of the sensors: standard deviations of normal errors.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
-    /// Of the strain, relative.
+    /// Strain noise, relative.
     pub strain_relative: f64,
-    /// Of the strain, absolute in m/m, on top of the relative one.
+    /// Strain noise, absolute in m/m, in addition to the relative one.
     pub strain_floor: f64,
-    /// Of the deflection, relative.
+    /// Deflection noise, relative.
     pub deflection_relative: f64,
-    /// Of the contact ratio, absolute.
+    /// Contact ratio noise, absolute.
     pub ratio: f64,
 }
 
@@ -96,84 +96,84 @@ impl Default for Noise {
     }
 }
 
-/// One robot.
+/// One robot of a scenario.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotScenario {
-    /// Its name.
+    /// Name of the robot.
     pub robot: Name,
-    /// Its model, as in the factsheet.
+    /// Model of the robot, as in the factsheet.
     #[serde(default = "default_model")]
     pub model: String,
-    /// What it does when the supervisor is gone.
+    /// Behaviour without a supervisor.
     #[serde(default = "default_on_supervisor_loss")]
     pub on_supervisor_loss: OnSupervisorLoss,
-    /// Its arrays, each of another name.
+    /// Arrays of the robot, with distinct names.
     pub arrays: Vec<ArrayScenario>,
-    /// What happens to it.
+    /// Events that happen to the robot.
     #[serde(default)]
     pub events: Vec<Event>,
 }
 
-/// One array.
+/// One array of a robot.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArrayScenario {
-    /// Its name.
+    /// Name of the array.
     pub array: Name,
-    /// What it can do about a shortened whisker.
+    /// Ways in which the array can compensate for a shortened whisker.
     #[serde(rename = "type")]
     pub array_type: ArrayType,
-    /// Its whiskers, each of another number.
+    /// Whiskers of the array, with distinct numbers.
     pub whiskers: Vec<WhiskerScenario>,
 }
 
-/// One whisker as it was built in.
+/// One whisker as installed.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WhiskerScenario {
-    /// Its number in the array.
+    /// Number of the whisker in the array.
     pub whisker: u16,
-    /// Where it stands, in mm.
+    /// Position along x, in mm.
     pub x_mm: f64,
-    /// Where it stands, in mm.
+    /// Position along y, in mm.
     pub y_mm: f64,
-    /// Its length without the chamber's elongation, in mm.
+    /// Length without the chamber's elongation, in mm.
     pub length_mm: f64,
-    /// The chamber's nominal gauge pressure in MPa.
+    /// Nominal gauge pressure of the chamber, in MPa.
     pub pressure_mpa: f64,
-    /// The highest pressure that the robot lets into the chamber, in MPa; at most 0.2.
+    /// Highest pressure that the robot permits in the chamber, in MPa; at most 0.2.
     pub pressure_max_mpa: f64,
-    /// Whiskers of the same array that can take its place.
+    /// Numbers of whiskers of the same array that can compensate for this one.
     pub neighbours: Vec<u16>,
-    /// How its rubber truly is; drawn by chance within the scenario's `calibration_error` if not said.
+    /// True rubber of the whisker; random within the scenario's `calibration_error` if absent.
     pub rubber: Option<Rubber>,
 }
 
-/// How a whisker truly differs from the built-in calibration: factors on its parameters, and which formulation
-/// of the mechanics is true.
+/// True deviation of a whisker from the built-in calibration: factors on its parameters, and the true formulation
+/// of the mechanics.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rubber {
-    /// On k2's c, 0.5 to 1.5.
+    /// Factor on k2's c, 0.5 to 1.5.
     pub c: f64,
-    /// On k2's a, 0.5 to 1.5.
+    /// Factor on k2's a, 0.5 to 1.5.
     pub a: f64,
-    /// On k2's b, 0.5 to 1.5.
+    /// Factor on k2's b, 0.5 to 1.5.
     pub b: f64,
-    /// On the elongation gain, 0.5 to 1.5.
+    /// Factor on the elongation gain, 0.5 to 1.5.
     pub elongation: f64,
-    /// How a factor that the paper misprints is to be read.
+    /// True reading of a factor that the paper misprints.
     pub formulation: TrueFormulation,
 }
 
-/// How a factor that the paper misprints is to be read; see [`vibrissa_core::mechanics::Formulation`].
+/// Reading of a factor that the paper misprints; see [`vibrissa_core::mechanics::Formulation`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum TrueFormulation {
-    /// As printed.
+    /// The factor as printed, at zero pressure.
     Published,
-    /// Under pressure, as the rest is.
+    /// The factor under pressure, consistent with the other equations.
     Consistent,
 }
 
@@ -211,11 +211,10 @@ fn default_on_supervisor_loss() -> OnSupervisorLoss {
 }
 
 impl Scenario {
-    /// Reads a scenario and checks it as a whole.
+    /// Parses a scenario and checks it as a whole.
     ///
     /// # Errors
-    /// The text is not TOML, has an unknown or missing field, or says something that cannot be; the
-    /// message names the place.
+    /// The text is not TOML, has an unknown or missing field, or has an invalid value; the message names the place.
     pub fn from_toml_str(text: &str) -> Result<Self, BadScenario> {
         let scenario: Self = toml::from_str(text).map_err(|error| BadScenario::NotToml(error.to_string()))?;
         scenario.check()?;

@@ -55,9 +55,9 @@ fn a_pressure_above_the_whiskers_own_limit_is_refused() {
 fn the_same_robot_array_or_whisker_twice_is_refused() {
     let text = SMALL.replace("whisker = 1 }", "whisker = 0 }");
     let error = Scenario::from_toml_str(&text).unwrap_err().to_string();
-    assert_eq!(error, "robot r array left: whisker 0 is there more than once");
+    assert_eq!(error, "robot r array left: whisker 0 occurs more than once");
     let robot = &SMALL[SMALL.find("[[robots]]").unwrap()..];
-    assert!(refused(robot).contains("robots: r is there more than once"));
+    assert!(refused(robot).contains("robots: r occurs more than once"));
 }
 
 #[test]
@@ -69,13 +69,13 @@ fn an_event_needs_one_time_and_whom_it_happens_to() {
         (format!("at_s = 1\narray = \"right\"\nwhisker = 0\n{trim}"), "no array right"),
         (format!("at_s = 1\narray = \"left\"\nwhisker = 9\n{trim}"), "no whisker 9"),
         ("at_contact = 1\nchange = { kind = \"RESTART\" }".into(), "needs at_s"),
-        ("at_s = 1\narray = \"left\"\nchange = { kind = \"RESTART\" }".into(), "happens to the robot"),
+        ("at_s = 1\narray = \"left\"\nchange = { kind = \"RESTART\" }".into(), "affects the whole robot"),
         ("at_s = 1\nchange = { kind = \"LOSE\", fraction = 2, for_s = 1 }".into(), "fraction is 2"),
         (
             "at_s = 1\narray = \"left\"\nwhisker = 0\n\
              change = { kind = \"BASELINE_DRIFT\", strain_per_contact = 1e-6, until_strain = -1e-4 }"
                 .into(),
-            "leads away from until_strain",
+            "have opposite signs",
         ),
         ("at_s = 1\nchange = { kind = \"SILENT\" }".into(), "needs array and whisker"),
         ("at_s = 1\nchange = { kind = \"DEFLECTION_SCALE\", factor = 0 }".into(), "factor is 0"),

@@ -84,7 +84,7 @@ fn a_wrong_type_is_told_with_an_example() {
         ("log = \"vibrissa=loud\"", "not a filter"),
         ("fleets = []", "at least one"),
         ("fleets = [\"a\", \"a\"]", "twice"),
-        ("fleets = [\"a b\"]", "is no name"),
+        ("fleets = [\"a b\"]", "is not a valid name"),
         ("name = \"\"", "must not be empty"),
         ("traces.otlp_endpoint = \"h:4318\"", "must begin with http:// or https://: write http://HOST:4318"),
         ("traces.sample_ratio = 1.5", "must be from 0.0 to 1.0, not 1.5"),

@@ -1,4 +1,4 @@
-//! The curve k2(Q) through measured points, by least squares of the logarithms.
+//! Fits the curve k2(Q) to measured points, by least squares of the logarithms.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -7,7 +7,7 @@ use nalgebra::{Dyn, Matrix2, Matrix3, OMatrix, OVector, U3, Vector2, Vector3};
 use super::FitError;
 use super::readings::Point;
 
-/// A k2 that falls by less than this share of its limit does not fall.
+/// Least fall of k2, as a share of its limit.
 const LEAST_FALL: f64 = 1e-3;
 
 /// k2(Q) = c + a exp(-b Q).
@@ -43,7 +43,7 @@ impl Curve {
     }
 }
 
-/// Least squares in the logarithms; the covariance is for a residual standard deviation of 1.
+/// Fits the curve; the covariance is for a residual standard deviation of 1.
 pub(super) fn fit_curve(points: &[Point]) -> Result<(Curve, Matrix3<f64>), FitError> {
     let start = first_guess(points).ok_or(FitError::NotDetermined { parameter: "a" })?;
     let (problem, report) =
@@ -66,7 +66,8 @@ pub(super) fn fit_curve(points: &[Point]) -> Result<(Curve, Matrix3<f64>), FitEr
     }
 }
 
-/// For a fixed b the curve is linear in c and a: the best b of a wide grid, relative errors weighted.
+/// Starting point: for a fixed b the curve is linear in c and a, so the best b of a wide grid is taken, with
+/// relative errors weighted equally.
 fn first_guess(points: &[Point]) -> Option<Curve> {
     let highest_mpa = points.iter().map(|point| point.pressure_mpa).fold(0.0, f64::max);
     (0..40)

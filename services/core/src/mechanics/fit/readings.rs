@@ -1,4 +1,4 @@
-//! What the rows of a calibration say: one k2 per strain (eq. 33), one gain per elongation (eq. 24).
+//! Converts the rows of a calibration: one k2 for each strain (eq. 33), one gain for each elongation (eq. 24).
 
 use super::curve::Curve;
 use super::{CalibrationRow, FitError, PRESSURES_MIN, STRAINS_MIN};
@@ -12,7 +12,7 @@ pub(super) struct Point {
     pub(super) log_k2: f64,
 }
 
-/// Eq. 33 for every row that has a strain above zero pressure.
+/// ln k2 by eq. 33 for each row that has a strain above zero pressure.
 pub(super) fn measured_k2(
     geometry: &Geometry,
     youngs_modulus_mpa: f64,
@@ -45,7 +45,7 @@ pub(super) fn measured_k2(
     Ok(points)
 }
 
-/// ln G for every row that has an elongation above zero pressure.
+/// ln G for each row that has an elongation above zero pressure.
 pub(super) fn log_elongation_gains(
     curve: &Curve,
     youngs_modulus_mpa: f64,
@@ -74,7 +74,7 @@ pub(super) struct MeanLog {
     pub(super) count: f64,
 }
 
-/// None without any; one alone has no spread, and is refused.
+/// `None` without any value; a single value has no scatter and is an error.
 pub(super) fn mean_log(logs: &[Option<f64>]) -> Result<Option<MeanLog>, FitError> {
     let known: Vec<f64> = logs.iter().flatten().copied().collect();
     match known.len() {

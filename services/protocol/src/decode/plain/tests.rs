@@ -8,7 +8,7 @@ fn plain(text: &str) -> Option<Contacts> {
     contacts(text, &mut Vec::new())
 }
 
-/// Whether it is read plainly; if so, the full reader reads the same, to the last bit.
+/// Whether the fast reader accepts a message; if so, the full reader must give the same values to the last bit.
 fn is_plain_and_the_same(text: &str) -> bool {
     let Some(plain) = plain(text) else { return false };
     let full: Contacts = serde_json::from_str(text).unwrap_or_else(|problem| panic!("{problem}: {text}"));
@@ -58,7 +58,7 @@ fn numbers_are_read_as_json_has_them() {
     for number in ["0", "-0", "7", "-7.25", "1e5", "1E-5", "2.5e+3", "0.1", "5e-324", "1.7976931348623157e308"] {
         assert!(is_plain_and_the_same(&CONTACTS.replace("0.85", number)), "{number}");
     }
-    // Halfway between two numbers, or nearly so.
+    // Halfway between two floating-point numbers, or nearly so.
     for number in ["9007199254740993", "0.5000000000000001665334536937734810635447502136230468750001", "1e23"] {
         assert!(is_plain_and_the_same(&CONTACTS.replace("0.85", number)), "{number}");
     }
@@ -109,7 +109,8 @@ proptest! {
         prop_assert_eq!(is_plain_and_the_same(&text), !needs_more);
     }
 
-    /// Whatever becomes of a message on its way, nothing is taken that the full reader would not take, nor otherwise.
+    /// After any corruption of a message, the fast reader accepts nothing that the full reader refuses, and gives
+    /// equal values.
     #[test]
     fn property_nothing_else_is_taken(
         message in any_message(),

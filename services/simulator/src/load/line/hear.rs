@@ -1,4 +1,4 @@
-//! What comes back: acknowledgements, receipts, setpoints, requests.
+//! Incoming packets: acknowledgements, receipts, setpoints, requests.
 
 use std::io;
 
@@ -10,10 +10,10 @@ use crate::fleet::now_us;
 use crate::load::packet::{self, Inbound, Incoming};
 
 impl Line {
-    /// Takes what there is to read.
+    /// Reads and handles the available packets.
     pub(super) fn read(&mut self) -> io::Result<()> {
         match self.stream.try_read(self.inbound.space()) {
-            Ok(0) => return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the broker has ended the connection")),
+            Ok(0) => return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the broker closed the connection")),
             Ok(count) => self.inbound.filled(count),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(()),
             Err(error) => return Err(error),
@@ -33,7 +33,9 @@ impl Line {
                 self.waited_for = self.waited_for.saturating_sub(1);
                 self.heard = Instant::now();
             }
-            Incoming::ConnAck(code) => return Err(io::Error::other(format!("the broker does not let us in ({code})"))),
+            Incoming::ConnAck(code) => {
+                return Err(io::Error::other(format!("the broker refused the connection (code {code})")));
+            }
             Incoming::PubAck => {
                 self.in_flight = self.in_flight.saturating_sub(1);
                 self.heard = Instant::now();
@@ -48,7 +50,7 @@ impl Line {
         Ok(())
     }
 
-    /// What a supervisor says to one of the robots; anything else is passed over.
+    /// Handles a message of the supervisor to one of the robots; ignores all others.
     fn hear(&mut self, topic: &[u8], payload: &[u8]) {
         let now_us = now_us();
         let mut levels = topic.rsplit(|&byte| byte == b'/');

@@ -1,4 +1,4 @@
-//! What a robot says of itself.
+//! Connection, factsheet, status and answers to requests.
 
 use super::*;
 

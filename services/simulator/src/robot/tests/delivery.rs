@@ -1,8 +1,8 @@
-//! Contacts: made, kept, sent, sent again.
+//! Contacts: made, stored, sent, sent again.
 
 use super::*;
 
-/// Contacts messages of a robot that is polled in steps of that length.
+/// Contacts messages of a robot that is polled at intervals of this length.
 fn payloads(seed: u64, step_us: u64) -> Vec<Vec<u8>> {
     let mut bench = Bench::new(|scenario| scenario.seed = seed);
     bench.robot.connected(START);
@@ -13,7 +13,7 @@ fn payloads(seed: u64, step_us: u64) -> Vec<Vec<u8>> {
                 payloads.push(payload);
             }
         }
-        // Receipted at once: what is sent again depends on when.
+        // Receipted immediately, since repeated transmissions depend on the times of the polls.
         bench.now_us = now_us;
         bench.receipt(payloads.len() as u64);
     }

@@ -1,4 +1,4 @@
-//! What happens to a robot.
+//! Events of the scenario.
 
 use super::*;
 
@@ -156,7 +156,7 @@ fn a_robot_that_is_taken_up_is_in_a_new_boot_and_nothing_happens_to_it_twice() {
     after.connect();
     after.run(9.0);
     assert_eq!((after.robot.whiskers()[1].plant().gauge(), after.first().changes().len()), (Gauge::Ok, 1));
-    // Its second 40 counts from its first start, its contacts from the first one.
+    // The scenario's second 40 counts from the robot's first start, and so do its contacts.
     after.run(2.0);
     assert_eq!(after.robot.whiskers()[1].plant().gauge(), Gauge::Open);
     after.run(20.0);

@@ -1,4 +1,4 @@
-//! What is written down, and rules that are broken on purpose.
+//! The journal, and deliberate violations of the contract.
 
 use super::*;
 use crate::journal::JournalEntry;

@@ -1,4 +1,4 @@
-//! A robot on the bench: without a network, by a clock that jumps.
+//! Test bench for a robot: without a network, with a simulated clock.
 
 mod connection;
 mod delivery;
@@ -34,7 +34,7 @@ fn left() -> Name {
     Name::new("left").unwrap()
 }
 
-/// The robot of the scenario after a change to it, and a time that only moves forward.
+/// The robot of an edited scenario, and a time that only moves forward.
 struct Bench {
     robot: Robot,
     now_us: u64,
@@ -79,7 +79,7 @@ impl Bench {
         }
     }
 
-    /// Jumps from deadline to deadline.
+    /// Moves the time from deadline to deadline.
     fn run(&mut self, seconds: f64) {
         let until_us = self.now_us + (seconds * 1e6) as u64;
         while self.robot.next_deadline() <= until_us {
@@ -122,7 +122,7 @@ impl Bench {
         setpoint
     }
 
-    /// What was sent since the last call.
+    /// Messages sent since the last call.
     fn sent(&mut self) -> Vec<Message> {
         std::mem::take(&mut self.messages)
     }

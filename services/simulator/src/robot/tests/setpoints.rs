@@ -1,4 +1,4 @@
-//! Setpoints: taken, applied, answered.
+//! Setpoints: accepted, applied, answered.
 
 use super::*;
 
