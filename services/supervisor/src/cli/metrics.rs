@@ -1,4 +1,4 @@
-//! `vibrissa metrics`: what `/metrics` has, for people.
+//! `vibrissa metrics`: the reference of all metrics, in Markdown.
 
 use std::io::Write;
 
@@ -7,7 +7,7 @@ use crate::metrics;
 /// Prints docs/metrics.md.
 ///
 /// # Errors
-/// It cannot be written.
+/// Standard output cannot be written.
 pub fn run(out: &mut impl Write) -> anyhow::Result<()> {
     write!(out, "{}", metrics::document()?)?;
     Ok(())
