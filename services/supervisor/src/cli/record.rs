@@ -83,7 +83,9 @@ async fn over(limit: Option<Duration>) {
 fn tell(Report { messages, lost, breaks }: Report) -> anyhow::Result<()> {
     eprintln!("vibrissa: {messages} messages recorded");
     if breaks > 0 {
-        eprintln!("vibrissa: the connection broke {breaks} times; messages sent until it was restored are not recorded");
+        eprintln!(
+            "vibrissa: the connection broke {breaks} times; messages sent until it was restored are not recorded"
+        );
     }
     if lost > 0 {
         bail!("{lost} messages could not be written");

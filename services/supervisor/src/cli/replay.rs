@@ -26,8 +26,8 @@ Setpoints of the replay get the recorded answers to the recorded setpoints. One 
 to be applied (effects that depend on it have \"assumed\"); contacts at another pressure then count as UNSETTLED.
 If the recording is silent for more than a minute, only the first minute and the end of the silence are simulated.")]
 pub struct ReplayArgs {
-    /// The recording; - is standard input.
-    # Recording; - is standard input.
+    /// Recording; - is standard input.
+    #[arg(value_name = "FILE")]
     file: PathBuf,
     /// TOML file with other keys of [policy]: replay with both policies and print the differences.
     #[arg(long, value_name = "OTHER.toml")]

@@ -86,7 +86,11 @@ fn lifetime(text: &str) -> Result<Duration, String> {
 
 fn label(text: &str) -> Result<String, String> {
     let is_good = (1..=64).contains(&text.chars().count()) && !text.contains(char::is_control);
-    if is_good { Ok(text.to_owned()) } else { Err("must have 1 to 64 characters, and no control characters".to_owned()) }
+    if is_good {
+        Ok(text.to_owned())
+    } else {
+        Err("must have 1 to 64 characters, and no control characters".to_owned())
+    }
 }
 
 /// Creates, lists or revokes tokens.

@@ -184,9 +184,7 @@ fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<Decod
         }
     }
     match (fit.as_slice(), kid) {
-        ([key], _) | ([key, ..], Some(_)) => {
-            DecodingKey::from_jwk(key).map_err(|_| Lack::Unfit("cannot be parsed"))
-        }
+        ([key], _) | ([key, ..], Some(_)) => DecodingKey::from_jwk(key).map_err(|_| Lack::Unfit("cannot be parsed")),
         ([], Some(_)) => Err(unfit.map_or(Lack::Unknown, Lack::Unfit)),
         ([] | [_, _, ..], None) => Err(Lack::Unknown),
     }
