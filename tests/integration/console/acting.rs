@@ -76,7 +76,7 @@ async fn what_is_out_of_range_is_not_sent() {
 async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_key() {
     let mut stage = before_a_whisker().await;
     let problem =
-        json!({ "status": 409, "title": "it cannot be done as things are", "detail": "the robot is offline" });
+        json!({ "status": 409, "title": "Not possible in the current state", "detail": "the robot is offline" });
     stage.browser.js(&format!("window.answer = {}", json!({ "status": 409, "body": problem }))).await;
     ask(&mut stage, "Hold").await;
     stage.browser.js("document.querySelector('dialog textarea').value = 'a look at it'").await;
