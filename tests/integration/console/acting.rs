@@ -99,7 +99,7 @@ async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_
 #[tokio::test]
 async fn escape_closes_a_dialog_and_the_focus_goes_back_to_its_button() {
     let mut stage = before_a_whisker().await;
-    for action in ["Set the pressure", "Hold", "It was replaced", "Learn anew"] {
+    for action in ["Set the pressure", "Hold", "Mark as replaced", "Relearn baseline"] {
         ask(&mut stage, action).await;
         stage.browser.press("Escape").await;
         stage.browser.until("it is closed", &format!("!{DIALOG}")).await;

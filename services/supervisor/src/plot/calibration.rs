@@ -9,21 +9,21 @@ use vibrissa_core::units::Megapascal;
 
 use super::{Axes, BLUE, Chart, Panel, VERMILION, chart, drawing, legend};
 
-/// Pieces of a drawn curve; many short ones would show the rounding to whole pixels.
+/// Segments of a curve; with many short ones the rounding to whole pixels would show.
 const STEPS: u32 = 50;
 
-/// Draws k2 against the pressure, and below it the elongation if it was measured.
+/// Draws k2 over pressure, and below it the elongation if it was measured.
 ///
 /// # Errors
-/// It cannot be drawn, or the file not written.
+/// The plot cannot be drawn, or the file cannot be written.
 pub fn draw(path: &Path, name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<()> {
     Ok(std::fs::write(path, svg(name, rows, fit)?)?)
 }
 
-/// The same as a text.
+/// The plot as SVG text.
 ///
 /// # Errors
-/// It cannot be drawn.
+/// The plot cannot be drawn.
 pub fn svg(name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<String> {
     let mut text = String::new();
     onto(&mut text, name, rows, fit)?;
@@ -66,7 +66,7 @@ fn elongation(panel: &Panel<'_>, name: &str, rows: &[CalibrationRow], fit: &Fit,
     panel_with(panel, &format!("{name}: elongation of the chamber"), "elongation (mm)", highest_mpa, &points, &curve)
 }
 
-/// A curve with its band: pressure, then low, best and high.
+/// A curve with its confidence band: pressure, then low, best and high value.
 type Curve = Vec<(f64, [f64; 3])>;
 
 fn curve(highest_mpa: f64, of: impl Fn(Megapascal) -> [f64; 3]) -> Result<Curve> {
@@ -86,7 +86,7 @@ fn panel_with(
     points: &[(f64, f64)],
     curve: &Curve,
 ) -> Result<()> {
-    // The band may be wide where nothing was measured: it must not flatten the rest.
+    // The band may be wide where there are no readings; it must not flatten the curve.
     let best = curve.iter().map(|(_, band)| band[1]);
     let top = points.iter().map(|point| point.1).chain(best).fold(0.0, f64::max);
     let axes = Axes { title, x: ("pressure (MPa)", 0.0..1.02 * highest_mpa), y: (quantity, 0.0..1.15 * top) };

@@ -1,5 +1,6 @@
-//! SVG figures: the paper's curves, an evaluation and a calibration, on a light ground, in colours that everybody can tell apart;
-//! and what HTTP draws of whiskers and arrays (`console`, `array`), for light and dark screens of any size (`svg`, `lines`).
+//! SVG figures: the paper's curves, evaluations and calibrations on a light background, in colours that are distinct
+//! with any colour vision; and the plots served over HTTP (`console`, `array`), for light and dark screens of any size
+//! (`svg`, `lines`).
 
 pub(crate) mod array;
 pub mod calibration;
@@ -17,10 +18,10 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-/// Blue and vermilion of Okabe and Ito's palette: told apart with any colour vision.
+/// Blue and vermilion of Okabe and Ito's palette: distinct with any colour vision.
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
-/// The palette's others, for more than two.
+/// Further colours of the palette.
 const GREEN: RGBColor = RGBColor(0, 158, 115);
 const PURPLE: RGBColor = RGBColor(204, 121, 167);
 const SKY: RGBColor = RGBColor(86, 180, 233);
@@ -31,7 +32,7 @@ const FONT: &str = "sans-serif";
 
 pub(crate) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Colours for curves without an order.
+/// Colours for unordered curves.
 pub(crate) const COLOURS: [RGBColor; 7] = [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, INK];
 
 /// Title, axes and their ranges.
@@ -41,7 +42,7 @@ pub(crate) struct Axes<'t> {
     pub(crate) y: (&'t str, std::ops::Range<f64>),
 }
 
-/// The plasma map without its light end: ordered, and told apart with any colour vision and in grey.
+/// The plasma colour map without its light end: ordered, and distinct with any colour vision and in grey.
 const ORDERED: [RGBColor; 6] = [
     RGBColor(13, 8, 135),
     RGBColor(84, 2, 163),
@@ -62,7 +63,7 @@ fn along_palette(index: usize, count: usize) -> RGBColor {
 
 pub(crate) type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// A chart with grid, axis names and room at the right for names of curves.
+/// A chart with a grid, axis names, and space at the right for the names of curves.
 pub(crate) fn chart<'a>(panel: &Panel<'a>, axes: &Axes<'_>, room_right: u32) -> Result<Chart<'a>> {
     let mut chart = ChartBuilder::on(panel)
         .caption(axes.title, (FONT, 17).into_font().color(&INK))
@@ -89,12 +90,12 @@ pub(crate) fn chart<'a>(panel: &Panel<'a>, axes: &Axes<'_>, room_right: u32) -> 
     Ok(chart)
 }
 
-/// 0.05 as 0.05, 20 as 20.
+/// Formats 0.05 as 0.05, 20 as 20.
 fn tick(value: &f64) -> String {
     format!("{}", (value * 1e6).round() / 1e6)
 }
 
-/// Names of curves beside their right ends, moved apart where they would overlap.
+/// Writes the names of curves beside their right ends, moved apart where they would overlap.
 ///
 /// `ends` holds height in data units, name and colour; the axes are linear.
 fn name_at_right_ends(panel: &Panel<'_>, chart: &Chart<'_>, ends: &[(f64, String, RGBColor)]) -> Result<()> {
@@ -117,7 +118,7 @@ fn name_at_right_ends(panel: &Panel<'_>, chart: &Chart<'_>, ends: &[(f64, String
     Ok(())
 }
 
-/// The legend, in the corner where it hides least.
+/// Draws the legend in this corner.
 pub(crate) fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Result<()> {
     chart
         .configure_series_labels()
@@ -130,7 +131,7 @@ pub(crate) fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Re
         .map_err(drawing)
 }
 
-/// plotters' errors borrow from the drawing; only their text outlives it.
+/// Keeps only the text of plotters' errors, because they borrow from the drawing.
 pub(crate) fn drawing<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> anyhow::Error {
     anyhow!("drawing: {error}")
 }
