@@ -46,7 +46,7 @@ pub struct CheckOptions {
     pub epoch: Option<u64>,
     /// Whether to test a restart, for which somebody must cut the robot's power and restore it.
     pub restart: bool,
-    /// Time limits.
+    /// Time limits of the check.
     pub timings: Timings,
 }
 
@@ -130,7 +130,7 @@ async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> 
     }
     progress(Progress::Step("malformed messages"));
     bench.malformed().await?;
-    // Before the power is cut, because the robot may then change the pressure by itself.
+    // Before the power is cut, because the robot may then change the pressure on its own.
     bench.go_home().await?;
     progress(Progress::Step("restart"));
     bench.restart(progress).await

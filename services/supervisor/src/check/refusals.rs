@@ -14,7 +14,7 @@ const CHAMBER_MAX_MPA: f64 = 0.2;
 const ABOVE_MPA: f64 = 0.001;
 /// Time since an expired setpoint has expired.
 const EXPIRED_US: u64 = 10_000_000;
-/// Malformed messages.
+/// Malformed payloads with their topics.
 const MALFORMED: [(RobotTopic, &[u8]); 4] = [
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":0,"),
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":\"none\",\"pressure_mpa\":\"much\"}"),

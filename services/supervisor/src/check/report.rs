@@ -33,12 +33,12 @@ impl fmt::Display for Outcome {
 /// Result of one rule with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// The rule.
+    /// The rule of the contract.
     #[serde(serialize_with = "id")]
     pub rule: Rule,
     /// Result of the test.
     pub outcome: Outcome,
-    /// Observation, or the reason why there is none.
+    /// Observation, or the reason why the rule was not tested.
     pub seen: String,
     /// Requirement of the rule.
     pub expected: &'static str,
@@ -99,7 +99,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Results so far. The first violation of a rule is kept.
+/// Results so far. Later results do not replace a rule's first violation.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
     known: BTreeMap<Rule, (Outcome, String)>,

@@ -90,8 +90,7 @@ impl Bench {
     }
 }
 
-/// The first connection message with this state since `mark`: its position in the log, its content, and its retain
-/// flag.
+/// The first connection message with this state since `mark`: position in the log, content, and retain flag.
 fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(usize, (Connection, bool))> {
     let find = |(at, entry): (usize, &Entry)| match &entry.message {
         Message::Connection(connection) if connection.state == state => {

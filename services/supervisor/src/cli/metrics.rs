@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::metrics;
 
-/// Prints docs/metrics.md.
+/// Prints the text of docs/metrics.md.
 ///
 /// # Errors
 /// Standard output cannot be written.

@@ -78,8 +78,7 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
     runtime()?.block_on(demo::run(&options))
 }
 
-/// Logs to standard error; `RUST_LOG` overrides the filter. The MQTT libraries log only warnings unless the filter says
-/// otherwise.
+/// Logs to standard error; `RUST_LOG` overrides the filter. MQTT libraries log only warnings by default.
 pub(super) fn log(filter: &str) {
     let filter = EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));

@@ -38,7 +38,7 @@ pub struct SolveArgs {
     /// Calibration file of `vibrissa calibrate` to use instead of the paper's whisker.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Print JSON.
+    /// Print the solution as JSON.
     #[arg(long)]
     json: bool,
 }

@@ -10,7 +10,7 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 
 /// Exit code of a stopped command: that of shells for Ctrl-C.
 pub const EXIT_CODE: u8 = 130;
-/// Time for a command to end by itself; then the process exits.
+/// Time for a command to end in good order before the process exits.
 const GRACE: Duration = Duration::from_millis(300);
 
 // Static, because signals concern the whole process.

@@ -57,7 +57,7 @@ struct CreateArgs {
 
 #[derive(Debug, Args)]
 struct ListArgs {
-    /// Print JSON.
+    /// Print the tokens as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]

@@ -26,7 +26,7 @@ pub struct WhiskersArgs {
     api: ApiArgs,
 }
 
-/// Lists whiskers.
+/// Prints the list of whiskers.
 ///
 /// # Errors
 /// The supervisor does not answer, or refuses the request.
@@ -90,7 +90,7 @@ pub struct CompensationsArgs {
     api: ApiArgs,
 }
 
-/// Lists compensations.
+/// Prints the list of compensations.
 ///
 /// # Errors
 /// The supervisor does not answer, or refuses the request.

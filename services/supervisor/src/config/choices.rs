@@ -45,11 +45,11 @@ impl From<ModeArg> for Mode {
 /// Single contacts that are stored.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum KeepArg {
-    /// All contacts.
+    /// All contacts are stored.
     All,
     /// Contacts before a detection or a decision, and those of compensators.
     Decisions,
-    /// No contacts.
+    /// No single contact is stored.
     None,
 }
 
@@ -93,7 +93,7 @@ impl From<ObjectiveArg> for Objective {
 /// Whether a longer whisker may compensate for a shorter one.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum LongerForShorterArg {
-    /// Never.
+    /// A longer whisker is never used.
     Never,
     /// Only if no other candidate is suitable.
     LastResort,

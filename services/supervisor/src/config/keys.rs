@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 /// Type and range of a value. Its meaning is checked where it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// A text.
+    /// A text that may be shown.
     Text,
     /// A text that is never shown and is refused on the command line.
     Secret,
@@ -121,7 +121,7 @@ keys! {
     MqttClientKeyFile: "mqtt.client_key_file", Kind::File, None,
         "Private key (PEM) of the client certificate";
     MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", Kind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
-        "Seconds without messages of its robots after which a fleet is handed to another supervisor that receives them, if there is one";
+        "Seconds without reception of its robots' topics after which a fleet is handed to another supervisor that receives them, if there is one";
     HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
         "Address and port of the HTTP listener; port 0 takes any free port. Beyond loopback a token is required";
     HttpMonitoringListen: "http.monitoring_listen", Kind::Text, None,

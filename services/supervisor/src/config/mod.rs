@@ -62,7 +62,7 @@ pub struct Config {
     pub database: DatabaseAddress,
     /// Time without renewal after which another supervisor may take over a fleet.
     pub lease_time_to_live: Duration,
-    /// Which contacts are stored, and for how long.
+    /// Retention of contacts: the stored ones, and their lifetime.
     pub history: HistoryOptions,
     /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
@@ -96,8 +96,7 @@ pub struct Config {
     pub contacts_between_false_alarms: f64,
     /// Number of contacts of a whisker's cold start.
     pub cold_start_contacts: u32,
-    /// Files that contain passwords, tokens or private keys, each with the key that names it or whose value it
-    /// contains.
+    /// Files that contain passwords, tokens or private keys, each with the key of the configuration that leads there.
     pub secret_files: Vec<(Key, PathBuf)>,
 }
 

@@ -8,7 +8,7 @@ use super::keys::Key;
 /// Origin of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
-    /// Built-in default.
+    /// The value is the built-in default.
     Default,
     /// The configuration file.
     File(PathBuf),
@@ -44,7 +44,7 @@ pub struct Problem {
     pub key: String,
     /// Origin of the value.
     pub origin: Origin,
-    /// What is wrong and what to do. Shows no secret.
+    /// Description of the problem and its remedy. Contains no secret.
     pub what: String,
 }
 

@@ -65,7 +65,7 @@ fn reading<'a>(whiskers: &'a [Whisker], incident: &Incident) -> Option<&'a Whisk
     })
 }
 
-/// Compares the database with what was done to the simulated robots.
+/// Compares the database with the incidents and true values of the simulation.
 pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyhow::Result<Outcome> {
     let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
     let mut trims: Vec<Trim> = store.all(&TRIMS, Vec::new()).await?;

@@ -32,9 +32,9 @@ pub enum What {
     Trim {
         /// Remaining length, mm.
         length_mm: f64,
-        /// Expected case.
+        /// Expected case of the compensation.
         case: Case,
-        /// Acceptable compensators.
+        /// Numbers of the acceptable compensators.
         by: &'static [u16],
     },
     /// A cut that no whisker can compensate.
@@ -42,7 +42,7 @@ pub enum What {
         /// Remaining length, mm.
         length_mm: f64,
     },
-    /// Gradual shortening.
+    /// Gradual shortening by wear.
     Erosion {
         /// Rate, mm per contact.
         rate_mm_per_contact: f64,

@@ -55,7 +55,7 @@ pub fn reason(reason: Option<String>) -> Result<Option<String>, Problem> {
 /// The caller of an action, with the identifiers of the request for the audit log.
 #[derive(Debug, Clone)]
 pub struct Asker {
-    /// Authenticated caller.
+    /// Authenticated caller of the action.
     pub caller: Caller,
     /// Request ID (header `x-request-id`).
     pub request_id: String,

@@ -25,7 +25,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
-/// Path parameters.
+/// Path parameters of a route.
 #[derive(Debug)]
 pub struct Path<T>(pub T);
 

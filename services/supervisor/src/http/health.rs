@@ -19,8 +19,7 @@ pub(super) async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Ready means: every fleet that is supervised here is heard, and the database takes what is written. A supervisor
-/// that stands by for another is ready.
+/// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby counts as ready.
 async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
     let fleets = app.readiness.fleets();

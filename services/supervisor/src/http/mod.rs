@@ -55,13 +55,13 @@ use streams::{StreamOptions, Streams};
 /// State shared by the handlers.
 #[derive(Debug, Clone)]
 pub struct App {
-    /// Database.
+    /// Database of the service.
     pub store: Store,
     /// Metrics of the service.
     pub metrics: Metrics,
     /// Readiness: the fleets owned here, and the reasons why the service is not ready.
     pub readiness: Readiness,
-    /// Configured access.
+    /// Decides who is let in.
     pub access: Access,
     /// The open event streams, and their limits.
     pub streams: Streams,
@@ -113,8 +113,7 @@ impl App {
 }
 
 impl App {
-    /// Parameters in force for a fleet: those of the configuration, overridden by the fleet's policy and activated
-    /// calibrations.
+    /// Parameters of a fleet: those of the configuration, overridden by its policy and its activated calibrations.
     ///
     /// # Errors
     /// The database cannot be read.

@@ -26,9 +26,9 @@ pub struct Page<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
-    /// Smallest first.
+    /// Smallest value first.
     Ascending,
-    /// Largest first.
+    /// Largest value first.
     Descending,
 }
 
@@ -39,7 +39,7 @@ pub struct Paging<'a> {
     pub limit: Option<u32>,
     /// `next_cursor` of the previous page.
     pub cursor: Option<&'a str>,
-    /// Sort column.
+    /// Column by which the list is sorted.
     pub sort: Sort,
     /// Sort order; by default that of the sort column.
     pub order: Option<Order>,
@@ -109,10 +109,10 @@ macro_rules! list_query {
             /// `next_cursor` of the previous page; omit it for the first page.
             #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
             pub cursor: Option<String>,
-            /// Sort column.
+            /// Column by which the list is sorted.
             #[param(inline)]
             pub sort: Option<$sort>,
-            /// Sort order.
+            /// Order of the list; by default that of the sort column.
             #[param(inline)]
             pub order: Option<$crate::http::page::Order>,
         }

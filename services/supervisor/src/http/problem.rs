@@ -22,7 +22,7 @@ macro_rules! kinds {
         }
 
         impl Kind {
-            /// All kinds.
+            /// All kinds of problems.
             pub const ALL: &[Self] = &[$(Self::$kind),+];
 
             /// Last segment of the path of its type.
@@ -31,7 +31,7 @@ macro_rules! kinds {
                 match self { $(Self::$kind => $name,)+ }
             }
 
-            /// HTTP status.
+            /// HTTP status of this kind.
             #[must_use]
             pub const fn status(self) -> StatusCode {
                 match self { $(Self::$kind => StatusCode::$status,)+ }
@@ -73,9 +73,9 @@ kinds! {
 pub struct Problem {
     /// Kind of the problem.
     pub kind: Kind,
-    /// What was wrong with this request, and what to do.
+    /// Cause of the problem in this request, and what to do.
     pub detail: String,
-    /// Invalid fields.
+    /// Invalid fields of the request.
     pub errors: Vec<FieldError>,
 }
 
@@ -92,7 +92,7 @@ pub struct ProblemBody {
     /// HTTP status of the response.
     #[schema(minimum = 400, maximum = 599)]
     pub status: u16,
-    /// What was wrong with this request, and what to do.
+    /// Cause of the problem in this request, and what to do.
     pub detail: String,
     /// Path of the request.
     pub instance: String,
@@ -110,7 +110,7 @@ pub struct FieldError {
     /// Name: a query parameter, a header, or a path into the body.
     #[schema(example = "pressure_mpa")]
     pub field: String,
-    /// What was wrong with it.
+    /// Reason why it is invalid.
     pub detail: String,
 }
 

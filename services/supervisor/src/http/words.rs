@@ -37,9 +37,9 @@ words! {
 words! {
     /// Length of the intervals over which contacts are aggregated.
     pub enum ResolutionWord {
-        /// One minute.
+        /// Intervals of one minute.
         Minute = "minute",
-        /// One hour.
+        /// Intervals of one hour.
         Hour = "hour",
     }
 }
@@ -47,7 +47,7 @@ words! {
 words! {
     /// Connection state of a robot.
     pub enum ConnectionWord {
-        /// Connected.
+        /// The robot is connected.
         Online = "ONLINE",
         /// Signed off, or never connected.
         Offline = "OFFLINE",

@@ -15,9 +15,9 @@ pub(crate) enum Across {
 /// Shape of the points in a chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shape {
-    /// Filled circle.
+    /// A filled circle.
     Dot,
-    /// Open diamond.
+    /// An open diamond.
     Diamond,
 }
 

@@ -79,7 +79,7 @@ impl Svg {
         let _ = writeln!(self.body, "{element}");
     }
 
-    /// A straight line.
+    /// Adds a straight line.
     pub(crate) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64), dash: &str) {
         let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
         self.raw(format_args!(
@@ -88,7 +88,7 @@ impl Svg {
         ));
     }
 
-    /// A path through points; `closed` makes it an area.
+    /// Adds a path through points; `closed` makes it an area.
     pub(crate) fn path(&mut self, class: &str, points: &[(f64, f64)], closed: bool, dash: &str) {
         if points.is_empty() {
             return;
@@ -102,7 +102,7 @@ impl Svg {
         self.raw(format_args!("<path class=\"{class}\" d=\"{d}{end}\"{dash}/>"));
     }
 
-    /// A text.
+    /// Adds a text at a point.
     pub(crate) fn text(&mut self, class: &str, at: (f64, f64), anchor: Anchor, text: &str) {
         let (x, y, anchor) = (at.0, at.1, anchor.word());
         self.raw(format_args!(

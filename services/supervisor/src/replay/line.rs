@@ -19,9 +19,9 @@ use vibrissa_protocol::INTEGER_LIMIT;
 pub struct Recorded {
     /// Time of reception by the recorder's clock.
     pub received: Micros,
-    /// MQTT topic.
+    /// MQTT topic of the message.
     pub topic: String,
-    /// Payload.
+    /// Payload of the message.
     pub payload: Vec<u8>,
 }
 

@@ -38,7 +38,7 @@ pub struct Happened<'a> {
 pub enum What<'a> {
     /// An effect that the core requests.
     Effect {
-        /// The effect.
+        /// The effect requested by the core.
         effect: &'a Effect,
         /// The message with the contacts that the effect is about.
         source: Option<&'a protocol::Contacts>,

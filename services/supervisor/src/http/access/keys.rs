@@ -172,8 +172,7 @@ impl State {
     }
 }
 
-/// The key with this ID that verifies signatures by this algorithm. A token may omit the ID if only one key is
-/// suitable.
+/// The key with this ID that verifies signatures by this algorithm. A token may omit the ID if one key fits.
 fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<DecodingKey, Lack> {
     let mut unfit = None;
     let mut fit = Vec::new();

@@ -33,7 +33,7 @@ use crate::store::list::Filter;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema, clap::ValueEnum)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Role {
-    /// Reads.
+    /// Reads all data of its fleets.
     Viewer,
     /// Acts on whiskers and alarms: approves, holds, sets pressures.
     Operator,
@@ -68,7 +68,7 @@ impl Role {
 /// Fleets that a caller may access.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scope {
-    /// Every fleet.
+    /// Every fleet, including future ones.
     All,
     /// These fleets only.
     Only(BTreeSet<Name>),
@@ -121,7 +121,7 @@ impl Caller {
 pub struct AccessOptions {
     /// Static token with every right.
     pub token: Option<Secret>,
-    /// Identity provider.
+    /// Identity provider whose tokens are accepted.
     pub oidc: Option<OidcOptions>,
 }
 
@@ -153,8 +153,7 @@ pub const REQUESTS_PER_S: NonZeroU32 = NonZeroU32::new(200).unwrap();
 pub const REQUESTS_BURST: NonZeroU32 = NonZeroU32::new(1000).unwrap();
 
 impl Access {
-    /// Access to a service that listens on that address. On loopback no token is required, unless the options configure
-    /// one.
+    /// Access to a service on that address. On loopback no token is required, unless the options configure one.
     #[must_use]
     pub fn new(options: &AccessOptions, listens: IpAddr) -> Self {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
@@ -230,7 +229,7 @@ impl Access {
 pub struct Gate {
     /// Database of the tokens.
     pub store: Store,
-    /// Configured access.
+    /// Decides who is let in.
     pub access: Access,
     /// Role that each route requires.
     pub roles: Arc<super::document::Roles>,

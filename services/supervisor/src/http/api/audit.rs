@@ -26,9 +26,9 @@ words! {
     pub enum ActionState {
         /// Not executed yet.
         Pending = "PENDING",
-        /// Executed.
+        /// Executed by the fleet's supervisor.
         Done = "DONE",
-        /// Refused.
+        /// Refused by the fleet's supervisor.
         Refused = "REFUSED",
         /// Expired: it was not executed in time, and will not be.
         Expired = "EXPIRED",

@@ -60,7 +60,7 @@ pub struct Measurements {
     pub reason: Option<String>,
 }
 
-/// One reading.
+/// One reading: a pressure with a strain, an elongation, or both.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredRow {
@@ -76,7 +76,7 @@ pub struct MeasuredRow {
 /// A fitted parameter with its uncertainty.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
 pub struct FittedNumber {
-    /// Best estimate.
+    /// Best estimate of the parameter.
     pub value: f64,
     /// Standard error, to first order.
     pub standard_error: f64,
@@ -152,7 +152,7 @@ pub struct CalibrationDetail {
     pub numbers: CalibrationFile,
     /// Fit of the measurements.
     pub fit: CalibrationFit,
-    /// Uploaded measurements.
+    /// Measurements, as they were uploaded.
     pub measurements: Measurements,
 }
 

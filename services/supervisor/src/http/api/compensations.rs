@@ -46,7 +46,7 @@ list_query! {
         /// Compensation case of the paper.
         #[param(inline)]
         pub case: Option<CaseWord>,
-        /// Approval state.
+        /// Approval state of the compensation.
         #[param(inline)]
         pub approval: Option<ApprovalWord>,
         /// True: only active compensations; false: only ended ones.

@@ -82,7 +82,7 @@ pub struct ContactPoint {
     pub ratio: f64,
     /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Axial strain of the gauge, m/m.
     pub strain: f64,
     /// Measured pressure, MPa.
     pub pressure_mpa: f64,

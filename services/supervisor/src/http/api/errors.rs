@@ -170,8 +170,7 @@ const BUCKET_S: u32 = 3600;
 const BUCKET_S_MAX: u32 = 31_536_000;
 const US_PER_S: i64 = 1_000_000;
 
-/// Errors by time: in each interval the newest statement of each compensation counts. The newest 1000 intervals, in
-/// order.
+/// Errors by time: the newest statement of each compensation per interval. The newest 1000 intervals, in order.
 #[utoipa::path(
     get, path = "/v1/errors/by-time", tag = "errors", params(ErrorsByTimeQuery),
     responses((status = 200, description = "Errors by time", body = Groups<ErrorByTime>))

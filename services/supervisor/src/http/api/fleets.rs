@@ -37,7 +37,7 @@ async fn list_fleets(
     Ok(Json(Page::of(app.store.list(fleets(&app.store), &selection).await?, &selection)))
 }
 
-/// One fleet.
+/// One fleet with its supervisor.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}", tag = "fleets", params(FleetPath),
     responses((status = 200, description = "The fleet", body = FleetSummary))

@@ -140,7 +140,7 @@ list_query! {
     }
 }
 
-/// All alarms.
+/// All alarms, standing and cleared.
 #[utoipa::path(
     get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
     responses((status = 200, description = "A page of alarms", body = Page<Alarm>))

@@ -34,8 +34,7 @@ list_query! {
     }
 }
 
-/// Aggregates of a whisker's contacts for each completed minute or hour, newest first. Intervals without contacts are
-/// omitted.
+/// Aggregates of a whisker's contacts for each completed minute or hour that has contacts, newest first.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/history", tag = "whiskers",
     params(WhiskerPath, HistoryQuery),

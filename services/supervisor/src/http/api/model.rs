@@ -56,7 +56,7 @@ pub struct ModelOfWhisker {
 /// Sensitivities at a contact ratio, in strain per mm of deflection.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Sensitivity {
-    /// Contact ratio.
+    /// Contact ratio of the bin's centre.
     pub ratio: f64,
     /// Model at the present length and pressure; null where the contact would lie on the chamber.
     pub model_per_mm: Option<f64>,

@@ -46,7 +46,7 @@ words! {
 words! {
     /// Whether a longer whisker may compensate for a shorter one.
     pub enum LongerForShorterWord {
-        /// Never.
+        /// A longer whisker is never used.
         Never = "NEVER",
         /// Only if no other candidate is suitable.
         LastResort = "LAST_RESORT",

@@ -33,7 +33,7 @@ list_query! {
         /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Connection state.
+        /// Connection state of the robot.
         #[param(inline)]
         pub connection: Option<ConnectionWord>,
     }
@@ -56,7 +56,7 @@ async fn list_robots(
     Ok(Json(Page::of(app.store.list(&ROBOTS, &selection).await?, &selection)))
 }
 
-/// One robot.
+/// One robot with its counts of whiskers, faults and alarms.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}", tag = "robots", params(RobotPath),
     responses((status = 200, description = "The robot", body = RobotSummary))

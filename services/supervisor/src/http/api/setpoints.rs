@@ -87,7 +87,7 @@ pub struct SetpointPath {
 /// A setpoint with its history.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct SetpointWithHistory {
-    /// The setpoint.
+    /// The setpoint, as in the list.
     #[serde(flatten)]
     pub setpoint: Setpoint,
     /// States of the setpoint in order, at most 1000.

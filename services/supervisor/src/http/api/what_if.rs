@@ -1,4 +1,4 @@
-//! What-if: the decisions that would follow from a cut.
+//! Simulates a cut of a whisker, and shows the decisions that would follow.
 
 use axum::extract::State;
 use axum::response::Json;

@@ -32,7 +32,7 @@ list_query! {
         /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// Mechanical condition.
+        /// Mechanical condition of the whisker.
         #[param(inline)]
         pub condition: Option<ConditionWord>,
         /// True: only whiskers with a fault; false: only those without.
@@ -60,7 +60,7 @@ async fn list_whiskers(
     Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
 }
 
-/// One whisker.
+/// One whisker with its state.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}", tag = "whiskers",
     params(WhiskerPath),

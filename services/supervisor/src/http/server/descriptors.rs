@@ -8,8 +8,7 @@ const RESERVE_MIN: u64 = 256;
 const CONNECTIONS_MIN: u64 = 16;
 
 /// Raises the process's soft limit of file descriptors to its hard limit, and returns the limit in effect, or `None` if
-/// the system does not tell it. Soft limits are low for programs that use `select`; this process starts no such
-/// program.
+/// the system does not tell it. Soft limits are low because of programs that use `select`; this process starts none.
 pub(crate) fn raise_limit() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let (soft, hard) = open_files(&limits)?;
