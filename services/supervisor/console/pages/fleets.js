@@ -57,7 +57,7 @@ function card(fleet) {
 /** The mark for a fleet's supervisor. */
 export function supervision(fleet) {
   return fleet.supervised
-    ? mark(`supervised by ${fleet.holder ?? "somebody"}`, "good", "circle")
+    ? mark(`supervised by ${fleet.holder ?? "an unnamed supervisor"}`, "good", "circle")
     : mark("no supervisor now", "bad", "gap");
 }
 

@@ -143,17 +143,17 @@ fn take_epoch(bench: &mut Bench) {
     let epoch = bench.epoch;
     let told = match last {
         Some(last) if epoch > last => format!(
-            "epoch {epoch} was used, above the last supervisor's ({last}): RESTART THE ROBOT before it is supervised, otherwise it refuses \
-             every supervisor's setpoints as STALE until their epoch is above {epoch}"
+            "epoch {epoch} was used, above the last supervisor's ({last}): RESTART THE ROBOT before it is supervised, \
+             otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
         Some(last) if epoch < last => format!("epoch {epoch} was used, below the last supervisor's ({last})"),
         Some(_) => format!(
-            "epoch {epoch} was used, the last supervisor's: the next one's is higher, and the robot obeys it. Make sure that the last \
-             one has stopped, and is not merely disconnected from the broker"
+            "epoch {epoch} was used, the last supervisor's: the next one's is higher, and the robot obeys it. Make \
+             sure that the last one has stopped, and is not merely disconnected from the broker"
         ),
         None if epoch > 0 => format!(
-            "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, otherwise it refuses every \
-             supervisor's setpoints as STALE until their epoch is above {epoch}"
+            "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, \
+             otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
         None => {
             "epoch 0 was used, because the broker knows no supervisor: the first one's is higher, and the robot obeys it"
@@ -170,8 +170,8 @@ fn take_epoch(bench: &mut Bench) {
 fn tell_trial(bench: &mut Bench, trial: &Trial) {
     let Trial { array, whisker, home_mpa, away_mpa, max_mpa } = trial;
     bench.heard.findings.note(format!(
-        "setpoints were tried on whisker {array}/{whisker}, between {home_mpa:.4} and {away_mpa:.4} MPa; those that it must refuse were up to \
-         0.001 MPa above its limit of {max_mpa:.4} MPa, at 0.002 MPa/s"
+        "setpoints were tried on whisker {array}/{whisker}, between {home_mpa:.4} and {away_mpa:.4} MPa; those that \
+         it must refuse were up to 0.001 MPa above its limit of {max_mpa:.4} MPa, at 0.002 MPa/s"
     ));
 }
 

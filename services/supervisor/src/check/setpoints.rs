@@ -50,8 +50,8 @@ impl Bench {
         if end.as_ref().and_then(|end| end.error) == Some(SetpointError::Stale) {
             self.is_away = false;
             bail!(
-                "the robot refuses epoch {} as STALE: it has seen a higher one, perhaps of a supervisor that the broker \
-                 no longer knows. Restart the robot, which then forgets it, or use --epoch",
+                "the robot refuses epoch {} as STALE: it has seen a higher one, perhaps of a supervisor that the \
+                 broker no longer knows. Restart the robot, which then forgets it, or use --epoch",
                 self.epoch
             );
         }

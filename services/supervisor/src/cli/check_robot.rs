@@ -18,17 +18,18 @@ use crate::mqtt::{self, BrokerAddress, Connection, LinkState};
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
-The check takes the place of the robot's supervisor: no supervisor may own the fleet meanwhile, not even a disconnected one. Somebody must touch \
-whiskers during the check, otherwise contacts and receipts are not tested. Contacts of that time, and those that the robot \
-had buffered, are partly receipted and not recorded.
+The check takes the place of the robot's supervisor: no supervisor may own the fleet meanwhile, not even a \
+disconnected one. Somebody must touch whiskers during the check, otherwise contacts and receipts are not tested. \
+Contacts of that time, and those that the robot had buffered, are partly receipted and not recorded.
 
-Pressures stay within 0.01 MPa of one whisker's present setpoint, which is restored at the end and on Ctrl-C. One setpoint is 0.001 MPa \
-above the limit of the factsheet, and the robot must refuse it; for limits below 0.2 MPa it is never above 0.2 MPa. It allows 0.002 MPa/s, and is \
-withdrawn at once if the robot accepts it.
+Pressures stay within 0.01 MPa of one whisker's present setpoint, which is restored at the end and on Ctrl-C. One \
+setpoint is 0.001 MPa above the limit of the factsheet, and the robot must refuse it; for limits below 0.2 MPa it is \
+never above 0.2 MPa. It allows 0.002 MPa/s, and is withdrawn at once if the robot accepts it.
 
-Epochs: until it restarts, a robot refuses messages with a lower epoch than the highest it has seen. The check uses the epoch of the last supervisor, \
-which the broker retains, with higher versions; the next supervisor's epoch is higher, so that the robot obeys it at once. With a higher --epoch \
-the robot must be restarted before it is supervised again.
+Epochs: until it restarts, a robot refuses messages with a lower epoch than the highest it has seen. The check uses \
+the epoch of the last supervisor, which the broker retains, with higher versions; the next supervisor's epoch is \
+higher, so that the robot obeys it at once. With a higher --epoch the robot must be restarted before it is supervised \
+again.
 
 The rules are in docs/contract-rules.md. The exit code is 0 only if no rule was violated.")]
 pub struct CheckRobotArgs {
@@ -92,7 +93,7 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions) -> anyhow::Resul
         broker: broker.clone(),
         prepared: mqtt::prepare(broker)?,
         fleet: options.fleet.clone(),
-        boot_id: BootId::new(&mark).context("a name for the connection")?,
+        boot_id: BootId::new(&mark).context("creating the boot ID of the connection")?,
         epoch: 0,
         link: LinkState::default(),
     };

@@ -47,7 +47,7 @@ pub(super) fn access(reader: &mut Reader) -> Option<AccessOptions> {
 }
 
 /// The identity provider, if configured; outer `None` after a refusal.
-#[expect(clippy::option_option, reason = "outer: nothing was refused; inner: there is one")]
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
 fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     let [issuer, jwks_url] = [Key::HttpOidcIssuer, Key::HttpOidcJwksUrl].map(|key| {
         let is_set = reader.is_explicit(key);

@@ -93,7 +93,8 @@ keys! {
     LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
         "Seconds without renewal after which another supervisor may take over a fleet";
     ContactsKeep: "contacts.keep", Kind::Text, Some(r#""all""#),
-        "Single contacts to store: all, decisions (those before a detection or decision, and those of compensators) or none; minute and hour aggregates are always stored";
+        "Single contacts to store: all, decisions (those before a detection or decision, and those of compensators) or \
+         none; minute and hour aggregates are always stored";
     ContactsDays: "contacts.days", Kind::Whole { min: 0, max: 36_500 }, Some("30"),
         "Days after which single contacts are deleted; 0 keeps them for ever";
     RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
@@ -111,7 +112,8 @@ keys! {
     MqttUsername: "mqtt.username", Kind::Text, None,
         "User name for the external broker";
     MqttPassword: "mqtt.password", Kind::Secret, None,
-        "Password for the external broker; better kept in a file. It is refused on the command line, which other users can read";
+        "Password for the external broker; better kept in a file. It is refused on the command line, which other users \
+         can read";
     MqttPasswordFile: "mqtt.password_file", Kind::File, None,
         "File with the password for the external broker";
     MqttCaFile: "mqtt.ca_file", Kind::File, None,
@@ -121,13 +123,16 @@ keys! {
     MqttClientKeyFile: "mqtt.client_key_file", Kind::File, None,
         "Private key (PEM) of the client certificate";
     MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", Kind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
-        "Seconds without reception of its robots' topics after which a fleet is handed to another supervisor that receives them, if there is one";
+        "Seconds without reception of its robots' topics after which a fleet is handed to another supervisor that \
+         receives them, if there is one";
     HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
         "Address and port of the HTTP listener; port 0 takes any free port. Beyond loopback a token is required";
     HttpMonitoringListen: "http.monitoring_listen", Kind::Text, None,
-        "Additional listener for /livez, /readyz and /metrics without a token, such as 127.0.0.1:9464; only monitoring should reach it. Without it, /readyz and /metrics require a token beyond loopback";
+        "Additional listener for /livez, /readyz and /metrics without a token, such as 127.0.0.1:9464; only monitoring \
+         should reach it. Without it, /readyz and /metrics require a token beyond loopback";
     HttpConnectionsMax: "http.connections_max", Kind::Whole { min: 16, max: 1_000_000 }, Some("2048"),
-        "Maximum number of open connections to http.listen; beyond it, the one that has waited longest for a request is closed. The limit of open files must allow them";
+        "Maximum number of open connections to http.listen; beyond it, the one that has waited longest for a request \
+         is closed. The limit of open files must allow them";
     HttpConnectionsPerAddressMax: "http.connections_per_address_max", Kind::Whole { min: 4, max: 1_000_000 }, Some("512"),
         "The same per client address; behind a proxy all clients have the proxy's address";
     HttpTokenFile: "http.token_file", Kind::File, None,
@@ -143,7 +148,8 @@ keys! {
     HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
         "Claim with the fleets: a list of names, or * for all";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
-        "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per whisker)";
+        "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
+         whisker)";
     TracesOtlpEndpoint: "traces.otlp_endpoint", Kind::Text, None,
         "Collector for OpenTelemetry traces, http://HOST:4318 (OTLP as protobuf over HTTP); default: no traces";
     TracesSampleRatio: "traces.sample_ratio", Kind::Number { min: 0.0, max: 1.0 }, Some("0.1"),
@@ -153,13 +159,15 @@ keys! {
     PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),
         "Start of compensations: automatic, or advise (an operator approves each); a policy set over HTTP overrides it";
     PolicyObjective: "policy.objective", Kind::Text, Some(r#""tip""#),
-        "Objective of the setpoint solver: tip (equal sensitivity at the tip) or mean (least mean error over the contact ratios)";
+        "Objective of the setpoint solver: tip (equal sensitivity at the tip) or mean (least mean error over the \
+         contact ratios)";
     PolicyLongerForShorter: "policy.longer_for_shorter", Kind::Text, Some(r#""last-resort""#),
         "Whether a longer whisker may compensate for a shorter one: never, last-resort or allowed";
     PolicyPredictedErrorMax: "policy.predicted_error_max", Kind::Number { min: 0.0, max: 10.0 }, Some("0.5"),
         "Maximum mean predicted error of a compensation, as a ratio";
     PolicyOwnRoleCost: "policy.own_role_cost", Kind::Number { min: 0.0, max: 10.0 }, Some("0.25"),
-        "Cost of a neighbour that gives up its own role, in units of mean error: the trimmed whisker itself is preferred unless a neighbour is better by more";
+        "Cost of a neighbour that gives up its own role, in units of mean error: the trimmed whisker itself is \
+         preferred unless a neighbour is better by more";
     PolicyChangeMargin: "policy.change_margin", Kind::Number { min: 0.0, max: 10.0 }, Some("0.1"),
         "Minimum gain for changing an active assignment, in units of mean error, for each whisker that changes";
     DetectionContactsBetweenFalseAlarms:

@@ -41,7 +41,8 @@ pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
 /// An example file with every key, its description and its default, all commented out.
 #[must_use]
 pub fn example() -> String {
-    let head = "# Every key of vibrissa with its default. `vibrissa config` shows the values in effect and their origins.\n#\n\
+    let head = "# Every key of vibrissa with its default. `vibrissa config` shows the values in effect and their origins.\n\
+                #\n\
                 # An environment variable overrides the file, and a flag overrides both: mqtt.ca_file is also\n\
                 # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. File names are relative to the working directory.\n\
                 # Passwords are refused on the command line.\n\n";

@@ -10,7 +10,7 @@ use crate::trace::TraceOptions;
 const PATH: &str = "v1/traces";
 
 /// The collector, if configured; outer `None` after a refusal.
-#[expect(clippy::option_option, reason = "outer: nothing was refused; inner: there is one")]
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
 pub(super) fn traces(reader: &mut Reader) -> Option<Option<TraceOptions>> {
     let is_set = reader.is_explicit(Key::TracesOtlpEndpoint);
     let url = reader.parsed(Key::TracesOtlpEndpoint, endpoint);

@@ -67,7 +67,8 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
     println!("vibrissa demo: two robots with nine whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
     println!(
-        "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Three are cut, one erodes, one is cut too short.\n"
+        "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Three are cut, one erodes, one is cut \
+         too short.\n"
     );
     let fleet = Fleet::start(&scenario::scenario(options.seed)?, &broker)?;
     watch(&service.store).await?;

@@ -131,13 +131,17 @@ macro_rules! whisker_actions {
 
 whisker_actions! {
     /// Hold a whisker: send it no automatic setpoints.
-    hold_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/hold", "HOLD", "The whisker is held";
+    hold_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/hold",
+        "HOLD", "The whisker is held";
     /// Release a held whisker: allow automatic setpoints again.
-    release_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/release", "RELEASE", "The whisker is released";
+    release_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/release",
+        "RELEASE", "The whisker is released";
     /// Mark a whisker as replaced by a new one, and learn its baseline from scratch.
-    whisker_replaced = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/replaced", "REPLACED", "The whisker is being relearned";
+    whisker_replaced = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/replaced",
+        "REPLACED", "The whisker is being relearned";
     /// Relearn a whisker's baseline at its currently estimated length, for example after work on its gauge.
-    rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline", "REBASELINE", "The baseline is being relearned";
+    rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline",
+        "REBASELINE", "The baseline is being relearned";
 }
 
 /// Defines the actions on a robot.

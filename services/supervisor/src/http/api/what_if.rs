@@ -160,7 +160,7 @@ impl Names<'_> {
     params(WhiskerPath, WhatIfQuery),
     responses(
         (status = 200, description = "The result", body = WhatIfAnswer),
-        (status = 409, description = "The whisker is not longer than the given length", body = crate::http::problem::ProblemBody,
+        (status = 409, description = "The whisker is already that short", body = crate::http::problem::ProblemBody,
          content_type = "application/problem+json"),
     )
 )]

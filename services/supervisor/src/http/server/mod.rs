@@ -148,7 +148,10 @@ impl Notices {
         match limit {
             Limit::Total => warn!(listener, connections_max, %peer, silent, "too many HTTP connections: {done}"),
             Limit::Address => {
-                warn!(listener, connections_per_address_max, %peer, silent, "too many HTTP connections from one address: {done}");
+                warn!(
+                    listener, connections_per_address_max, %peer, silent,
+                    "too many HTTP connections from one address: {done}"
+                );
             }
         }
     }
@@ -185,7 +188,8 @@ pub(super) fn possible(limits: Limits, descriptors: Option<u64>) -> Limits {
             connections_max,
             configured = limits.connections_max,
             descriptors,
-            "fewer HTTP connections than http.connections_max: raise the process's limit of open files (LimitNOFILE, ulimit -n)"
+            "fewer HTTP connections than http.connections_max: raise the process's limit of open files (LimitNOFILE, \
+             ulimit -n)"
         );
     }
     let connections_per_address_max = limits.connections_per_address_max.min(connections_max);
