@@ -81,7 +81,7 @@ keys! {
     Name: "name", Kind::Text, None,
         "Name of this supervisor, for people; default: the host's name";
     Fleets: "fleets", Kind::Texts, Some(r#"["fleet"]"#),
-        "Fleets to supervise, as named in their topics whisker/v1/FLEET/...";
+        "Fleets to supervise; their topics begin with whisker/v1/FLEET/";
     Calibrations: "calibrations", Kind::Files, Some("[]"),
         "Calibration files written by `vibrissa calibrate`";
     Log: "log", Kind::Text, Some(r#""info""#),
