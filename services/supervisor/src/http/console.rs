@@ -16,8 +16,9 @@ use super::problem::{Kind, Problem};
 /// The page, served at `/` only, because its links are relative to that path.
 const PAGE: &str = "index.html";
 
-/// Headers for every file, in addition to those of `headers` for all answers. Scripts, styles and data come from this origin
-/// alone, nothing is inline, and no other site's page may frame it. `no-cache` makes browsers check a copy's `ETag` each time.
+/// Headers for every file, in addition to those of `headers` for all answers. Scripts, styles and data come from this
+/// origin alone, nothing is inline, and no other site's page may frame it. `no-cache` makes browsers check a copy's
+/// `ETag` each time.
 const HEADERS: [(HeaderName, &str); 2] = [
     (
         header::CONTENT_SECURITY_POLICY,

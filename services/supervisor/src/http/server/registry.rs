@@ -1,7 +1,8 @@
 //! Registry of open connections. When a limit is reached, it chooses a connection to close for the new one.
 //!
-//! A connection waits while it has no complete request under way. When there is no room, the one that has waited longest is closed: a
-//! client that sends its request at once is served even if another one opens connections without end.
+//! A connection waits while it has no complete request under way. When there is no room, the one that has waited
+//! longest is closed: a client that sends its request at once is served even if another one opens connections without
+//! end.
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::{IpAddr, Ipv6Addr};
