@@ -156,7 +156,7 @@ fn take_epoch(bench: &mut Bench) {
              otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
         None => {
-            "epoch 0 was used, because the broker knows no supervisor: the first one's is higher, and the robot obeys it"
+            "epoch 0 was used, as the broker knows no supervisor: the first one's is higher, and the robot obeys it"
                 .into()
         }
     };

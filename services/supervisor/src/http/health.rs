@@ -19,8 +19,7 @@ pub(super) async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby counts as
-/// ready.
+/// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby is ready too.
 async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
     let fleets = app.readiness.fleets();
