@@ -1,4 +1,4 @@
-// What operators may do, and what each does to the robot.
+// Operators' actions, each with its effect on the robot.
 
 import { has } from "./api.js";
 import { confirm } from "./dialog.js";
@@ -8,7 +8,7 @@ import { api, ROUTES, whiskerName } from "./places.js";
 
 const withReason = (values) => ({ reason: values.reason?.trim() || undefined });
 
-/** A button that opens the dialog of an action. */
+/** A button that opens an action's dialog. */
 function button(action, done, words = action.button) {
   return h(
     "button",
@@ -19,7 +19,7 @@ function button(action, done, words = action.button) {
 
 const offered = (base, name) => has("POST", `${base}/${name}`);
 
-/** What may be done with a whisker: buttons, those that the service has. */
+/** Buttons for the actions on a whisker that the service offers. */
 export function whiskerActions(whisker, done) {
   const name = `whisker ${whiskerName(whisker)} of ${whisker.robot}`;
   const at = api.whisker(whisker);
@@ -28,35 +28,35 @@ export function whiskerActions(whisker, done) {
     hold: () => ({
       title: `Hold ${name}`,
       what: [
-        "No automatic setpoint goes to this whisker any more, and nothing is decided about it until it is released. The pressure stays as it is.",
-        "Others may be asked to serve instead of it.",
+        "This whisker gets no automatic setpoints, and no decisions are made about it, until it is released. Its pressure does not change.",
+        "Other whiskers may replace it as compensator.",
       ],
       button: "Hold",
     }),
     release: () => ({
       title: `Release ${name}`,
       what: [
-        "The supervisor takes over again: the chamber goes back to the pressure of its compensation, or to its nominal pressure of " +
+        "The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure of " +
           mpa(whisker.nominal_pressure_mpa) +
-          ", and decisions are taken anew.",
+          ", and decisions are made again.",
       ],
       button: "Release",
     }),
     replaced: () => ({
-      title: `Say that ${name} was replaced`,
+      title: `Mark ${name} as replaced`,
       what: [
-        "Only if somebody has put a new whisker there, as the robot's factsheet describes it. What was learned of the old one is forgotten, compensations for it end, and chambers that served it go back to their nominal pressure.",
+        "Use this only after a new whisker, as described in the robot's factsheet, was installed. Everything learned about the old one is forgotten, compensations for it end, and the compensators' chambers return to their nominal pressure.",
       ],
-      button: "It was replaced",
+      button: "Mark as replaced",
       grave: true,
     }),
     rebaseline: () => ({
-      title: `Learn the readings of ${name} anew`,
+      title: `Relearn the baseline of ${name}`,
       what: [
-        "For a whisker whose readings have changed while the whisker has not: its gauge was glued anew, say. The length stays as estimated; offset, noise and baseline are learned again from the next contacts, and until then a cut of it is not found.",
+        "Use this if the readings have changed but the whisker has not, for example after its gauge was glued again. The estimated length stays; offset, noise and baseline are learned from the next contacts. Until then a cut is not detected.",
         "The pressure does not change.",
       ],
-      button: "Learn anew",
+      button: "Relearn baseline",
       grave: true,
     }),
   };
@@ -73,8 +73,8 @@ function setpoint(whisker) {
   const limit = Math.min(whisker.pressure_max_mpa, 0.2);
   return {
     what: [
-      `The robot moves the chamber to this pressure now, and the whisker is held: no automatic setpoint goes to it until it is released. A compensation that it serves in ends.`,
-      `It holds ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa)} now.`,
+      `The robot moves the chamber to this pressure now, and the whisker is held: it gets no automatic setpoints until it is released. If it is a compensator, that compensation ends.`,
+      `Present pressure: ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa)}.`,
     ],
     button: "Set the pressure",
     grave: true,
@@ -96,18 +96,18 @@ function setpoint(whisker) {
   };
 }
 
-/** What may be done with a whole robot. */
+/** Buttons for the actions on a robot. */
 export function robotActions(robot, done) {
   const at = api.robot(robot);
   const hold = {
     title: `Hold all whiskers of ${robot.robot}`,
-    what: ["No automatic setpoint goes to any whisker of this robot until it is released. Pressures stay as they are."],
+    what: ["No whisker of this robot gets automatic setpoints until the robot is released. Pressures do not change."],
     button: "Hold the robot",
   };
   const release = {
     title: `Release ${robot.robot}`,
     what: [
-      "Automatic setpoints go out again, and decisions are taken anew. Whiskers that are held one by one stay held.",
+      "Automatic setpoints are sent again, and decisions are made again. Whiskers that are held individually stay held.",
     ],
     button: "Release the robot",
   };
@@ -119,7 +119,7 @@ export function robotActions(robot, done) {
     .map(([one, action]) => button({ reason: "optional", path: `${at}/${one}`, body: withReason, ...action }, done));
 }
 
-/** Approve and refuse a proposed compensation. */
+/** Buttons to approve or refuse a proposed compensation. */
 export function proposalActions(proposal, done) {
   if (proposal.approval !== "PROPOSED" || !has("POST", "/v1/compensations/{}/approve")) return [];
   const at = api.compensation(proposal.compensation_id);
@@ -127,16 +127,16 @@ export function proposalActions(proposal, done) {
   const whom =
     proposal.compensator_whisker === proposal.target_whisker ? "itself" : `whisker ${proposal.target_whisker}`;
   const approve = {
-    title: `Approve that ${who} compensates for ${whom}`,
+    title: `Approve ${who} as compensator of ${whom}`,
     what: [
-      `The robot moves the chamber of ${who} from ${mpa(proposal.pressure_before_mpa)} to ${mpa(proposal.pressure_mpa)} at once. The supervisor then refines the pressure by what is felt.`,
+      `The robot moves the chamber of ${who} from ${mpa(proposal.pressure_before_mpa)} to ${mpa(proposal.pressure_mpa)} at once. The supervisor then refines the pressure from measured contacts.`,
     ],
     button: "Approve",
   };
   const refuse = {
-    title: `Refuse that ${who} compensates for ${whom}`,
+    title: `Refuse ${who} as compensator of ${whom}`,
     what: [
-      `Nothing is sent. This whisker is not proposed again for whisker ${proposal.target_whisker} until that is trimmed again or replaced, or the policy changes; another one may be.`,
+      `Nothing is sent. This whisker is not proposed again for whisker ${proposal.target_whisker} until that one is trimmed again or replaced, or the policy changes. Another whisker may be proposed.`,
     ],
     button: "Refuse",
     grave: true,
@@ -145,7 +145,7 @@ export function proposalActions(proposal, done) {
   return [button(complete(approve, "approve"), done), button(complete(refuse, "refuse"), done)];
 }
 
-/** Acknowledge, shelve and unshelve an alarm. */
+/** Buttons to acknowledge, shelve and unshelve an alarm. */
 export function alarmActions(alarm, done) {
   const at = api.alarm(alarm.alarm_id);
   const name = `the alarm of whisker ${whiskerName(alarm)} of ${alarm.robot}`;
@@ -156,15 +156,15 @@ export function alarmActions(alarm, done) {
   if (alarm.state === "UNACKNOWLEDGED") {
     add("acknowledge", {
       title: `Acknowledge ${name}`,
-      what: ["It says that you have seen it. The alarm stands until its cause is over; the robot is not touched."],
+      what: ["This records that you have seen the alarm. It stands until its cause is gone; the robot is not affected."],
       button: "Acknowledge",
     });
   }
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
   if (alarm.state === "SHELVED") {
     add("unshelve", {
-      title: `Take ${name} off the shelf`,
-      what: ["It stands among the others again."],
+      title: `Unshelve ${name}`,
+      what: ["The alarm is listed among the standing alarms again."],
       button: "Unshelve",
     });
   }
@@ -178,7 +178,7 @@ function shelve(name) {
   return {
     title: `Shelve ${name}`,
     what: [
-      "It is put aside until then and does not call for attention; afterwards it stands again if its cause is still there. The robot is not touched.",
+      "The alarm is silenced until then. Afterwards it stands again if its cause still exists. The robot is not affected.",
     ],
     button: "Shelve",
     reason: "required",
@@ -186,7 +186,7 @@ function shelve(name) {
       {
         name: "until",
         label: "Until",
-        hint: "Date and time where you are.",
+        hint: "Your local date and time.",
         type: "datetime-local",
         required: true,
         value: inAnHour,

@@ -1,21 +1,21 @@
-// Asks the API. What goes wrong is a `Problem`, in the service's own words.
+// Client of the API. Errors are a `Problem` with the service's own texts.
 
 import { token } from "./session.js";
 
-/** What the API said was wrong, or why it could not be asked. */
+/** An error of the API, or the reason why it could not be reached. */
 export class Problem extends Error {
   constructor({ status = 0, title = "", detail = "", request_id = null, errors = [] }) {
     super(detail || title || `the service answered ${status}`);
     Object.assign(this, { status, title, requestId: request_id, errors });
   }
 
-  /** Whether nobody answered. */
+  /** Whether there was no answer. */
   get isSilence() {
     return this.status === 0;
   }
 }
 
-/** A path of the API: each value is one part of it. */
+/** A path of the API; each value becomes one encoded segment. */
 export function path(strings, ...values) {
   return String.raw({ raw: strings }, ...values.map((value) => encodeURIComponent(value)));
 }
@@ -25,7 +25,7 @@ function withQuery(path, query) {
   return told.length ? `${path}?${new URLSearchParams(told)}` : path;
 }
 
-/** One request; the answer is a good one, or a `Problem` is thrown. */
+/** Sends a request; returns a successful answer or throws a `Problem`. */
 export async function ask(path, { method = "GET", headers = {}, body, signal } = {}) {
   const all = { ...headers };
   if (token()) all.Authorization = `Bearer ${token()}`;
@@ -48,7 +48,7 @@ export async function get(path, query, options) {
   return (await ask(withQuery(path, query), options)).json();
 }
 
-/** The text of a GET, such as a plot's. */
+/** The text of a GET, for example of a plot. */
 export async function text(path, query, options) {
   return (await ask(withQuery(path, query), options)).text();
 }
@@ -68,7 +68,7 @@ export async function list(path, query = {}, pages = 5) {
 
 let served = null;
 
-/** Learns what this service serves, from its OpenAPI document: what it lacks is not offered. */
+/** Reads the service's routes from its OpenAPI document; missing ones are not offered. */
 export async function learn() {
   if (served) return;
   const { paths } = await get("/openapi.json");
@@ -83,12 +83,12 @@ function shape(path) {
   return path.replace(/\{[^}]*\}/g, "{}");
 }
 
-/** Whether a route is served, such as `has("POST", "/v1/compensations/{}/approve")`. */
+/** Whether a route exists, for example `has("POST", "/v1/compensations/{}/approve")`. */
 export function has(method, route) {
   return served?.has(`${method} ${shape(route)}`) ?? false;
 }
 
-/** What `ask` gives if the route is served, and otherwise `instead`. */
+/** The result of `ask` if the route exists, otherwise `instead`. */
 export function ifServed(route, ask, instead = null) {
   return has("GET", route) ? ask() : Promise.resolve(instead);
 }

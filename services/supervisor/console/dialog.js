@@ -1,17 +1,17 @@
-// Asks before anything is done: what will happen, the values that it takes, and why.
+// Dialogs that show the effect of an action, and ask for its values and a reason.
 
 import { ask, get, has, Problem } from "./api.js";
 import { h } from "./dom.js";
 import { notice, problemPanel } from "./notices.js";
 
-/** How long an action that waits for the fleet's supervisor is looked after. */
+/** Time for which a pending action is polled. */
 const PATIENCE_MS = 15_000;
 const PAUSE_MS = 500;
 
 /**
- * Opens a dialog about an action:
+ * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * button, grave, path, method, headers, body(values) }`. `done` is called when it was carried out.
+ * button, grave, path, method, headers, body(values) }`. `done` is called after its execution.
  */
 export function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
@@ -57,7 +57,7 @@ export function confirm(action, done) {
 }
 
 function reasonField(required) {
-  return { name: "reason", label: required ? "Why" : "Why (for the record)", required, maxlength: 500, rows: 2 };
+  return { name: "reason", label: required ? "Reason" : "Reason (for the record)", required, maxlength: 500, rows: 2 };
 }
 
 /** A field with its label and hint. */
@@ -80,7 +80,7 @@ export function field({ name, label, hint, options, value, rows, ...attributes }
   );
 }
 
-/** The same request sent twice shall be done once; another one has another key. */
+/** A repeated request keeps its key, so that it is executed once; a changed one gets a new key. */
 function keys() {
   let [said, key] = [null, null];
   return (body) => {
@@ -102,7 +102,7 @@ async function carryOut(action, body, key) {
   return await settled(told, action);
 }
 
-/** The fleet's supervisor carries it out: it may be another one than was asked. */
+/** Polls the action: the fleet's supervisor executes it, which may not be the one that answers. */
 async function settled(told, action) {
   const until = Date.now() + PATIENCE_MS;
   while (has("GET", "/v1/actions/{}") && Date.now() < until) {
@@ -110,7 +110,7 @@ async function settled(told, action) {
     const now = await get(`/v1/actions/${encodeURIComponent(told.action_id)}`);
     if (now.state === "DONE") return `Done: ${action.title}.`;
     if (now.state !== "PENDING")
-      throw new Problem({ detail: now.problem ?? `It was not done: ${now.state.toLowerCase()}.` });
+      throw new Problem({ detail: now.problem ?? `Not done: ${now.state.toLowerCase()}.` });
   }
-  return `Asked for: ${action.title}. The fleet's supervisor has not answered yet; the audit list will tell.`;
+  return `Pending: ${action.title}. The fleet's supervisor has not answered yet; see the audit log for the result.`;
 }

@@ -1,10 +1,10 @@
-// Elements, without a framework: made from values, and changed into one another so that what is shown
-// keeps its focus, its scroll position and its open parts when news come in.
+// Elements without a framework: created from values, and morphed into new ones, so that the page keeps its focus,
+// scroll position and open parts when new data arrive.
 
 const SVG = "http://www.w3.org/2000/svg";
 const HANDLERS = Symbol("handlers");
 
-/** An HTML element: `h("a", { href, onclick }, "text", [more])`. Null, false and undefined are left out. */
+/** An HTML element: `h("a", { href, onclick }, "text", [more])`. Null, false and undefined are omitted. */
 export function h(name, properties, ...children) {
   return fill(document.createElement(name), properties, children);
 }
@@ -36,11 +36,11 @@ function listen(element, type, handler) {
   element[HANDLERS] ??= {};
   const known = type in element[HANDLERS];
   element[HANDLERS][type] = handler;
-  // The handler is looked up when it happens: `morph` puts newer ones in its place.
+  // The handler is looked up at the time of the event, because `morph` replaces it.
   if (!known) element.addEventListener(type, (event) => element[HANDLERS][type]?.call(element, event));
 }
 
-/** Makes the children of `old` those of `next`, touching only what differs. */
+/** Turns the children of `old` into those of `next`, changing only differences. */
 export function morphChildren(old, next) {
   const kept = new Map();
   for (const child of old.children) if (keyOf(child)) kept.set(keyOf(child), child);
@@ -77,7 +77,7 @@ function morph(old, next) {
     if (old.data !== next.data) old.data = next.data;
     return;
   }
-  // What somebody has opened stays open.
+  // A part that somebody has opened stays open.
   const own = old.nodeName === "DETAILS" ? ["open"] : [];
   for (const { name } of [...old.attributes]) {
     if (!next.hasAttribute(name) && !own.includes(name)) old.removeAttribute(name);

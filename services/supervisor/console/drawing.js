@@ -1,21 +1,21 @@
-// An array drawn to scale from what the API says of its whiskers: each stands at its place, as long as it is; what it
-// was while whole is an outline, and an arrow leads from whoever compensates to whom it serves.
+// An array drawn to scale from the API's data of its whiskers: present length as a solid shape, whole length as an
+// outline, and an arrow from each compensator to its target.
 
 import { s } from "./dom.js";
 import { mm, mpa } from "./format.js";
 import { link } from "./places.js";
 import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
 
-/** All in mm, as the array is. A whisker's base and tip are drawn as wide as the paper's cone. */
+/** All in mm, like the array. The widths of base and tip are those of the paper's cone. */
 const BASE_MM = 10;
 const TIP_MM = 3;
 const SIDE_MM = 16;
 const HEAD_MM = 14;
 const FOOT_MM = 33;
-/** One scale for all arrays, so that they can be compared; a wide one scrolls in its box. */
+/** The same scale for all arrays, for comparison; a wide array scrolls in its box. */
 const PIXELS_PER_MM = 3.2;
 
-/** One picture for each row of whiskers that share `y_mm`. `serving` are decisions in force. */
+/** One picture per row of whiskers with equal `y_mm`. `serving` are active compensations. */
 export function drawing(whiskers, serving) {
   const rows = Map.groupBy(whiskers, (whisker) => whisker.y_mm);
   const ordered = [...rows].sort(([one], [other]) => one - other);
@@ -51,7 +51,7 @@ function cone(x, length, bottom = BASE_MM, tip = TIP_MM) {
   return `M${at(-bottom / 2, 0)}L${at(-tip / 2, -length)}L${at(tip / 2, -length)}L${at(bottom / 2, 0)}Z`;
 }
 
-/** How wide a whole whisker is at a length: a cut one ends there. */
+/** Width of a whole whisker at the present length, where a cut one ends. */
 function widthAt(whisker) {
   return (
     BASE_MM - ((BASE_MM - TIP_MM) * Math.min(whisker.length_mm, whisker.whole_length_mm)) / whisker.whole_length_mm
@@ -93,7 +93,7 @@ function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
   return s("path", { d: `M${x} ${-low}V${-high}M${x - 1.5} ${-low}h3M${x - 1.5} ${-high}h3`, class: "interval" });
 }
 
-/** The one word that matters most, in the drawing's little space. */
+/** The most important word about a whisker, because the drawing has little space. */
 function worst(whisker) {
   if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
   if (whisker.fault)
@@ -101,7 +101,7 @@ function worst(whisker) {
   return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
 }
 
-/** From the foot of whoever serves to the foot of whom it serves; around its own foot if it serves itself. */
+/** An arrow from the compensator's foot to the target's; a loop for self-compensation. */
 function arrow(decision, row) {
   const [from, to] = [decision.compensator_whisker, decision.target_whisker].map((number) =>
     row.find((one) => one.whisker === number),

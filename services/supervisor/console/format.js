@@ -1,4 +1,4 @@
-// Values as people read them: numbers with units and sensible digits, times relative and absolute.
+// Values formatted for people: numbers with units and sensible digits, relative and absolute times.
 
 import { h } from "./dom.js";
 
@@ -48,7 +48,7 @@ export function ago(at, now = Date.now()) {
   return unit ? relative.format(Math.trunc(seconds / unit[1]), unit[0]) : relative.format(seconds, "second");
 }
 
-/** A moment: the time of day (with the date unless it is today's), and how long ago; the exact UTC on pointing. */
+/** A time: time of day (with the date unless it is today) and age; the exact UTC time as tooltip. */
 export function time(at) {
   if (!at) return NONE;
   const moment = new Date(at);
@@ -57,5 +57,5 @@ export function time(at) {
   return h("time", { datetime: at, title: `${at} (UTC)` }, `${absolute} (${ago(at)})`);
 }
 
-/** A value, or a dash where there is none. */
+/** A value, or a dash for a missing one. */
 export const orNone = (value) => value ?? NONE;

@@ -1,18 +1,18 @@
-// Keeps the page up to date: listens to the service's stream of changes, connects again when it breaks, and asks
-// from time to time all the same. Tokens go in a header, which `EventSource` cannot send; so the stream is read by hand.
+// Keeps the page up to date: follows the service's event stream, reconnects when it breaks, and also polls at
+// intervals. The stream is read with `fetch`, because `EventSource` cannot send a token in a header.
 
 import { ask, has } from "./api.js";
 import { EventParser } from "./sse.js";
 
-/** Between looks while the stream is there, and where the service has none. */
+/** Polling intervals with an event stream, and for a service without one. */
 const LOOK_MS = 10_000;
 const POLL_MS = 2_000;
-/** Changes that come together are looked at together. */
+/** Changes within this time cause one refresh. */
 const GATHER_MS = 150;
-/** From one look at changes to the next. */
+/** Shortest time between two refreshes. */
 const PAUSE_MS = 1_000;
 const RETRY_MS = { first: 500, last: 15_000 };
-/** The service sends something at least that often. */
+/** The service sends data at least this often. */
 const SILENCE_MS = 60_000;
 
 export class Live {
@@ -28,13 +28,13 @@ export class Live {
   #wake = null;
   #isListening = false;
 
-  /** `onChange(change)` for each change, null when everything may have changed; `onState(state)`. */
+  /** `onChange()` is called after changes, `onState(state)` when the connection's state changes. */
   constructor(onChange, onState) {
     this.#onChange = onChange;
     this.#onState = onState;
   }
 
-  /** Begins, or begins anew after a sign-in. */
+  /** Starts, also again after a sign-in. */
   start() {
     this.stop();
     this.#abort = new AbortController();
@@ -43,7 +43,7 @@ export class Live {
     this.#look();
   }
 
-  /** As soon as it is known that there is a stream: not yet, if nobody answered so far. */
+  /** Opens the stream once the service is known to have one. */
   #begin() {
     if (this.#isListening || !this.#abort || this.#abort.signal.aborted || !has("GET", "/v1/events")) return;
     this.#isListening = true;
@@ -57,13 +57,13 @@ export class Live {
     this.#gathering = 0;
   }
 
-  /** Tries again at once: the network or the page is back. */
+  /** Retries at once, because the network or the page is back. */
   hurry() {
     this.#wake?.();
     this.#gather();
   }
 
-  /** What asking had for a result: the page's own requests tell, too, whether the service is there. */
+  /** Notes whether a request of the page was answered, which also tells whether the service is reachable. */
   told(isAnswered) {
     if (!isAnswered) this.#tell("offline");
     else if (!has("GET", "/v1/events")) this.#tell("polling");
@@ -118,7 +118,7 @@ export class Live {
     const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
     const parser = new EventParser();
     this.#tell("live");
-    // What happened in between is not known if nothing was heard before.
+    // Changes before the connection may have been missed.
     this.#gather();
     for (;;) {
       const silence = setTimeout(() => broken.abort(), SILENCE_MS);

@@ -1,4 +1,4 @@
-// The page: shows what its address names, and keeps it up to date.
+// The page: shows the view of its address, and keeps it up to date.
 
 import { learn } from "./api.js";
 import { h, morphChildren } from "./dom.js";
@@ -11,12 +11,12 @@ import { signInForm, signOut, token } from "./session.js";
 const main = document.getElementById("main");
 const STATES = {
   live: ["live", "good", "circle"],
-  polling: ["live, by asking every 2 seconds", "good", "circle"],
+  polling: ["live, polled every 2 seconds", "good", "circle"],
   reconnecting: ["reconnecting", "warn", "dots"],
-  offline: ["offline: what you see may be old", "bad", "gap"],
+  offline: ["offline: the page may be outdated", "bad", "gap"],
 };
 
-/** What is shown; its number tells answers that came too late. */
+/** The present view; its number reveals answers that came too late. */
 let shown = { number: 0, page: null, parts: null };
 let isLoading = false;
 let isDirty = false;
@@ -54,9 +54,9 @@ function failed(problem, isNavigation) {
     return signInForm(problem, start);
   }
   if (problem.status === undefined) console.error(problem);
-  // What was shown stays while nobody answers: the connection's state says so.
+  // Keep the view while the service does not answer: the connection's state is shown.
   if (!isNavigation && problem.isSilence) return null;
-  return [h("h1", { tabindex: "-1" }, "This cannot be shown"), problemPanel(problem, () => show(true))];
+  return [h("h1", { tabindex: "-1" }, "Cannot show this page"), problemPanel(problem, () => show(true))];
 }
 
 function put(content, isNavigation) {
@@ -69,12 +69,12 @@ function put(content, isNavigation) {
   const heading = main.querySelector("h1");
   document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
   document.getElementById("sign-out").hidden = token() === null;
-  // Who follows a link hears and sees where it led to; the first page is not a step from anywhere.
+  // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor.
   if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
     heading?.focus({ preventScroll: true });
     scrollTo(0, 0);
   } else if (hadFocus && !main.contains(document.activeElement)) {
-    // What had the focus is gone.
+    // The focused element has disappeared.
     heading?.focus({ preventScroll: true });
   }
   main.dataset.address = location.hash;
@@ -105,13 +105,13 @@ document.getElementById("sign-out").addEventListener("click", () => {
   document.querySelector("dialog")?.close();
   start();
 });
-// The address's fragment is the page's: the skip link must not change it.
+// The fragment of the address selects the view, so the skip link must not change it.
 document.getElementById("skip").addEventListener("click", (event) => {
   event.preventDefault();
   main.focus();
 });
 addEventListener("hashchange", () => {
-  // A dialog is about the page that it was opened on.
+  // A dialog belongs to the page on which it was opened.
   document.querySelector("dialog")?.close();
   show(true);
 });

@@ -1,4 +1,4 @@
-// States as a shape and words: colour only repeats what these say.
+// States as a shape and words, so that colour is never the only indication.
 
 import { h, s } from "./dom.js";
 import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
@@ -33,29 +33,29 @@ export function mark(words, tone, shape) {
   return h("span", { class: `mark ${tone}` }, picture, h("span", {}, words));
 }
 
-/** The mark of one of the API's words. */
+/** The mark for a word of the API. */
 export function markOf(words, word) {
   const [, tone, shape] = words[word] ?? [null, "off", "ring"];
   return mark(say(words, word), tone, shape);
 }
 
-/** What is to be said of a whisker, the worst first. */
+/** The marks of a whisker, the worst first. */
 export function marksOf(whisker) {
   const marks = [];
   if (whisker.connection !== "ONLINE") marks.push(markOf(CONNECTIONS, whisker.connection));
   if (whisker.fault) marks.push(markOf(FAULTS, whisker.fault));
   marks.push(markOf(CONDITIONS, whisker.condition));
-  if (isUncompensated(whisker)) marks.push(mark("nobody serves it", "bad", "cross"));
+  if (isUncompensated(whisker)) marks.push(mark("no compensator", "bad", "cross"));
   if (whisker.held) marks.push(mark("held by an operator", "info", "hand"));
   return h("span", { class: "marks" }, marks);
 }
 
-/** Trimmed, and nobody serves it. */
+/** Whether a whisker is trimmed and has no compensator. */
 export function isUncompensated(whisker) {
   return whisker.condition === "TRIMMED" && whisker.compensated_by === null;
 }
 
-/** How much attention a whisker needs: for the order of lists. */
+/** Urgency of a whisker, for the order of lists. */
 export function attention(whisker) {
   return (
     (isUncompensated(whisker) ? 32 : 0) +

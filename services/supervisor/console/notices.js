@@ -1,10 +1,10 @@
-// What people are told beside the page itself: results, and what went wrong.
+// Messages beside the page's content: results and errors.
 
 import { h } from "./dom.js";
 
 const SHOWN_MS = 12_000;
 
-/** Says something for a while; readers announce it. */
+/** Shows a message for a while; screen readers announce it. */
 export function notice(words) {
   const close = h(
     "button",
@@ -16,7 +16,7 @@ export function notice(words) {
   setTimeout(() => shown.remove(), SHOWN_MS);
 }
 
-/** A problem in the service's words, with the request's name for its log. */
+/** A problem with the service's texts, and the request ID for its log. */
 export function problemPanel(problem, retry) {
   const title = problem.title ? `${problem.title[0].toUpperCase()}${problem.title.slice(1)}` : "Something went wrong";
   return h(

@@ -1,10 +1,10 @@
-// Where things are: addresses in this page, and paths of the API.
+// Addresses within the page, and paths of the API.
 
 import { path } from "./api.js";
 
 const part = encodeURIComponent;
 
-/** Addresses in this page. */
+/** Addresses within the page. */
 export const link = {
   fleets: () => "#/fleets",
   fleet: (fleet) => `#/fleets/${part(fleet)}`,
@@ -26,15 +26,15 @@ export const api = {
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,
 };
 
-/** Shapes of the API's paths, to ask whether they are served. */
+/** Route templates of the API, to check whether they exist. */
 export const ROUTES = {
   whisker: "/v1/fleets/{}/robots/{}/arrays/{}/whiskers/{}",
   robot: "/v1/fleets/{}/robots/{}",
   policy: "/v1/fleets/{}/policy",
 };
 
-/** A whisker in words: "left 3". */
+/** Display name of a whisker: "left 3". */
 export const whiskerName = ({ array, whisker }) => `${array} ${whisker}`;
 
-/** A link to a whisker. */
+/** Path parameters of another whisker of the same array. */
 export const names = (row, whisker) => ({ fleet: row.fleet, robot: row.robot, array: row.array, whisker });

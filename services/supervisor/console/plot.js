@@ -1,7 +1,8 @@
-// Plots that the service draws: fetched with the token, and put into the page so that they take its colours.
+// Plots drawn by the service: fetched with the token, and embedded so that they use the page's colours.
 //
-// A plot lives in a shadow tree: its names and rules stay its own. Its rules become a style sheet object and its style
-// attributes properties, since this page allows no inline styles; scripts, handlers and links elsewhere are left out.
+// A plot lives in a shadow tree, so that its names and rules do not leak. Its rules become a style sheet object and its
+// style attributes become properties, because this page allows no inline styles. Scripts, handlers and external links
+// are removed.
 
 import { text } from "./api.js";
 import { h } from "./dom.js";
@@ -10,12 +11,12 @@ const FORBIDDEN = "script, foreignObject, iframe, object, embed, image, use:not(
 const FRAME = new CSSStyleSheet();
 FRAME.replaceSync(`
   :host { display: block; overflow-x: auto }
-  /* Its ground is the page's; on a phone it scrolls, for its words to stay legible. */
+  /* The background is the page's. On a phone the plot scrolls, so that its text stays legible. */
   .p-ground { fill: none }
   svg { display: block; inline-size: 100%; min-inline-size: 30rem; block-size: auto; max-block-size: 28rem; color: inherit }
 `);
 
-/** `<service-plot src="/v1/...plot.svg" version="...">`: drawn again when either changes. */
+/** `<service-plot src="/v1/...plot.svg" version="...">`: redrawn when either changes. */
 class ServicePlot extends HTMLElement {
   static observedAttributes = ["src", "version"];
   #shadow = this.attachShadow({ mode: "open" });
@@ -45,13 +46,13 @@ class ServicePlot extends HTMLElement {
     } catch (problem) {
       if (problem.name === "AbortError" || this.#source !== null) return;
       this.dataset.state = "failed";
-      this.#shadow.textContent = `No picture: ${problem.message}`;
+      this.#shadow.textContent = `No plot: ${problem.message}`;
     }
   }
 
   #show(source) {
     const parsed = new DOMParser().parseFromString(withoutStyles(source), "image/svg+xml").documentElement;
-    if (parsed.localName !== "svg") throw new Error("the service sent something that is no picture");
+    if (parsed.localName !== "svg") throw new Error("the service did not send a plot");
     const rules = [...parsed.querySelectorAll("[data-rules]")];
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(rules.map((one) => one.textContent).join("\n"));
@@ -63,7 +64,7 @@ class ServicePlot extends HTMLElement {
   }
 }
 
-/** Rules and style attributes under other names: even parsing them would be a breach of what this page allows. */
+/** Renames rules and style attributes: the page's policy forbids even parsing them. */
 function withoutStyles(source) {
   return source
     .replace(/<style\b/g, "<metadata data-rules=''")
@@ -88,7 +89,7 @@ function clean(element) {
 
 customElements.define("service-plot", ServicePlot);
 
-/** A plot with its caption; it is drawn again when `version` changes. */
+/** A plot with its caption; redrawn when `version` changes. */
 export function figure(key, src, version, title, about) {
   return h(
     "figure",

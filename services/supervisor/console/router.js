@@ -1,4 +1,4 @@
-// Addresses in this page, and what shows them.
+// Addresses within the page, and their views.
 
 import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
@@ -30,7 +30,7 @@ const MAIN = [
   ["Audit", "#/audit", "audit"],
 ];
 
-/** The page of an address, and the address's parts by name. */
+/** The view of an address, and its parameters by name. */
 export function find(hash) {
   const told = hash.replace(/^#?\/?/, "").split("/");
   if (told[0] === "") return { page: fleets, parts: {} };
@@ -59,7 +59,7 @@ function decoded(part) {
   }
 }
 
-/** Links to the main pages; the one that is shown is marked. */
+/** Links to the main pages; the present one is marked. */
 export function navigation(hash) {
   const first = hash.replace(/^#?\/?/, "").split("/")[0] || "fleets";
   const current = (target, address) => (target !== first ? null : address === hash ? "page" : "true");

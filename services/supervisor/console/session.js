@@ -1,20 +1,20 @@
-// Who is asking: a token, kept in this tab only until it is closed.
+// The token of the user, stored only in this tab until it is closed.
 
 import { h } from "./dom.js";
 
 const KEY = "vibrissa-token";
 
-/** The token, if somebody has signed in. */
+/** The token, if the user has signed in. */
 export function token() {
   return sessionStorage.getItem(KEY);
 }
 
-/** Forgets it. */
+/** Deletes the token. */
 export function signOut() {
   sessionStorage.removeItem(KEY);
 }
 
-/** The form that asks for a token; `done` is called when there is a new one. */
+/** The sign-in form; `done` is called after a token was entered. */
 export function signInForm(problem, done) {
   const submit = (event) => {
     event.preventDefault();
@@ -28,7 +28,7 @@ export function signInForm(problem, done) {
     h(
       "p",
       {},
-      "This service asks for a token. An administrator makes one for you: ",
+      "This service requires a token. An administrator can create one: ",
       h("code", {}, "vibrissa token create --help"),
       ".",
     ),
@@ -45,7 +45,7 @@ export function signInForm(problem, done) {
         required: true,
         spellcheck: "false",
       }),
-      h("p", { class: "hint" }, "It is kept in this tab only, until you sign out or close it."),
+      h("p", { class: "hint" }, "The token is stored only in this tab, until you sign out or close it."),
       h("button", { type: "submit", class: "primary" }, "Sign in"),
     ),
   ];

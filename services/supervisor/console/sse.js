@@ -1,13 +1,13 @@
-// The parts of a server's event stream (text/event-stream), as they come in.
+// Parser of a server's event stream (text/event-stream).
 
-/** Events out of pieces of text, which may end anywhere. */
+/** Extracts events from chunks of text, which may end anywhere. */
 export class EventParser {
   #rest = "";
   #event = "";
   #data = [];
   #id = null;
 
-  /** The events that a piece completes: `{ event, data, id }`. */
+  /** The events that a chunk completes: `{ event, data, id }`. */
   push(piece) {
     const lines = (this.#rest + piece).split(/\r\n|\n|\r(?=.)/s);
     this.#rest = lines.pop();

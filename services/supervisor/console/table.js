@@ -1,10 +1,10 @@
-// Tables with a caption and headers that are tied to their cells; wide ones scroll in a box of their own.
+// Tables with a caption and with headers tied to their cells; wide ones scroll in a box.
 
 import { h } from "./dom.js";
 
 /**
- * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. With no rows, `empty` is said
- * instead.
+ * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. Without rows, `empty` is
+ * shown instead.
  */
 export function table({ caption, columns, rows, empty, key }) {
   if (!rows.length) return h("p", { class: "empty" }, empty);
@@ -35,7 +35,7 @@ export function table({ caption, columns, rows, empty, key }) {
   );
 }
 
-/** Facts as terms and values; a value of null is left out. */
+/** Facts as terms and values; null values are omitted. */
 export function facts(pairs) {
   const known = pairs.filter((pair) => pair && pair[1] !== null && pair[1] !== undefined);
   return h(
@@ -45,14 +45,14 @@ export function facts(pairs) {
   );
 }
 
-/** A part of a page with its heading. */
+/** A section of a page with its heading. */
 export function section(title, ...children) {
   const id = `part-${title.toLowerCase().replace(/[^a-z0-9]+/g, "-")}`;
   return h("section", { "aria-labelledby": id }, h("h2", { id }, title), children);
 }
 
-/** Where the page is: links to what it is a part of. */
+/** Breadcrumbs: links to the parent pages. */
 export function trail(...links) {
   const items = links.map(([words, href]) => h("li", {}, h("a", { href }, words)));
-  return h("nav", { class: "trail", "aria-label": "Where this is" }, h("ol", {}, items));
+  return h("nav", { class: "trail", "aria-label": "Breadcrumbs" }, h("ol", {}, items));
 }

@@ -1,6 +1,6 @@
-// The closed words of the API in plain English: [words, tone, shape]. A word that is not known is shown as it is.
+// The API's enumerations in plain English: [words, tone, shape]. An unknown word is shown unchanged.
 
-/** What a whisker's mechanical condition is called. */
+/** Mechanical conditions of a whisker. */
 export const CONDITIONS = {
   LEARNING: ["learning", "info", "dots"],
   HEALTHY: ["healthy", "good", "circle"],
@@ -11,7 +11,7 @@ export const CONDITIONS = {
 };
 
 export const FAULTS = {
-  STALE: ["stale: no readings", "warn", "clock"],
+  STALE: ["stale: no contacts", "warn", "clock"],
   GAUGE_OPEN: ["gauge open", "bad", "cross"],
   GAUGE_SHORT: ["gauge shorted", "bad", "cross"],
   GAUGE_SATURATED: ["gauge saturated", "bad", "cross"],
@@ -29,40 +29,40 @@ export const CONNECTIONS = {
 
 export const CASES = {
   SELF_COMPENSATION: "compensates for itself",
-  SHORTER_FOR_LONGER: "a shorter one for a longer one",
-  LONGER_FOR_SHORTER: "a longer one for a shorter one",
+  SHORTER_FOR_LONGER: "shorter for longer",
+  LONGER_FOR_SHORTER: "longer for shorter",
 };
 
-/** Why a candidate was not chosen. */
+/** Reasons for not choosing a candidate. */
 export const REFUSALS = {
   LEARNING: "it is still being learned",
-  SUSPECTED: "it is itself suspected of being cut",
+  SUSPECTED: "it may be cut itself",
   TRIMMED: "it is trimmed itself",
   ERODING: "it is eroding",
   SENSITIVITY_LOSS: "it has lost sensitivity",
-  STALE: "nothing is heard of it",
+  STALE: "it is silent",
   GAUGE_FAULT: "its gauge is faulty",
   LEAKING: "its chamber leaks",
   SETPOINT_FAILED: "its last setpoint failed",
   HELD: "an operator holds it",
   CASE_NOT_ALLOWED: "the policy does not allow this case",
   NEEDS_BELOW_RANGE: "it would need less than 0 MPa",
-  NEEDS_ABOVE_RANGE: "it would need more pressure than it may hold",
+  NEEDS_ABOVE_RANGE: "it would need more than its maximum pressure",
   ERROR_ABOVE_LIMIT: "the predicted error is above the policy's limit",
   CUT_INTO_CHAMBER: "it is cut into its chamber",
-  COSTS_MORE: "another one costs less",
+  COSTS_MORE: "another candidate costs less",
   OPERATOR_REFUSED: "an operator refused it",
 };
 
 export const END_REASONS = {
   LAYOUT_CHANGED: "the robot's layout changed",
   TARGET_TRIMMED_AGAIN: "the whisker was trimmed again",
-  COMPENSATOR_BROKEN: "the one that served broke",
-  REASSIGNED: "another one serves instead",
+  COMPENSATOR_BROKEN: "the compensator broke",
+  REASSIGNED: "another compensator took over",
   SETPOINT_FAILED: "the setpoint failed",
   REPLACED: "the whisker was replaced",
   REFUSED: "an operator refused it",
-  OPERATOR: "an operator set the pressure by hand",
+  OPERATOR: "an operator set the pressure",
 };
 
 export const SETPOINT_STATES = {
@@ -79,28 +79,28 @@ export const SETPOINT_STATES = {
 
 export const SETPOINT_REASONS = {
   ...CASES,
-  REFINEMENT: "refined by what was felt",
+  REFINEMENT: "refined from measured contacts",
   RELEASE: "back to nominal",
   OPERATOR: "set by an operator",
 };
 
 export const LOOKS = {
   REFINED: "the pressure was refined",
-  HELD_DITHER: "stays: the step would be within the regulator's dither",
-  HELD_MARGIN: "stays: too little to gain",
-  HELD_UNCERTAIN: "stays: not certain enough yet",
-  HELD_STEPS: "stays: refined as often as is allowed",
-  HELD_UNPREDICTABLE: "stays: what would come of it cannot be predicted",
+  HELD_DITHER: "kept: the step would be within the regulator's dither",
+  HELD_MARGIN: "kept: too little to gain",
+  HELD_UNCERTAIN: "kept: not certain enough yet",
+  HELD_STEPS: "kept: maximum number of refinements reached",
+  HELD_UNPREDICTABLE: "kept: the effect cannot be predicted",
 };
 
 export const ALARM_KINDS = {
   ...Object.fromEntries(Object.entries(FAULTS).map(([word, [words]]) => [word, words])),
-  UNCOMPENSATED: "trimmed, and nobody can serve it",
+  UNCOMPENSATED: "trimmed, no compensator available",
   SETPOINT_FAILED: "a setpoint failed for good",
-  SENSITIVITY_LOSS: "lost sensitivity, which no cut explains",
+  SENSITIVITY_LOSS: "sensitivity loss not explained by a cut",
   ERODING: "eroding",
-  ARRAY_SHIFT: "the whole array changed alike",
-  BASELINE_DRIFT: "the gauge's baseline drifts",
+  ARRAY_SHIFT: "shift shared by the whole array",
+  BASELINE_DRIFT: "baseline drift of the gauge",
   PROPOSED: "a compensation waits for approval",
 };
 
@@ -109,12 +109,12 @@ export const ALARM_STATES = {
   STANDING: ["standing", "bad", "bell"],
   ACKNOWLEDGED: ["acknowledged", "warn", "tick"],
   SHELVED: ["shelved", "off", "clock"],
-  CLEARED: ["over", "good", "circle"],
+  CLEARED: ["cleared", "good", "circle"],
 };
 
 export const APPROVALS = {
-  AUTOMATIC: ["decided by the supervisor", "info", "circle"],
-  PROPOSED: ["waits for approval", "warn", "diamond"],
+  AUTOMATIC: ["started without approval", "info", "circle"],
+  PROPOSED: ["waiting for approval", "warn", "diamond"],
   APPROVED: ["approved", "good", "tick"],
   REFUSED: ["refused", "off", "ring"],
 };
@@ -133,7 +133,7 @@ export const ACTION_KINDS = {
   HOLD: "hold",
   RELEASE: "release",
   REPLACED: "whisker replaced",
-  REBASELINE: "learn readings anew",
+  REBASELINE: "relearn baseline",
   POLICY: "change the policy",
   ACKNOWLEDGE: "acknowledge an alarm",
   SHELVE: "shelve an alarm",

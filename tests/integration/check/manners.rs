@@ -22,7 +22,7 @@ async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
     supervisor(&broker, SupervisorPresence::Online).await;
     let (fleet, robot) = robot(&broker, "r", None).await;
     let why = refusal(&broker).await;
-    assert!(why.contains("stop it first") && why.contains("epoch 6"), "{why}");
+    assert!(why.contains("stop the supervisor first") && why.contains("epoch 6"), "{why}");
     assert_eq!(robot.with(|robot| robot.messages_refused()), 0);
     fleet.stop().await;
 }
@@ -31,7 +31,7 @@ async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
 async fn a_robot_that_is_not_there_is_told_so() {
     let broker = Mosquitto::start();
     let why = refusal(&broker).await;
-    assert!(why.contains("nothing was heard of f/r"), "{why}");
+    assert!(why.contains("no message of f/r"), "{why}");
     let observer = Observer::subscribed(broker.port(), "left", &[]).await;
     let (boot_id, state) = (BootId::new("b1").unwrap(), ConnectionState::ConnectionBroken);
     let told = Told { boot_id, seq: 1, timestamp: Timestamp(0), state };
@@ -51,7 +51,7 @@ async fn an_interrupted_check_puts_the_pressure_back() {
     let report = check(&connection(&broker, "r"), options("r"), &mut |_: Progress| {}, stop).await.unwrap();
     assert!(report.is_interrupted);
     assert_eq!(target_mpa(), 0.1);
-    assert!(report.notes.iter().any(|note| note.contains("0.1000 MPa again")), "{report}");
+    assert!(report.notes.iter().any(|note| note.contains("0.1000 MPa was restored")), "{report}");
     assert_eq!(report.count(Outcome::Fail), 0, "{report}");
     assert!(report.rules(Outcome::Skipped).contains(&Rule::Supersede), "{report}");
     fleet.stop().await;

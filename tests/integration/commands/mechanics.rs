@@ -106,7 +106,7 @@ fn property_bad_readings_are_refused_with_line_and_column() {
     for (text, expected) in [
         ("pressure_mpa,strain\n0.1,0.05\n0.1,abc\n", "line 3: column strain: \"abc\" is not a number"),
         ("pressure_mpa,strain\n0.1,0.05\n1.5,0.03\n", "line 3: column pressure_mpa: pressure in MPa is 1.5"),
-        ("# x\npressure_mpa,strain\n0.1,0.05\n0.05,-0.03\n", "line 4, strain: under pressure it must be above 0"),
+        ("# x\npressure_mpa,strain\n0.1,0.05\n0.05,-0.03\n", "line 4, strain: must be above 0 under pressure"),
         ("pressure_mpa,strain\n0.1,0.05\n0.1,0.05,3\n", "line: 3"),
         ("pressure_mpa,strain,elogation_mm\n0.1,0.05,1\n", "unknown column \"elogation_mm\""),
         ("pressure_mpa\n0.1\n", "exactly one of the columns strain"),

@@ -79,7 +79,7 @@ async fn what_is_out_of_range_is_not_sent() {
 async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_key() {
     let mut stage = before_a_whisker().await;
     let problem =
-        json!({ "status": 409, "title": "it cannot be done as things are", "detail": "the robot is offline" });
+        json!({ "status": 409, "title": "Not possible in the current state", "detail": "the robot is offline" });
     stage.browser.js(&format!("window.answer = {}", json!({ "status": 409, "body": problem }))).await;
     ask(&mut stage, "Hold").await;
     stage.browser.js("document.querySelector('dialog textarea').value = 'a look at it'").await;
@@ -102,7 +102,7 @@ async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_
 #[tokio::test]
 async fn escape_closes_a_dialog_and_the_focus_goes_back_to_its_button() {
     let mut stage = before_a_whisker().await;
-    for action in ["Set the pressure", "Hold", "It was replaced", "Learn anew"] {
+    for action in ["Set the pressure", "Hold", "Mark as replaced", "Relearn baseline"] {
         ask(&mut stage, action).await;
         stage.browser.press("Escape").await;
         stage.browser.until("it is closed", &format!("!{DIALOG}")).await;

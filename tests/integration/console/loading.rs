@@ -23,8 +23,8 @@ async fn every_page_loads_without_an_error_and_asks_nobody_but_the_service() {
     for (name, hash) in stage.pages().await {
         stage.open(&hash).await;
         let heading = stage.browser.js("document.querySelector('h1').textContent").await;
-        assert_ne!(heading, "This cannot be shown", "{name}");
-        assert_eq!(heading == "There is no such page", name == "nowhere", "{name}: {heading}");
+        assert_ne!(heading, "Cannot show this page", "{name}");
+        assert_eq!(heading == "Page not found", name == "nowhere", "{name}: {heading}");
     }
     stage.is_clean();
     stage.stop().await;

@@ -28,7 +28,7 @@ async fn a_token_is_asked_for_kept_in_the_tab_and_forgotten_again() {
     typing(&mut stage, "vbr_000000000000_wrong").await;
     stage
         .browser
-        .until("it is refused", "document.querySelector('[role=alert]')?.textContent.includes('not known')")
+        .until("it is refused", "document.querySelector('[role=alert]')?.textContent.includes('unknown')")
         .await;
     typing(&mut stage, &token).await;
     stage.browser.until("the fleet is shown", &format!("{heading} === 'Fleet f'")).await;

@@ -291,7 +291,10 @@ async fn a_recorder_touches_no_file_that_is_there_and_ends_by_itself_when_its_ti
     let file = folder.path().join("there");
     std::fs::write(&file, "precious").unwrap();
     let output = run(&["record", "--broker", &url, "--out", file.to_str().unwrap(), "--for", "300ms"]);
-    assert!(!output.status.success() && crate::program::errors(&output).contains("cannot be begun"), "{output:?}");
+    assert!(
+        !output.status.success() && crate::program::errors(&output).contains("cannot create the recording"),
+        "{output:?}"
+    );
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "precious");
     let output = run(&["record", "--for", "300ms"]);
     assert!(crate::program::errors(&output).contains("--broker mqtt://HOST:1883"), "{output:?}");

@@ -161,7 +161,7 @@ fn for_every_key_flags_win_over_the_environment_over_the_file_over_the_default()
         holds(&[], &variable, in_environment, &format!("environment {}", key.environment()));
         if key.kind() == Kind::Secret {
             let said = refused(folder.path(), &[&file[..], &[&flag], companions(key)].concat(), &variable);
-            assert!(said.contains("is not taken from the command line") && !said.contains(in_flag), "{said}");
+            assert!(said.contains("is refused on the command line") && !said.contains(in_flag), "{said}");
         } else {
             holds(&[&flag], &variable, in_flag, &format!("flag --{}", key.flag()));
         }
@@ -231,7 +231,7 @@ fn all_problems_are_told_at_once_with_where_each_came_from() {
         "  lease.time_to_live_s (file v.toml): must be from 0.5 to 60.0, not 0.1",
         "  http.listen (environment VIBRISSA_HTTP_LISTEN): must be an address and a port",
         "  mqtt.ca_file (environment VIBRISSA_MQTT_CA_FILE): the file /nowhere/ca.pem cannot be read",
-        "  mqtt.ca_file (environment VIBRISSA_MQTT_CA_FILE): is of no use without mqtt.url",
+        "  mqtt.ca_file (environment VIBRISSA_MQTT_CA_FILE): has no effect without mqtt.url",
         "  detection.cold_start_contacts (flag --detection-cold-start-contacts): must be a whole number from 20",
     ] {
         assert_eq!(lines.iter().filter(|line| line.starts_with(told)).count(), 1, "{told}\n{said}");
@@ -272,7 +272,7 @@ fn variables_that_nobody_knows_warn_and_do_not_stop() {
     assert!(ended.status.success());
     let said = text(&ended.stderr);
     let told =
-        "vibrissa: the environment variable VIBRISSA_FLEET is not known and ignored; did you mean VIBRISSA_FLEETS?";
+        "vibrissa: the environment variable VIBRISSA_FLEET is unknown and ignored; did you mean VIBRISSA_FLEETS?";
     assert_eq!(said.trim_end(), told);
     assert!(text(&ended.stdout).contains("name = \"from the file\"  # file v.toml"));
 }
@@ -281,7 +281,7 @@ fn variables_that_nobody_knows_warn_and_do_not_stop() {
 fn that_rust_log_wins_is_shown() {
     let folder = folder();
     let shown = shown(folder.path(), &[], &[("RUST_LOG", "trace")]);
-    assert!(shown.contains("log = \"info\"  # default\n# RUST_LOG wins over it: trace\n"), "{shown}");
+    assert!(shown.contains("log = \"info\"  # default\n# RUST_LOG overrides it: trace\n"), "{shown}");
 }
 
 #[test]

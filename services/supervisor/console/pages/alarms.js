@@ -1,4 +1,4 @@
-// Alarms, those that stand first.
+// All alarms, the standing ones first.
 
 import { list } from "../api.js";
 import { alarmActions } from "../actions.js";
@@ -33,10 +33,10 @@ export default {
         { class: "summary" },
         standing.length
           ? `${count(standing.length, "alarm")} standing${open ? `, ${open} not acknowledged` : ""}.`
-          : "No alarm stands.",
+          : "No standing alarms.",
       ),
       section("Standing", alarmsTable(sorted, "Standing alarms, the most urgent first", "None.", refresh)),
-      section("Over", alarmsTable(over.map(withState), `The newest ${OLD} that are over`, "None.", refresh)),
+      section("Cleared", alarmsTable(over.map(withState), `The newest ${OLD} cleared alarms`, "None.", refresh)),
     ];
   },
 };
@@ -49,14 +49,14 @@ function alarmsTable(rows, caption, empty, refresh) {
   const actions = (row) => h("span", { class: "buttons" }, alarmActions(row, refresh));
   const canAct = rows.some((row) => alarmActions(row, refresh).length);
   const columns = [
-    { name: "What", head: true, cell: (row) => say(ALARM_KINDS, row.kind) },
+    { name: "Alarm", head: true, cell: (row) => say(ALARM_KINDS, row.kind) },
     { name: "State", cell: state },
     {
-      name: "Where",
+      name: "Whisker",
       cell: (row) => h("a", { href: link.whisker(row) }, `${row.fleet}, ${row.robot}, whisker ${whiskerName(row)}`),
     },
     { name: "Raised", cell: (row) => time(row.raised_at) },
-    rows.some((row) => row.cleared_at) ? { name: "Over since", cell: (row) => time(row.cleared_at) } : null,
+    rows.some((row) => row.cleared_at) ? { name: "Cleared", cell: (row) => time(row.cleared_at) } : null,
     canAct ? { name: "Actions", cell: actions } : null,
   ];
   return table({ caption, rows, empty, key: (row) => `alarm-${row.alarm_id}`, columns: columns.filter(Boolean) });

@@ -1,4 +1,4 @@
-// What people asked for, and what became of it.
+// The actions that people requested, and their results.
 
 import { ifServed, list } from "../api.js";
 import { h } from "../dom.js";
@@ -15,20 +15,20 @@ export default {
 
   view(actions) {
     const heading = h("h1", { tabindex: "-1" }, "Audit");
-    if (!actions) return [heading, h("p", { class: "empty" }, "This service takes no actions.")];
+    if (!actions) return [heading, h("p", { class: "empty" }, "This service offers no actions.")];
     return [
       heading,
-      h("p", { class: "summary" }, `What people asked for, the newest first; ${ROWS} at the most.`),
+      h("p", { class: "summary" }, `Requested actions, the newest first; at most ${ROWS}.`),
       table({
         caption: "Actions",
         rows: actions,
         key: (row) => `action-${row.action_id}`,
-        empty: "Nobody has asked for anything yet.",
+        empty: "No actions yet.",
         columns: [
-          { name: "When", head: true, cell: (row) => time(row.asked_at) },
-          { name: "Who", cell: (row) => row.actor ?? "\u2013" },
-          { name: "What", cell: (row) => [say(ACTION_KINDS, row.kind), details(row.parameters)] },
-          { name: "About", cell: subject },
+          { name: "Time", head: true, cell: (row) => time(row.asked_at) },
+          { name: "Actor", cell: (row) => row.actor ?? "\u2013" },
+          { name: "Action", cell: (row) => [say(ACTION_KINDS, row.kind), details(row.parameters)] },
+          { name: "Subject", cell: subject },
           {
             name: "Result",
             cell: (row) =>
@@ -39,7 +39,7 @@ export default {
                 row.problem ? h("span", {}, row.problem) : null,
               ),
           },
-          { name: "Why", cell: (row) => row.reason ?? "\u2013" },
+          { name: "Reason", cell: (row) => row.reason ?? "\u2013" },
         ],
       }),
     ];

@@ -1,4 +1,4 @@
-// A decision about a broken whisker: who was asked, who serves, how well, and what may be answered.
+// A compensation: candidates, compensator, errors, and the buttons for a proposal.
 
 import { get } from "../api.js";
 import { proposalActions } from "../actions.js";
@@ -33,14 +33,14 @@ export default {
       actions.length ? h("div", { class: "buttons" }, actions) : null,
       facts([
         [
-          "For",
+          "Target",
           h(
             "a",
             { href: link.whisker(names(decision, target)) },
-            `whisker ${array} ${target}, ${mm(decision.target_length_mm, 1)} while whole, at ${mpa(decision.target_pressure_mpa)}`,
+            `whisker ${array} ${target}, whole length ${mm(decision.target_length_mm, 1)}, at ${mpa(decision.target_pressure_mpa)}`,
           ),
         ],
-        ["Who compensates", server(decision)],
+        ["Compensator", server(decision)],
         ["Number", id],
         ["Decided", time(decision.decided_at)],
         ["Pressure before", mpa(decision.pressure_before_mpa)],
@@ -51,11 +51,11 @@ export default {
           "Measured error",
           `${error(decision, "measured_error")}${decision.measured_contacts ? `, ${decision.measured_contacts.toLocaleString("en")} contacts` : ""}`,
         ],
-        ["Measured with the gain", error(decision, "measured_error_with_gain")],
+        ["Measured error with gain", error(decision, "measured_error_with_gain")],
       ]),
-      section("Candidates", candidatesTable(decision, "Everyone who was asked, and why each was refused")),
+      section("Candidates", candidatesTable(decision, "Candidates and reasons")),
       section("Error by contact ratio", ratioPlot(decision), ratiosTable(decision.errors_by_ratio ?? [])),
-      section("Looks", looksTable(decision.looks ?? [])),
+      section("Pressure reviews", looksTable(decision.looks ?? [])),
     ];
   },
 };
@@ -64,14 +64,14 @@ function ratiosTable(bins) {
   return table({
     caption: "Measured error by contact ratio",
     rows: bins,
-    empty: "Nothing was measured yet: that takes contacts after the setpoint was applied.",
+    empty: "No measurements yet: they need contacts after the setpoint was applied.",
     columns: [
       { name: "Contact ratio", head: true, cell: (row) => row.ratio.toFixed(2) },
       { name: "Contacts", numeric: true, cell: (row) => row.contacts },
       { name: "Error", numeric: true, cell: (row) => error(row, "error") },
       {
         name: "Compared with",
-        cell: (row) => (row.target_origin === "MEASURED" ? "what it felt while whole" : "the model"),
+        cell: (row) => (row.target_origin === "MEASURED" ? "measured while whole" : "predicted by the model"),
       },
     ],
   });

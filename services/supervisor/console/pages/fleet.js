@@ -1,4 +1,4 @@
-// A fleet: its robots, what needs attention first.
+// A fleet with its robots, those that need attention first.
 
 import { get, has, list } from "../api.js";
 import { h } from "../dom.js";
@@ -30,22 +30,22 @@ export default {
         {},
         `${count(about.robots, "robot")}, ${about.robots_online} online; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`,
       ),
-      has("GET", ROUTES.policy) ? h("p", {}, h("a", { href: link.policy(fleet) }, "What its decisions rest on")) : null,
+      has("GET", ROUTES.policy) ? h("p", {}, h("a", { href: link.policy(fleet) }, "Policy")) : null,
       proposals(waiting, refresh),
       table({
-        caption: "Robots, what needs attention first",
+        caption: "Robots, those that need attention first",
         rows: robots,
         key: (row) => `robot-${row.robot}`,
-        empty: "No robot of this fleet has been heard of yet.",
+        empty: "No robot of this fleet is known yet.",
         columns: [
           { name: "Robot", head: true, cell: (row) => h("a", { href: link.robot(row) }, row.robot) },
           { name: "Connection", cell: (row) => markOf(CONNECTIONS, row.connection) },
-          { name: "What needs attention", cell: (row) => h("span", { class: "marks" }, health(row)) },
+          { name: "Needs attention", cell: (row) => h("span", { class: "marks" }, health(row)) },
           {
             name: "Whiskers",
             cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
           },
-          { name: "Last heard of", cell: (row) => time(row.updated_at) },
+          { name: "Last message", cell: (row) => time(row.updated_at) },
         ],
       }),
     ];

@@ -1,4 +1,4 @@
-// All fleets, what needs attention first.
+// All fleets, those that need attention first.
 
 import { list } from "../api.js";
 import { h } from "../dom.js";
@@ -26,7 +26,7 @@ export default {
         : h(
             "p",
             { class: "empty" },
-            "No fleet is known yet. A fleet appears when the service is told to supervise it, with --fleet.",
+            "No fleet is known yet. Start the service with --fleet to supervise one.",
           ),
     ];
   },
@@ -54,20 +54,20 @@ function card(fleet) {
   );
 }
 
-/** Who looks after a fleet. */
+/** The mark for a fleet's supervisor. */
 export function supervision(fleet) {
   return fleet.supervised
-    ? mark(`supervised by ${fleet.holder ?? "somebody"}`, "good", "circle")
-    : mark("nobody supervises it now", "bad", "gap");
+    ? mark(`supervised by ${fleet.holder ?? "an unnamed supervisor"}`, "good", "circle")
+    : mark("no supervisor now", "bad", "gap");
 }
 
-/** The counts that call for attention, in words; the same for fleets and robots. */
+/** Marks for the counts that need attention, of a fleet or a robot. */
 export function health(row) {
   const marks = [
-    row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} trimmed and not served`, "bad", "cross"),
+    row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} without compensator`, "bad", "cross"),
     row.whiskers_faulty && mark(count(row.whiskers_faulty, "faulty whisker"), "bad", "cross"),
     row.whiskers_trimmed && mark(`${row.whiskers_trimmed} trimmed`, "warn", "stump"),
-    row.proposals && mark(`${count(row.proposals, "proposal")} to answer`, "warn", "diamond"),
+    row.proposals && mark(`${count(row.proposals, "proposal")} waiting for approval`, "warn", "diamond"),
     row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
   ].filter(Boolean);
   return marks.length ? marks : [mark("nothing needs attention", "good", "circle")];

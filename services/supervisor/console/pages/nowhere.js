@@ -1,4 +1,4 @@
-// An address that leads nowhere.
+// The page for an unknown address.
 
 import { h } from "../dom.js";
 import { link } from "../places.js";
@@ -6,7 +6,7 @@ import { link } from "../places.js";
 export default {
   load: async () => null,
   view: () => [
-    h("h1", { tabindex: "-1" }, "There is no such page"),
-    h("p", {}, "The address may be of an older version, or mistyped. ", h("a", { href: link.fleets() }, "All fleets")),
+    h("h1", { tabindex: "-1" }, "Page not found"),
+    h("p", {}, "The address may be outdated or mistyped. ", h("a", { href: link.fleets() }, "All fleets")),
   ],
 };

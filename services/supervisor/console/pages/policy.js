@@ -1,4 +1,4 @@
-// What a fleet's decisions rest on: read, and changed.
+// The compensation policy of a fleet, and the dialog to change it.
 
 import { ask, has, ifServed, list } from "../api.js";
 import { confirm } from "../dialog.js";
@@ -9,15 +9,15 @@ import { facts, section, table, trail } from "../table.js";
 import { say } from "../words.js";
 
 const MODES = {
-  AUTOMATIC: "automatic: compensations begin at once",
-  ADVISE: "advise: each waits for an operator's approval",
+  AUTOMATIC: "automatic: compensations start at once",
+  ADVISE: "advise: an operator approves each compensation",
 };
 const OBJECTIVES = { TIP: "equal sensitivity at the tip (Eq. 34)", MEAN: "least mean error over contact ratios" };
 const LONGER = { NEVER: "never", LAST_RESORT: "as a last resort", ALLOWED: "whenever it costs least" };
 const NUMBERS = [
-  ["predicted_error_max", "Highest predicted error", "As a ratio from 0 to 10: 1 is as if nothing were done."],
-  ["own_role_cost", "Cost of giving up an own role", "In units of mean error, 0 to 10."],
-  ["change_margin", "Least gain of a change", "In units of mean error, 0 to 10."],
+  ["predicted_error_max", "Maximum predicted error", "As a ratio from 0 to 10; 1 means no better than doing nothing."],
+  ["own_role_cost", "Cost of losing an own role", "In units of mean error, 0 to 10."],
+  ["change_margin", "Minimum gain of a change", "In units of mean error, 0 to 10."],
 ];
 
 export default {
@@ -30,11 +30,11 @@ export default {
   view({ policies }, { fleet }, refresh) {
     const heading = h("h1", { tabindex: "-1" }, fleet ? `Policy of fleet ${fleet}` : "Policy");
     if (!policies)
-      return [heading, h("p", { class: "empty" }, "This service tells its policy in its configuration only.")];
+      return [heading, h("p", { class: "empty" }, "The policy of this service is only in its configuration.")];
     return [
       fleet ? trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)]) : null,
       heading,
-      h("p", { class: "summary" }, "What decisions about broken whiskers rest on."),
+      h("p", { class: "summary" }, "Rules for decisions about trimmed whiskers."),
       policies.map((policy) => section(`Fleet ${policy.fleet}`, ...part(policy, refresh))),
     ];
   },
@@ -50,11 +50,11 @@ async function policyOf(fleet) {
 
 const shown = (policy) => [
   ["Mode", say(MODES, policy.mode)],
-  ["A setpoint is solved for", say(OBJECTIVES, policy.objective)],
-  ["A longer one for a shorter one", say(LONGER, policy.longer_for_shorter)],
-  ["Highest predicted error", percent(policy.predicted_error_max, 0)],
-  ["Cost of giving up an own role", policy.own_role_cost],
-  ["Least gain of a change", policy.change_margin],
+  ["Objective of the setpoint", say(OBJECTIVES, policy.objective)],
+  ["Longer whisker for a shorter one", say(LONGER, policy.longer_for_shorter)],
+  ["Maximum predicted error", percent(policy.predicted_error_max, 0)],
+  ["Cost of losing an own role", policy.own_role_cost],
+  ["Minimum gain of a change", policy.change_margin],
 ];
 
 function part(policy, refresh) {
@@ -97,12 +97,12 @@ function change({ fleet, tag, now }) {
   return {
     title: `Change the policy of fleet ${fleet}`,
     what: [
-      "Every decision from now on rests on this, and proposals that were refused may come again. In the mode automatic, proposals that wait begin, and robots move the air for them. Setpoints in force stay.",
+      "The new policy applies to all later decisions, and refused proposals may come again. Switching to automatic starts all waiting proposals: robots will change pressures. Present setpoints stay.",
     ],
     fields: [
       choice("mode", "Mode", MODES),
-      choice("objective", "A setpoint is solved for", OBJECTIVES),
-      choice("longer_for_shorter", "A longer whisker for a shorter one", LONGER),
+      choice("objective", "Objective of the setpoint", OBJECTIVES),
+      choice("longer_for_shorter", "Longer whisker for a shorter one", LONGER),
       ...NUMBERS.map(number),
     ],
     reason: "optional",
@@ -124,13 +124,13 @@ function historyTable({ fleet, history }) {
     rows: history,
     empty: "",
     columns: [
-      { name: "When", head: true, cell: (row) => time(row.changed_at) },
-      { name: "Who", cell: (row) => row.changed_by },
+      { name: "Time", head: true, cell: (row) => time(row.changed_at) },
+      { name: "Actor", cell: (row) => row.changed_by },
       { name: "Mode", cell: (row) => say({ AUTOMATIC: "automatic", ADVISE: "advise" }, row.mode) },
       { name: "Objective", cell: (row) => say({ TIP: "tip", MEAN: "mean" }, row.objective) },
       { name: "Longer for shorter", cell: (row) => say(LONGER, row.longer_for_shorter) },
-      { name: "Highest error", numeric: true, cell: (row) => percent(row.predicted_error_max, 0) },
-      { name: "Why", cell: (row) => row.reason ?? "\u2013" },
+      { name: "Maximum error", numeric: true, cell: (row) => percent(row.predicted_error_max, 0) },
+      { name: "Reason", cell: (row) => row.reason ?? "\u2013" },
     ],
   });
 }

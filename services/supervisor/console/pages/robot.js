@@ -1,4 +1,4 @@
-// A robot: each array drawn to scale, and the same facts in a table beside it.
+// A robot: each array drawn to scale, with the same data in a table.
 
 import { get, list } from "../api.js";
 import { robotActions } from "../actions.js";
@@ -34,16 +34,16 @@ export default {
       h("p", { class: "marks" }, markOf(CONNECTIONS, about.connection), health(about)),
       facts([
         ["Model", about.model],
-        ["Last heard of", time(about.updated_at)],
+        ["Last message", time(about.updated_at)],
         ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
       ]),
       actions.length ? h("div", { class: "buttons" }, actions) : null,
       proposals(waiting, refresh),
-      whiskers.length ? null : h("p", { class: "empty" }, "The robot has not said yet what is on it (factsheet)."),
+      whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
       section(
-        "Compensations in force",
-        decisionsTable(running, "Compensations in force", "None: nothing needs to be compensated."),
+        "Active compensations",
+        decisionsTable(running, "Active compensations", "No active compensations."),
       ),
     ];
   },
@@ -73,13 +73,13 @@ function legend() {
   return h(
     "p",
     { class: "hint" },
-    "To scale, in mm. Dashed: whole. The bar at a tip: 95 % interval of its length. Arrow: from who compensates to whom. Below: state, and pressure in MPa.",
+    "To scale, in mm. Dashed: whole length. Bar at the tip: 95 % interval of the length. Arrow: from compensator to target. Below: state, and pressure in MPa.",
   );
 }
 
 function whiskersTable(array, whiskers, running) {
   return table({
-    caption: `Whiskers of ${array}, what needs attention first`,
+    caption: `Whiskers of ${array}, those that need attention first`,
     rows: whiskers,
     key: (row) => `whisker-${array}-${row.whisker}`,
     empty: "",
@@ -94,15 +94,15 @@ function whiskersTable(array, whiskers, running) {
   });
 }
 
-/** Whom a whisker serves, and who serves it. */
+/** The compensator of a whisker, and its target if it is a compensator. */
 function roles(whisker, running) {
   const decision = (id) => running.find((one) => one.compensation_id === id);
   const said = [];
   const [by, in_] = [decision(whisker.compensated_by), decision(whisker.serves_in)];
   if (by && by === in_) said.push([by, "compensates for itself"]);
   else {
-    if (by) said.push([by, `served by ${by.compensator_whisker}`]);
-    if (in_) said.push([in_, `serves ${in_.target_whisker}`]);
+    if (by) said.push([by, `compensator: ${by.compensator_whisker}`]);
+    if (in_) said.push([in_, `compensates for ${in_.target_whisker}`]);
   }
   return said.length
     ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words))

@@ -1,4 +1,4 @@
-// A whisker: how long it is and how sure that is, what it feels, its pressure, what was decided about it.
+// A whisker: estimated length, health, pressure, plots, decisions and setpoints.
 
 import { get, has, ifServed, list } from "../api.js";
 import { proposalActions, whiskerActions } from "../actions.js";
@@ -11,12 +11,12 @@ import { figure } from "../plot.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
 
-/** Setpoints whose history is shown. */
+/** Number of setpoints shown with their history. */
 const HISTORIES = 5;
 const PLOTS = [
   ["lengths", "Length over time", "Estimated length with its 95 % interval."],
-  ["contacts", "Sensitivity against the model", "Measured over predicted sensitivity: 1 is as the model says."],
-  ["pressures", "Pressure, set and measured", "What the chamber shall hold, and what it holds."],
+  ["contacts", "Sensitivity against the model", "Measured / predicted sensitivity; 1 agrees with the model."],
+  ["pressures", "Pressure, set and measured", "Setpoint and measured pressure of the chamber."],
   ["errors", "Compensation error over time", "Mean of Eq. 35 with its 95 % interval."],
 ];
 
@@ -69,8 +69,8 @@ export default {
         "All decisions",
         decisionsTable(
           [...targets, ...others],
-          "Decisions about it, and those in which it serves",
-          "None: nothing needed to be decided.",
+          "Decisions about it, and those in which it is the compensator",
+          "No decisions yet.",
         ),
       ),
       section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
@@ -106,13 +106,13 @@ function of(whisker) {
       `${mpa(whisker.setpoint_mpa)}; nominal ${mpa(whisker.nominal_pressure_mpa)}, at most ${mpa(whisker.pressure_max_mpa)}`,
     ],
     ["Contacts used", whisker.contacts.toLocaleString("en")],
-    ["Last heard of", time(whisker.heard_at)],
+    ["Last message", time(whisker.heard_at)],
     ["Model", whisker.model],
-    whisker.leak_per_s === null ? null : ["Leaks in an hour", rate("leak_per_s", perHour)],
+    whisker.leak_per_s === null ? null : ["Leak rate per hour", rate("leak_per_s", perHour)],
     whisker.erosion_mm_per_contact === null
       ? null
-      : ["Erodes in 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
-    whisker.contacts_left === null ? null : ["Contacts until it is too short", remaining(whisker)],
+      : ["Erosion per 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
+    whisker.contacts_left === null ? null : ["Contacts until too short", remaining(whisker)],
   ];
 }
 
@@ -121,7 +121,7 @@ function remaining({ contacts_left: left, contacts_left_low: low, contacts_left_
   return `${whole(left)} (${low === null ? "?" : whole(low)} to ${high === null ? "never" : whole(high)})`;
 }
 
-/** The plots that the service draws; drawn again when something about the whisker has changed. */
+/** The plots drawn by the service; redrawn when the whisker's data have changed. */
 function plots(whisker) {
   const version = [whisker.contacts, whisker.setpoint_mpa, whisker.pressure_mpa, whisker.compensated_by].join(" ");
   const shown = PLOTS.filter(([name]) => has("GET", `${ROUTES.whisker}/${name}/plot.svg`));
@@ -145,7 +145,7 @@ function decision(newest, refresh) {
     actions.length ? h("div", { class: "buttons" }, actions) : null,
     candidatesTable(
       newest,
-      `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)}, and why each was refused`,
+      `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)} and reasons`,
     ),
     ratioPlot(newest),
   ];
@@ -153,19 +153,19 @@ function decision(newest, refresh) {
 
 function trimsTable(trims) {
   return table({
-    caption: "Trims that were found, the newest first",
+    caption: "Detected trims, the newest first",
     rows: [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at)),
     key: (row) => `trim-${row.trim_id}`,
-    empty: "None was found.",
+    empty: "None detected.",
     columns: [
-      { name: "Found", head: true, cell: (row) => time(row.detected_at) },
+      { name: "Detected", head: true, cell: (row) => time(row.detected_at) },
       { name: "Length before", numeric: true, cell: (row) => mm(row.length_before_mm) },
       {
         name: "Length after",
         numeric: true,
         cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm),
       },
-      { name: "Contacts to find it", numeric: true, cell: (row) => row.contacts_to_detect },
+      { name: "Contacts to detection", numeric: true, cell: (row) => row.contacts_to_detect },
     ],
   });
 }
@@ -178,10 +178,10 @@ function changesTable(changes) {
     key: (row) => `change-${row.health_change_id}`,
     empty: "None.",
     columns: [
-      { name: "When", head: true, cell: (row) => time(row.recorded_at) },
-      { name: "What", cell: (row) => (row.kind === "FAULT" ? "fault" : "condition") },
-      { name: "Was", cell: (row) => word(row, row.was) },
-      { name: "Became", cell: (row) => word(row, row.becomes) },
+      { name: "Time", head: true, cell: (row) => time(row.recorded_at) },
+      { name: "Kind", cell: (row) => (row.kind === "FAULT" ? "fault" : "condition") },
+      { name: "Before", cell: (row) => word(row, row.was) },
+      { name: "After", cell: (row) => word(row, row.becomes) },
     ],
   });
 }

@@ -1,4 +1,4 @@
-// Tables about decisions and setpoints, which several pages show.
+// Tables of decisions and setpoints, which several pages show.
 
 import { has } from "../api.js";
 import { h } from "../dom.js";
@@ -12,7 +12,7 @@ import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_REASONS, 
 /** A predicted or measured error with its interval. */
 export const error = (row, name) => interval(row[name], row[`${name}_low`], row[`${name}_high`], percent);
 
-/** Whether a decision is in force, and since when or why not. */
+/** State of a decision: ended, waiting, active, or without compensator. */
 export function standing(row) {
   if (row.ended_at)
     return h(
@@ -22,8 +22,8 @@ export function standing(row) {
       time(row.ended_at),
     );
   if (row.approval === "PROPOSED" || row.approval === "REFUSED") return markOf(APPROVALS, row.approval);
-  if (row.compensator_whisker === null) return mark("nobody can serve", "bad", "cross");
-  return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("in force", "good", "circle");
+  if (row.compensator_whisker === null) return mark("no compensator", "bad", "cross");
+  return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("active", "good", "circle");
 }
 
 /** Decisions, the newest first. */
@@ -45,7 +45,7 @@ export function decisionsTable(rows, caption, empty) {
           ),
       },
       { name: "Decided", cell: (row) => time(row.decided_at) },
-      { name: "Who compensates", cell: (row) => server(row) },
+      { name: "Compensator", cell: (row) => server(row) },
       {
         name: "Pressure",
         numeric: true,
@@ -61,9 +61,9 @@ export function decisionsTable(rows, caption, empty) {
   });
 }
 
-/** Who serves a decision's target, and how. */
+/** The compensator of a decision, and the case. */
 export function server(row) {
-  if (row.compensator_whisker === null) return "nobody can";
+  if (row.compensator_whisker === null) return "none available";
   const whisker = h(
     "a",
     { href: link.whisker(names(row, row.compensator_whisker)) },
@@ -72,7 +72,7 @@ export function server(row) {
   return h("span", {}, whisker, `: ${say(CASES, row.case)}`);
 }
 
-/** Everyone who was asked, and why each was refused. */
+/** The candidates of a decision with reasons. */
 export function candidatesTable(decision, caption) {
   const verdict = (row) =>
     row.chosen
@@ -81,7 +81,7 @@ export function candidatesTable(decision, caption) {
   return table({
     caption,
     rows: decision.candidates,
-    empty: "Nobody could be asked.",
+    empty: "No candidates.",
     columns: [
       {
         name: "Candidate",
@@ -103,7 +103,7 @@ export function candidatesTable(decision, caption) {
           row.pressure_mpa === null ? "\u2013" : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.pressure_mpa)}`,
       },
       { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
-      { name: "Own role", cell: (row) => (row.gives_up_own_role ? "gives it up" : "keeps it") },
+      { name: "Own role", cell: (row) => (row.gives_up_own_role ? "loses its own role" : "keeps its own role") },
     ],
   });
 }
@@ -122,18 +122,18 @@ export function ratioPlot(decision) {
   );
 }
 
-/** Looks at the pressure in force, and what came of each. */
+/** Reviews of the present setpoint with their outcomes. */
 export function looksTable(looks) {
   return table({
-    caption: "Looks at the pressure in force",
+    caption: "Pressure reviews",
     rows: looks,
-    empty: "The pressure has not been looked at yet: that begins after 200 contacts.",
+    empty: "No reviews yet: the first follows after 200 contacts.",
     columns: [
-      { name: "When", head: true, cell: (row) => time(row.recorded_at) },
+      { name: "Time", head: true, cell: (row) => time(row.recorded_at) },
       { name: "Contacts", numeric: true, cell: (row) => row.contacts },
       {
-        name: "What came of it",
-        cell: (row) => say(LOOKS, row.outcome) + (row.gain_published ? "; a new gain was sent" : ""),
+        name: "Outcome",
+        cell: (row) => say(LOOKS, row.outcome) + (row.gain_published ? "; new gain sent" : ""),
       },
       {
         name: "Pressure",
@@ -141,14 +141,14 @@ export function looksTable(looks) {
         cell: (row) =>
           `${mpa(row.pressure_from_mpa)}${row.outcome === "REFINED" ? ` \u2192 ${mpa(row.pressure_best_mpa)}` : ""}`,
       },
-      { name: "Error as felt", numeric: true, cell: (row) => error(row, "error") },
-      { name: "Expected at best", numeric: true, cell: (row) => error(row, "error_best") },
-      { name: "With the gain", numeric: true, cell: (row) => percent(row.error_with_gain) },
+      { name: "Measured error", numeric: true, cell: (row) => error(row, "error") },
+      { name: "Expected error at best", numeric: true, cell: (row) => error(row, "error_best") },
+      { name: "Error with gain", numeric: true, cell: (row) => percent(row.error_with_gain) },
     ],
   });
 }
 
-/** Setpoints, the newest first; `history` are the states of the newest by its name. */
+/** Setpoints, the newest first; `history` holds the states of the newest ones. */
 export function setpointsTable(rows, caption) {
   return table({
     caption,
@@ -169,7 +169,7 @@ export function setpointsTable(rows, caption) {
           ),
       },
       { name: "Reached", numeric: true, cell: (row) => mpa(row.reached_mpa) },
-      { name: "Why", cell: (row) => say(SETPOINT_REASONS, row.reason) },
+      { name: "Reason", cell: (row) => say(SETPOINT_REASONS, row.reason) },
       {
         name: "Decision",
         cell: (row) =>

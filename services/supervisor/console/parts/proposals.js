@@ -1,4 +1,4 @@
-// Compensations that wait for somebody's approval (policy mode ADVISE).
+// Compensations that wait for approval (policy mode ADVISE).
 
 import { has, list } from "../api.js";
 import { proposalActions } from "../actions.js";
@@ -7,14 +7,14 @@ import { interval, mpa, percent } from "../format.js";
 import { link } from "../places.js";
 import { section } from "../table.js";
 
-/** Those that wait, of a fleet or a robot; none if the service knows no approval. */
+/** Waiting proposals of a fleet or a robot; empty if the service has no approvals. */
 export async function proposalsOf(where) {
   if (!has("POST", "/v1/compensations/{}/approve")) return [];
   const rows = await list("/v1/compensations", { ...where, active: true });
   return rows.filter((row) => row.approval === "PROPOSED");
 }
 
-/** They, with what may be answered; nothing if there are none. */
+/** The section of waiting proposals with their buttons; null without proposals. */
 export function proposals(rows, refresh) {
   if (!rows.length) return null;
   return section(
@@ -38,7 +38,7 @@ function proposal(row, refresh) {
       h(
         "a",
         { href: link.compensation(row.compensation_id) },
-        `${row.robot}: whisker ${row.array} ${row.compensator_whisker} shall compensate for ${whom}`,
+        `${row.robot}: whisker ${row.array} ${row.compensator_whisker} to compensate for ${whom}`,
       ),
     ),
     h(

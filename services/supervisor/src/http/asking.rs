@@ -1,4 +1,4 @@
-//! Asking for actions: who, why, under which key; and the answer.
+//! Requests for actions: caller, reason, idempotency key, and the answer.
 
 use axum::extract::{Extension, FromRequestParts};
 use axum::http::request::Parts;
@@ -19,48 +19,47 @@ use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::list::{Filter, Value as Sql};
 use vibrissa_store::lists::actions::{ACTIONS, ActionRow};
 
-/// An action that was not carried out by then is not carried out any more: what was right when it was asked may be
-/// wrong later.
+/// Validity of a requested action. It is not executed later, because the circumstances may have changed.
 const LIFETIME: Duration = Duration::from_secs(10);
-/// How long an answer is waited for before the caller is told to look later.
+/// Time to wait for the engine's answer before the response is 202 (still pending).
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Characters of a key at the most.
+/// Maximum length of an idempotency key, in characters.
 const KEY_CHARS_MAX: usize = 128;
-/// Characters of a reason at the most.
+/// Maximum length of a reason, in characters.
 const REASON_CHARS_MAX: usize = 1000;
 
-/// Why, for those who read the audit log.
+/// Optional reason of an action, stored in the audit log.
 #[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Why {
-    /// In your words; at most 1000 characters.
+    /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
     pub reason: Option<String>,
 }
 
-/// Checks a reason.
+/// Checks the length and the characters of a reason.
 ///
 /// # Errors
-/// It is too long, or has characters that no text has.
+/// The reason is longer than 1000 characters, or contains a NUL character.
 pub fn reason(reason: Option<String>) -> Result<Option<String>, Problem> {
     match &reason {
         Some(text) if text.chars().count() > REASON_CHARS_MAX => {
             Err(Problem::invalid("reason", format!("must have at most {REASON_CHARS_MAX} characters")))
         }
-        // PostgreSQL cannot keep it.
+        // PostgreSQL cannot store NUL in a text.
         Some(text) if text.contains('\0') => Err(Problem::invalid("reason", "must not contain a NUL character")),
         _ => Ok(reason),
     }
 }
 
-/// Who asks, with what is needed to write it down.
+/// The caller of an action, with the identifiers of the request for the audit log.
 #[derive(Debug, Clone)]
 pub struct Asker {
-    /// Who.
+    /// Authenticated caller of the action.
     pub caller: Caller,
-    /// The request's name.
+    /// Request ID (header `x-request-id`).
     pub request_id: String,
-    /// What names the action if it is sent again.
+    /// Idempotency key: a repeated request with the same key returns the first action.
     pub idempotency_key: Option<String>,
 }
 
@@ -68,7 +67,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Asker {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
-        let absent = |_| Problem::new(Kind::Internal, "the request came past the gate");
+        let absent = |_| Problem::new(Kind::Internal, "the request bypassed authentication");
         let Extension(caller) = Extension::<Caller>::from_request_parts(parts, state).await.map_err(absent)?;
         let Extension(RequestId(request_id)) = Extension::from_request_parts(parts, state).await.map_err(absent)?;
         let told = parts.headers.get("idempotency-key");
@@ -88,7 +87,7 @@ fn is_key(text: &str) -> bool {
 }
 
 impl Asker {
-    /// An action of theirs; what it is about is filled in by the caller.
+    /// A new action of this caller. The handler fills in its subject (fleet, robot, whisker ...).
     #[must_use]
     pub fn action(self, kind: &str, parameters: &Value, reason: Option<String>) -> NewAction {
         let now_us = wall_clock().0 as i64;
@@ -112,25 +111,25 @@ impl Asker {
     }
 }
 
-/// What was asked, or was asked before under the same key.
+/// Number of the action, new or stored earlier under the same idempotency key.
 ///
 /// # Errors
-/// The key names something else.
+/// The key belongs to a different action.
 pub fn number_of(asked: Asked) -> Result<i64, Problem> {
     match asked {
         Asked::New(action_id) => Ok(action_id),
         Asked::Again(action) => Ok(action.action_id),
         Asked::Different(action) => Err(Problem::new(
             Kind::KeyReused,
-            format!("the Idempotency-Key names action {} ({}): take another key", action.action_id, action.kind),
+            format!("Idempotency-Key already used for action {} ({}): take a new key", action.action_id, action.kind),
         )),
     }
 }
 
-/// Asks the fleet's engine and waits for its answer: done, refused, or not answered yet.
+/// Sends an action to the fleet's engine and waits for its result: done, refused, or still pending.
 ///
 /// # Errors
-/// It is refused, too late, or the database does not answer.
+/// The action was refused or expired, or the database does not answer.
 pub async fn ask(app: &App, fleet: &Name, action: &NewAction) -> Result<Response, Problem> {
     let action_id = number_of(app.store.ask(action).await?)?;
     app.mailroom.ring(fleet);
@@ -147,13 +146,13 @@ pub async fn ask(app: &App, fleet: &Name, action: &NewAction) -> Result<Response
         return Err(Problem::new(kind, format!("{told} (action {action_id})")));
     }
     if state == "EXPIRED" {
-        let told = format!("nobody supervises the fleet {fleet} now: action {action_id} has expired, nothing was done");
+        let told = format!("no supervisor owns the fleet {fleet}: action {action_id} expired without effect");
         return Err(Problem::new(Kind::NotSupervised, told));
     }
     answered(app, action_id, if state == "PENDING" { StatusCode::ACCEPTED } else { StatusCode::OK }).await
 }
 
-/// The action as the answer, with where to look for it later.
+/// Responds with the row of the action; the header `Location` has the path for polling it.
 ///
 /// # Errors
 /// The database does not answer.

@@ -1,8 +1,8 @@
-//! The operators' console: a page at `/` and its modules under `/console/`, which ask the API for everything they
-//! show. The files need no token, since they tell nothing; data do.
+//! The operators' console: a page at `/` and its modules under `/console/`. They read everything they show from the
+//! API. The files are served without a token, because they contain no data.
 //!
-//! Debug builds read the files from the source folder, so that they can be edited while the service runs; releases
-//! carry them.
+//! Debug builds read the files from the source folder, so that they can be edited while the service runs; release
+//! builds embed them.
 
 use axum::Router;
 use axum::extract::Path;
@@ -13,11 +13,12 @@ use rust_embed::{EmbeddedFile, RustEmbed};
 
 use super::problem::{Kind, Problem};
 
-/// The page itself, which is at `/` only: its links are relative to that.
+/// The page, served at `/` only, because its links are relative to that path.
 const PAGE: &str = "index.html";
 
-/// Headers for every file, in addition to those of `headers` for all answers. Scripts, styles and data come from this origin
-/// alone, nothing is inline, and no other site's page may frame it. `no-cache` makes browsers check a copy's `ETag` each time.
+/// Headers for every file, in addition to those of `headers` for all answers. Scripts, styles and data come from this
+/// origin alone, nothing is inline, and no other site's page may frame it. `no-cache` makes browsers check a copy's
+/// `ETag` each time.
 const HEADERS: [(HeaderName, &str); 2] = [
     (
         header::CONTENT_SECURITY_POLICY,
@@ -57,14 +58,14 @@ fn missing() -> Response {
     Problem::new(Kind::NotFound, "the console has no file of that name").into_response()
 }
 
-/// Names the file's content.
+/// `ETag` of a file: a hash of its content.
 fn tag(file: &EmbeddedFile) -> String {
     let hash = file.metadata.sha256_hash();
     let start: String = hash.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     format!("\"{start}\"")
 }
 
-/// Whether one of the tags of `If-None-Match` is that one.
+/// Whether the list of tags in `If-None-Match` contains the tag.
 fn has(tags: &str, tag: &str) -> bool {
     tags.split(',').map(|one| one.trim().trim_start_matches("W/")).any(|one| one == tag || one == "*")
 }

@@ -1,4 +1,4 @@
-//! The OpenAPI document: what the code says of itself, and which role each route asks for.
+//! The OpenAPI document, generated from the handlers, and the role that each route requires.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use super::access::Role;
 use super::problem::{FieldError, ProblemBody};
 
-/// Says of an operation which role it asks for.
+/// Extension of an operation that names the required role.
 const ROLE: &str = "x-required-role";
 
-/// What is not said by the routes.
+/// The parts of the document that do not come from routes.
 #[derive(OpenApi)]
 #[openapi(
     info(
         title = "vibrissa",
         description = "Supervisor for fleets of robots with soft whisker arrays. Lengths in mm, pressures in MPa, strain in \
-                       m/m, errors as ratios; times are RFC 3339 in UTC. What goes wrong is told as RFC 9457 \
+                       m/m, errors as ratios; times are RFC 3339 in UTC. Errors are RFC 9457 problem documents \
                        (application/problem+json).",
         license(name = "MIT OR Apache-2.0")
     ),
@@ -35,7 +35,7 @@ pub fn base() -> Document {
     Base::openapi()
 }
 
-/// Adds what holds for every operation: who may, and what can go wrong with any request.
+/// Adds what all operations share: the security scheme and the possible error responses.
 pub fn complete(document: &mut Document) {
     let token = SecurityScheme::Http(Http::builder().scheme(HttpAuthScheme::Bearer).bearer_format("vbr_...").build());
     document.components.get_or_insert_default().add_security_scheme("token", token);
@@ -86,15 +86,15 @@ pub enum Need {
     Role(Role),
     /// The route does not declare the method.
     NoSuchMethod,
-    /// The route declares nothing: the document does not have it.
+    /// The route is not in the document.
     Undeclared,
 }
 
 impl Roles {
-    /// Reads them off the document: what is looked at asks for a viewer, everything else says whom.
+    /// Reads the roles off the document. GET requires a viewer; every other method must declare its role.
     ///
     /// # Panics
-    /// A route that changes something does not say who may: a fault of the program, seen at each start.
+    /// A route that changes something declares no role. This is a programming error and appears at every start.
     #[must_use]
     pub fn of(document: &mut Document) -> Self {
         let mut roles: BTreeMap<String, BTreeMap<String, Role>> = BTreeMap::new();
@@ -105,7 +105,7 @@ impl Roles {
                 let role = match (told, &method) {
                     (Some(role), _) => role,
                     (None, &Method::GET) => Role::Viewer,
-                    (None, _) => panic!("{method} {path} does not say which role it asks for"),
+                    (None, _) => panic!("{method} {path} does not declare x-required-role"),
                 };
                 let extensions = operation.extensions.get_or_insert_default();
                 extensions.insert(ROLE.to_owned(), Value::from(role.word()));

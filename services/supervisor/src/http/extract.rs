@@ -1,4 +1,4 @@
-//! Requests taken apart, each value checked once: what is wrong is told with its field.
+//! Extractors for requests. Each value is checked once; an error names its field.
 
 use axum::body::Bytes;
 use axum::extract::rejection::PathRejection;
@@ -11,7 +11,7 @@ use tokio::time::{Duration, timeout};
 
 use super::problem::{Kind, Problem};
 
-/// Query parameters; a field that is not known is refused by the type's `deny_unknown_fields`.
+/// Query parameters. The type's `deny_unknown_fields` refuses unknown ones.
 #[derive(Debug)]
 pub struct Query<T>(pub T);
 
@@ -25,7 +25,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
-/// Parts of the path.
+/// Path parameters of a route.
 #[derive(Debug)]
 pub struct Path<T>(pub T);
 
@@ -43,10 +43,10 @@ impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Path<T>
     }
 }
 
-/// How long a body may take to arrive.
+/// Time limit for receiving a body.
 const BODY_PATIENCE: Duration = Duration::from_secs(10);
 
-/// A JSON body; fields that are not known are refused by the type's `deny_unknown_fields`.
+/// A JSON body. The type's `deny_unknown_fields` refuses unknown fields.
 #[derive(Debug)]
 pub struct Body<T>(pub T);
 
@@ -63,7 +63,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
             Problem::new(Kind::TooSlowBody, format!("the body must arrive within {} s", BODY_PATIENCE.as_secs()))
         })?;
         let bytes = read.map_err(|problem| match problem.status().as_u16() {
-            413 => Problem::new(Kind::TooLarge, "the body is larger than is read here"),
+            413 => Problem::new(Kind::TooLarge, "the body exceeds the size limit"),
             _ => Problem::new(Kind::Malformed, problem.body_text()),
         })?;
         if let Some(field) = field_with_nul(&bytes) {
@@ -82,7 +82,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
     }
 }
 
-/// A JSON body that may be left out.
+/// An optional JSON body.
 #[derive(Debug)]
 pub struct OptionalBody<T>(pub T);
 
@@ -94,14 +94,14 @@ impl<T: DeserializeOwned + Default, S: Send + Sync> FromRequest<S> for OptionalB
         if is_empty && !request.headers().contains_key(header::CONTENT_TYPE) {
             return Ok(Self(T::default()));
         }
-        // Nothing is also what `null` says.
+        // A body of `null` counts as no body.
         Body::<Option<T>>::from_request(request, state).await.map(|Body(value)| Self(value.unwrap_or_default()))
     }
 }
 
-/// The path to a text or a name with a NUL character, which JSON writes as an escape.
+/// Path of the first text or name that contains a NUL character, which JSON writes as an escape.
 fn field_with_nul(json: &[u8]) -> Option<String> {
-    // Escapes of NUL are rare: most bodies are read once only.
+    // Escaped NULs are rare: most bodies are parsed only once.
     json.windows(6).find(|window| window == b"\\u0000")?;
     nul_in(&serde_json::from_slice(json).ok()?)
 }
@@ -121,7 +121,7 @@ fn nul_in(value: &Value) -> Option<String> {
     }
 }
 
-/// Names the field, also the one that is not known or missing, which the path does not reach.
+/// Names the field of a parse error. Serde's path does not contain an unknown or missing field; its message does.
 fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Problem {
     let told = problem.inner().to_string();
     let path = problem.path().to_string();

@@ -1,12 +1,12 @@
-//! Headers that keep browsers from mistakes, on every answer.
+//! Security headers of every answer.
 
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::Response;
 
-/// Nothing may be loaded or run: JSON, texts and problems are no pages.
+/// Policy for JSON, texts and problems: the browser may load and run nothing.
 const DATA_POLICY: &str = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Pictures have their styles inside, and nothing else.
+/// Policy for SVG pictures, which contain their own styles.
 const PICTURE_POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -32,12 +32,12 @@ pub(super) async fn of_all(mut response: Response) -> Response {
     let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
     let policy = if kind.starts_with("image/svg+xml") { PICTURE_POLICY } else { DATA_POLICY };
     headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
-    // Whoever uses the browser next must not find what a token has shown.
+    // The next user of the browser must not find data that a token has shown.
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
     response
 }
 
-/// The same for the pages of the API's documentation.
+/// Sets the headers of the pages of the API's documentation.
 pub(super) async fn of_docs(mut response: Response) -> Response {
     let headers = response.headers_mut();
     headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(DOCS_POLICY));

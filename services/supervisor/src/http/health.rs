@@ -1,4 +1,4 @@
-//! Is it alive, is it ready, what does it count: for orchestrators and Prometheus.
+//! Liveness, readiness and metrics, for orchestrators and Prometheus.
 
 use axum::Router;
 use axum::extract::State;
@@ -10,7 +10,7 @@ use serde_json::json;
 use super::App;
 use super::problem::{Kind, Problem};
 
-/// The routes that reveal more than that the program runs.
+/// The routes that reveal more than whether the process runs.
 pub(super) fn told() -> Router<App> {
     Router::new().route("/readyz", get(readyz)).route("/metrics", get(metrics))
 }
@@ -19,8 +19,7 @@ pub(super) async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Ready means: every fleet that is supervised here is heard, and the database takes what is written. A supervisor
-/// that stands by for another is ready.
+/// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby is ready too.
 async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
     let fleets = app.readiness.fleets();
@@ -36,8 +35,8 @@ async fn readyz(State(app): State<App>) -> Response {
 async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     app.metrics.http.streams.set(app.streams.count() as i64);
     let text = app.metrics.text().map_err(|problem| {
-        tracing::error!(%problem, "the metrics cannot be written");
-        Problem::new(Kind::Internal, "the metrics cannot be written; the log says why")
+        tracing::error!(%problem, "cannot encode the metrics");
+        Problem::new(Kind::Internal, "the metrics cannot be encoded; see the log")
     })?;
     Ok(([(header::CONTENT_TYPE, prometheus::TEXT_FORMAT)], text).into_response())
 }

@@ -1,9 +1,9 @@
-//! HTTP: the operators' console, the API under `/v1`, its documentation, and whether the service is alive and ready.
+//! HTTP: the operators' console, the API under `/v1`, its documentation, liveness and readiness.
 //!
-//! Connections are taken and limited by `server`. A request passes `passage` (a name, a place in the log, a limit in time), then
-//! `access` (it is no other site's; who asks, and whether they may), then its handler in `api`, which takes it apart with `extract`
-//! and asks the store or the engine. What
-//! goes wrong is a `Problem`. The OpenAPI document is read off the handlers (`document`).
+//! `server` accepts and limits connections. A request passes `passage` (request ID, log span, time limit), then
+//! `access` (no requests of other sites; authentication and authorisation), then its handler in `api`, which parses it
+//! with `extract` and calls the store or the engine. Errors are a `Problem`. The OpenAPI document is generated from the
+//! handlers (`document`).
 
 pub mod access;
 pub mod api;
@@ -52,33 +52,33 @@ use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
 use vibrissa_store::{Store, StoreError};
 
-/// What the handlers share.
+/// State shared by the handlers.
 #[derive(Debug, Clone)]
 pub struct App {
-    /// The database.
+    /// Database of the service.
     pub store: Store,
-    /// What is counted.
+    /// Metrics of the service.
     pub metrics: Metrics,
-    /// Which fleets are supervised here, and what keeps the service from its work.
+    /// Readiness: the fleets owned here, and the reasons why the service is not ready.
     pub readiness: Readiness,
-    /// Who is let in.
+    /// Decides who is let in.
     pub access: Access,
     /// The open event streams, and their limits.
     pub streams: Streams,
     /// Becomes true when the service stops.
     pub stop: watch::Receiver<bool>,
-    /// The core's parameters, as the configuration has them.
+    /// Parameters of the core, from the configuration.
     pub params: Arc<Params>,
-    /// Where engines are asked for actions.
+    /// Passes actions to engines, and their answers back.
     pub mailroom: Mailroom,
-    /// Where traces of requests go.
+    /// Exporter of request traces, if configured.
     pub traces: Option<Traces>,
-    /// The allow list of robots from a file, if there is one.
+    /// Allow list of robots from a file, if configured.
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
 }
 
 impl App {
-    /// What handlers share; they may follow live until `stop` becomes true.
+    /// State of the handlers. Event streams may stay open until `stop` becomes true.
     #[must_use]
     pub fn new(
         store: Store,
@@ -93,19 +93,19 @@ impl App {
         Self { store, metrics, readiness, access, streams, stop, params, mailroom, traces: None, robots_file: None }
     }
 
-    /// The same with traces of requests, if there is a collector.
+    /// Adds traces of requests, if there is a collector.
     #[must_use]
     pub fn traced(self, traces: Option<Traces>) -> Self {
         Self { traces, ..self }
     }
 
-    /// The same with other limits of event streams.
+    /// Replaces the limits of event streams.
     #[must_use]
     pub fn with_streams(self, options: StreamOptions) -> Self {
         Self { streams: Streams::new(options), ..self }
     }
 
-    /// The same with a file of allowed robots.
+    /// Adds the allow list of a file.
     #[must_use]
     pub fn allowing(self, robots_file: Option<watch::Receiver<Arc<RobotsFile>>>) -> Self {
         Self { robots_file, ..self }
@@ -113,8 +113,7 @@ impl App {
 }
 
 impl App {
-    /// The parameters that a fleet works with: the configuration's, with the policy and the calibrations that people have
-    /// put in force over them.
+    /// Parameters of a fleet: those of the configuration, overridden by its policy and its activated calibrations.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -125,10 +124,10 @@ impl App {
     }
 }
 
-/// Bytes of a body at the most, unless a route takes more.
+/// Size limit of a request's body in bytes, unless a route sets another.
 const BODY_BYTES_MAX: usize = 64 * 1024;
 
-/// Why HTTP is not served.
+/// Failure to listen for HTTP.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot listen for HTTP on {address}: {source}; choose another address with {flag}")]
 pub struct ListenError {
@@ -137,14 +136,14 @@ pub struct ListenError {
     flag: &'static str,
 }
 
-/// Where HTTP listens, and how many connections it takes.
+/// Addresses and connection limits of the HTTP service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HttpOptions {
-    /// Where everything is served; port 0 takes any free one.
+    /// Main listener; port 0 takes any free port.
     pub listen: SocketAddr,
-    /// Where only what monitoring asks for is served, without tokens.
+    /// Optional listener for the monitoring routes only, without tokens.
     pub monitoring_listen: Option<SocketAddr>,
-    /// How many connections to `listen` may be open.
+    /// Connection limits of the main listener.
     pub limits: Limits,
 }
 
@@ -173,19 +172,19 @@ impl FromStr for HttpOptions {
 pub struct Serving {
     /// Address of the main listener, with the real port if port 0 was configured.
     pub address: SocketAddr,
-    /// Where monitoring is served.
+    /// Address of the monitoring listener, if configured.
     pub monitoring: Option<SocketAddr>,
-    /// Ends when the service stops and the requests under way are answered.
+    /// Ends when the service has stopped and the requests under way are answered.
     pub task: JoinHandle<()>,
 }
 
-/// How many connections monitoring may have: a Prometheus or two, and whoever checks the health.
+/// Connection limits of the monitoring listener: enough for a few Prometheus servers and health checks.
 const MONITORING_LIMITS: Limits = Limits { connections_max: 64, connections_per_address_max: 32 };
 
-/// Serves until `stop`.
+/// Serves HTTP until `stop` becomes true.
 ///
 /// # Errors
-/// An address is taken.
+/// An address is in use or cannot be bound.
 pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>) -> Result<Serving, ListenError> {
     let limits = server::possible(options.limits, server::descriptors::raise_limit());
     let monitored = match options.monitoring_listen {
@@ -203,7 +202,7 @@ pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>)
     let server = Server { name: "main", listener, router, limits, metrics, stop };
     let (monitoring, monitored) = monitored.unzip();
     let task = tokio::spawn(async move {
-        // Both are dropped with their connections if they are not waited for.
+        // Both must be awaited: a dropped server closes its connections.
         tokio::join!(server.run(), async {
             if let Some(server) = monitored {
                 server.run().await;
@@ -213,13 +212,13 @@ pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>)
     Ok(Serving { address, monitoring, task })
 }
 
-/// Connections that wait to be accepted: a client that comes while there are more waits a second. Linux takes no more by default.
+/// Length of the accept queue. While it is full, a new client waits a second. Linux allows no more by default.
 const BACKLOG: u32 = 4096;
 
 fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, SocketAddr), ListenError> {
     let failed = |source| ListenError { address, source, flag };
     let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }.map_err(failed)?;
-    // Else nothing can listen there for a minute after a restart.
+    // Without this option the port cannot be bound for a minute after a restart.
     socket.set_reuseaddr(true).map_err(failed)?;
     socket.bind(address).map_err(failed)?;
     let listener = socket.listen(BACKLOG).map_err(failed)?;
@@ -227,13 +226,13 @@ fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, Socke
     Ok((listener, bound))
 }
 
-/// Everything that is served, and the document of what is under `/v1`.
+/// The complete router, and the OpenAPI document of the routes under `/v1`.
 pub fn router(app: App) -> (Router, Document) {
     let (api, mut document) = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).split_for_parts();
     let roles = Arc::new(document::Roles::of(&mut document));
     document::complete(&mut document);
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
-    // Written once: requests share the bytes.
+    // Serialised once: all requests share the bytes.
     let served = Bytes::from(document.to_json().unwrap_or_default());
     let docs = Router::from(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
     let router = Router::new()
@@ -257,13 +256,13 @@ fn monitoring(app: App) -> Router {
     around(router, &app)
 }
 
-/// Adds the layers that every request and every answer passes through.
+/// Adds the layers common to all requests and answers.
 fn around(router: Router, app: &App) -> Router {
     router
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
         .layer(from_fn(origin::refuse_other_sites))
         .layer(from_fn_with_state((app.metrics.http.clone(), app.traces.clone()), passage::passage))
         .layer(map_response(headers::of_all))
-        // Without it each connection would build the routes anew.
+        // Without it each connection would rebuild the routes.
         .with_state(())
 }

@@ -1,4 +1,4 @@
-//! Moments that requests name.
+//! Time parameters of requests.
 
 use serde::{Deserialize, Deserializer};
 use vibrissa_protocol::Timestamp;
@@ -6,11 +6,11 @@ use vibrissa_protocol::Timestamp;
 use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::time::Time;
 
-/// A moment: RFC 3339 with any offset and any number of decimals, in the years 0000 to 9999.
+/// A time: RFC 3339 with any offset and any number of decimals, in the years 0000 to 9999.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment(pub Time);
 
-/// The calendar repeats itself after 400 years.
+/// The calendar repeats after 400 years.
 const US_OF_400_YEARS: i64 = 146_097 * 86_400_000_000;
 const US_PER_MINUTE: i64 = 60_000_000;
 
@@ -24,14 +24,14 @@ fn parse(text: &str) -> Option<i64> {
     };
     let (year, rest) = local.split_at_checked(4)?;
     let year: i64 = year.bytes().all(|byte| byte.is_ascii_digit()).then(|| year.parse().ok())??;
-    // The contract knows no years before 1970: the same day of the calendar after it.
+    // `Timestamp` has no years before 1970, so the same day of a later 400-year cycle is parsed.
     let shifted = format!("{:04}{rest}Z", year.rem_euclid(400) + 2000);
     let shifted_us = i64::try_from(shifted.parse::<Timestamp>().ok()?.0).ok()?;
     let eras = (year.rem_euclid(400) + 2000 - year) / 400;
     Some(shifted_us - eras * US_OF_400_YEARS - offset_minutes * US_PER_MINUTE)
 }
 
-/// Minutes of `+hh:mm`.
+/// Minutes of an offset `+hh:mm`.
 fn offset_minutes(text: &str) -> Option<i64> {
     let sign = match text.get(..1)? {
         "+" => 1,
@@ -48,12 +48,12 @@ fn offset_minutes(text: &str) -> Option<i64> {
 impl<'de> Deserialize<'de> for Moment {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
-        let expected = "no moment: expected RFC 3339 such as 2026-11-21T08:00:00Z or 2026-11-21T09:00:00+01:00";
+        let expected = "not a time: expected RFC 3339 such as 2026-11-21T08:00:00Z or 2026-11-21T09:00:00+01:00";
         parse(&text).map(|us| Self(Time(us))).ok_or_else(|| serde::de::Error::custom(expected))
     }
 }
 
-/// Keeps a column between two moments: from the first on, before the second.
+/// Limits a column to a time range: `from` inclusive, `to` exclusive.
 pub fn between(column: &'static str, from: Option<Moment>, to: Option<Moment>) -> impl Iterator<Item = Filter> {
     let from = from.map(|Moment(from)| Filter::AtLeast(column, Value::Whole(from.0)));
     from.into_iter().chain(to.map(|Moment(to)| Filter::Below(column, Value::Whole(to.0))))

@@ -1,12 +1,12 @@
-//! Numbers of rows in requests.
+//! Row numbers in requests.
 
 use serde::{Deserialize, Deserializer, de::Error};
 
-/// The number of a row: 0 to 2^53 - 1, which JSON's readers all have.
+/// A row number, 0 to 2^53 - 1: the integers that every JSON reader represents exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RowNumber(pub i64);
 
-/// The highest whole number that a reader of JSON is sure to have.
+/// Largest integer that every JSON reader represents exactly.
 const NUMBER_MAX: i64 = (1 << 53) - 1;
 
 impl From<RowNumber> for i64 {

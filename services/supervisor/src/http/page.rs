@@ -1,4 +1,4 @@
-//! Pages of lists: a limit, a cursor, an order.
+//! Pagination of lists: limit, cursor, order.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -8,44 +8,44 @@ use utoipa::ToSchema;
 use super::problem::Problem;
 use vibrissa_store::list::{Place, Rows, Selection, Sort};
 
-/// Rows of a page unless it is asked for otherwise.
+/// Default number of rows per page.
 pub const LIMIT: u32 = 100;
-/// Rows of a page at the most.
+/// Maximum number of rows per page.
 pub const LIMIT_MAX: u32 = 1000;
 
 /// A page of a list.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Page<T> {
-    /// Its rows.
+    /// Rows of the page.
     pub items: Vec<T>,
-    /// What to ask for as `cursor` to get the next page; null on the last one.
+    /// `cursor` of the next page; null on the last page.
     pub next_cursor: Option<String>,
 }
 
-/// Which way a list runs.
+/// Sort order of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
-    /// The least first.
+    /// Smallest value first.
     Ascending,
-    /// The greatest first.
+    /// Largest value first.
     Descending,
 }
 
-/// What a request says of its page.
+/// Pagination parameters of a request.
 #[derive(Debug)]
 pub struct Paging<'a> {
-    /// Rows at the most.
+    /// Maximum number of rows.
     pub limit: Option<u32>,
-    /// Where the last page ended.
+    /// `next_cursor` of the previous page.
     pub cursor: Option<&'a str>,
-    /// By what.
+    /// Column by which the list is sorted.
     pub sort: Sort,
-    /// Which way.
+    /// Sort order; by default that of the sort column.
     pub order: Option<Order>,
 }
 
-/// Where a page ended, and in what order.
+/// End of a page in a given order.
 #[derive(Debug, Serialize, Deserialize)]
 struct Cursor {
     sort: String,
@@ -54,10 +54,10 @@ struct Cursor {
 }
 
 impl Paging<'_> {
-    /// The page as the database is asked for it.
+    /// The database query for this page, without filters.
     ///
     /// # Errors
-    /// The limit is out of range, or the cursor is none of this list in this order.
+    /// The limit is out of range, or the cursor belongs to another list or order.
     pub fn selection(&self) -> Result<Selection, Problem> {
         let limit = self.limit.unwrap_or(LIMIT);
         if !(1..=LIMIT_MAX).contains(&limit) {
@@ -78,12 +78,12 @@ fn place(cursor: &str, sort: Sort, descending: bool) -> Result<Place, Problem> {
     }
     let read = read.filter(|cursor| cursor.sort == sort.column && cursor.descending == descending);
     read.filter(|cursor| cursor.place.value.is_a(sort.kind)).map(|cursor| cursor.place).ok_or_else(|| {
-        Problem::invalid("cursor", "is none of this list in this order: use next_cursor of the page before, unchanged")
+        Problem::invalid("cursor", "belongs to another list or order: use next_cursor of the previous page unchanged")
     })
 }
 
 impl<T> Page<T> {
-    /// The page that rows make.
+    /// Builds a page from these rows.
     #[must_use]
     pub fn of(rows: Rows<T>, selection: &Selection) -> Self {
         let next_cursor = rows.next.and_then(|place| {
@@ -94,7 +94,7 @@ impl<T> Page<T> {
     }
 }
 
-/// Query parameters of a list: its filters, and what every list has.
+/// Query parameters of a list: its own filters and the pagination parameters.
 macro_rules! list_query {
     ($(#[$meta:meta])* pub struct $name:ident by $sort:ty { $($(#[$field_meta:meta])* pub $field:ident: $type:ty,)* }) => {
         $(#[$meta])*
@@ -103,25 +103,25 @@ macro_rules! list_query {
         #[serde(deny_unknown_fields)]
         pub struct $name {
             $($(#[$field_meta])* pub $field: $type,)*
-            /// Rows of a page at the most.
+            /// Maximum number of rows per page.
             #[param(minimum = 1, maximum = 1000, default = 100)]
             pub limit: Option<u32>,
-            /// `next_cursor` of the page before; nothing for the first one.
+            /// `next_cursor` of the previous page; omit it for the first page.
             #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
             pub cursor: Option<String>,
-            /// What the list is sorted by.
+            /// Column by which the list is sorted.
             #[param(inline)]
             pub sort: Option<$sort>,
-            /// Which way.
+            /// Order of the list; by default that of the sort column.
             #[param(inline)]
             pub order: Option<$crate::http::page::Order>,
         }
 
         impl $name {
-            /// The page, without the filters.
+            /// The query for this page, without filters.
             ///
             /// # Errors
-            /// The limit or the cursor is wrong.
+            /// The limit or the cursor is invalid.
             pub fn page(&self) -> Result<vibrissa_store::list::Selection, $crate::http::problem::Problem> {
                 let sort = self.sort.map_or(<$sort>::SORTS[0], <$sort>::sort);
                 let (limit, cursor, order) = (self.limit, self.cursor.as_deref(), self.order);

@@ -1,5 +1,4 @@
-//! What every request passes through: a name, a place in the log, a limit in time; and every problem gets its
-//! request's name on the way out.
+//! Middleware for every request: request ID, log span and time limit. It also writes the body of every problem.
 
 use std::time::{Duration, Instant};
 
@@ -14,18 +13,18 @@ use super::problem::{Kind, Problem};
 use crate::metrics::HttpMetrics;
 use crate::trace::Traces;
 
-/// How long an answer may take to begin.
+/// Time limit until an answer begins.
 pub const PATIENCE: Duration = Duration::from_secs(20);
-/// The header with the request's name, in both directions.
+/// Header with the request ID, in requests and in answers.
 pub static REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
-/// Characters of a request's name at the most.
+/// Maximum length of a request ID, in characters.
 const ID_LENGTH_MAX: usize = 128;
 
-/// The request's name: the caller's own if it sends a good one, otherwise a new one.
+/// Request ID: the caller's own if it is valid, otherwise a new one.
 #[derive(Debug, Clone)]
 pub struct RequestId(pub String);
 
-/// Lets a request through.
+/// Passes a request on and completes its answer.
 pub async fn passage(
     State((metrics, traces)): State<(HttpMetrics, Option<Traces>)>,
     mut request: Request,
@@ -43,7 +42,7 @@ pub async fn passage(
     request.extensions_mut().insert(RequestId(id.clone()));
     let traced = traces.and_then(|traces| traces.request(&request, &id));
     let path = request.uri().path().to_owned();
-    // Of the highest level, so that even a log of errors alone names the request.
+    // At the highest level, so that even a log of errors only has the request ID.
     let span = tracing::error_span!("request", request_id = id, method = %request.method(), path);
     let response = async {
         if let Some(part) = part_with_nul(request.uri()) {
@@ -52,7 +51,7 @@ pub async fn passage(
         let answer = tokio::time::timeout(PATIENCE, next.run(request)).await.unwrap_or_else(|_| {
             Problem::new(Kind::TooSlow, format!("no answer in {} s", PATIENCE.as_secs())).into_response()
         });
-        tracing::debug!(status = answer.status().as_u16(), "answered");
+        tracing::debug!(status = answer.status().as_u16(), "request answered");
         answer
     }
     .instrument(span)
@@ -65,7 +64,7 @@ pub async fn passage(
     response
 }
 
-/// The part of an address that has a NUL character, percent-encoded as it must be.
+/// The part of a URI that contains a percent-encoded NUL character.
 fn part_with_nul(uri: &Uri) -> Option<&'static str> {
     let has = |text: &str| text.contains("%00");
     if has(uri.path()) {
@@ -74,7 +73,7 @@ fn part_with_nul(uri: &Uri) -> Option<&'static str> {
     uri.query().is_some_and(has).then_some("query")
 }
 
-/// Names the request in the answer; what has no body of its own yet is told as a problem.
+/// Adds the request ID to the answer, and writes the body of a problem or of an empty refusal.
 fn finish(mut response: Response, id: String, path: String) -> Response {
     let told = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
     if let Some(problem) = told {
@@ -92,14 +91,14 @@ fn finish(mut response: Response, id: String, path: String) -> Response {
     response
 }
 
-/// The router's own refusals, which have no words.
+/// The problem for a refusal of the router itself, which has no body.
 fn bare(status: StatusCode) -> Option<Problem> {
     match status {
         StatusCode::NOT_FOUND => Some(Problem::new(Kind::NotFound, "nothing is served under this path; see /docs")),
         StatusCode::METHOD_NOT_ALLOWED => {
-            Some(Problem::new(Kind::MethodNotAllowed, "this path does not know the method; see /docs"))
+            Some(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /docs"))
         }
-        StatusCode::PAYLOAD_TOO_LARGE => Some(Problem::new(Kind::TooLarge, "the body is larger than is read here")),
+        StatusCode::PAYLOAD_TOO_LARGE => Some(Problem::new(Kind::TooLarge, "the body exceeds the size limit")),
         _ => None,
     }
 }

@@ -1,4 +1,4 @@
-//! What went wrong, as people's programs read it: RFC 9457, with stable types.
+//! Errors of the API: RFC 9457 problem documents with stable types.
 
 use axum::extract::Path;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -9,35 +9,35 @@ use utoipa::ToSchema;
 
 use vibrissa_store::StoreError;
 
-/// The media type of problems.
+/// Media type of problem documents.
 pub const MEDIA_TYPE: &str = "application/problem+json";
 
-/// Spells out the kinds with their names, status and meaning, so that none can lack one.
+/// Defines the kinds of problems, each with its name, status and title.
 macro_rules! kinds {
     ($($kind:ident: $name:literal, $status:ident, $title:literal;)+) => {
-        /// A kind of problem: a closed list, whose names never change.
+        /// Kind of a problem: a closed list, whose names never change.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Kind {
             $(#[doc = $title] $kind,)+
         }
 
         impl Kind {
-            /// All of them.
+            /// All kinds of problems.
             pub const ALL: &[Self] = &[$(Self::$kind),+];
 
-            /// Last part of its type's address.
+            /// Last segment of the path of its type.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$kind => $name,)+ }
             }
 
-            /// Its status.
+            /// HTTP status of this kind.
             #[must_use]
             pub const fn status(self) -> StatusCode {
                 match self { $(Self::$kind => StatusCode::$status,)+ }
             }
 
-            /// What it means, the same each time.
+            /// Title, the same for every problem of this kind.
             #[must_use]
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$kind => $title,)+ }
@@ -47,81 +47,81 @@ macro_rules! kinds {
 }
 
 kinds! {
-    Malformed: "malformed", BAD_REQUEST, "the request cannot be read";
-    Unauthenticated: "unauthenticated", UNAUTHORIZED, "a valid token is needed";
-    Forbidden: "forbidden", FORBIDDEN, "the token does not allow this";
-    CrossSite: "cross-site", FORBIDDEN, "another site's page may not do this";
-    NotFound: "not-found", NOT_FOUND, "there is no such thing";
-    MethodNotAllowed: "method-not-allowed", METHOD_NOT_ALLOWED, "this cannot be done here";
-    Refused: "refused", CONFLICT, "it cannot be done as things are";
-    VersionChanged: "version-changed", PRECONDITION_FAILED, "it was changed since it was read";
-    TooSlowBody: "too-slow-body", REQUEST_TIMEOUT, "the body did not arrive in time";
-    TooLarge: "too-large", PAYLOAD_TOO_LARGE, "the body is too large";
-    WrongMediaType: "wrong-media-type", UNSUPPORTED_MEDIA_TYPE, "the body is of another kind than is read here";
-    Invalid: "invalid", UNPROCESSABLE_ENTITY, "a value is not what it must be";
-    KeyReused: "key-reused", UNPROCESSABLE_ENTITY, "the idempotency key was used for another request";
-    VersionMissing: "version-missing", PRECONDITION_REQUIRED, "what was read must be named with If-Match";
-    TooManyRequests: "too-many-requests", TOO_MANY_REQUESTS, "too many requests in too short a time";
-    Internal: "internal", INTERNAL_SERVER_ERROR, "a fault of the program";
-    Unavailable: "unavailable", SERVICE_UNAVAILABLE, "the database does not answer";
-    NotSupervised: "not-supervised", SERVICE_UNAVAILABLE, "nobody supervises the fleet now";
-    TooSlow: "too-slow", GATEWAY_TIMEOUT, "no answer in time";
+    Malformed: "malformed", BAD_REQUEST, "Malformed request";
+    Unauthenticated: "unauthenticated", UNAUTHORIZED, "Valid token required";
+    Forbidden: "forbidden", FORBIDDEN, "Not allowed with this token";
+    CrossSite: "cross-site", FORBIDDEN, "Cross-site request refused";
+    NotFound: "not-found", NOT_FOUND, "Not found";
+    MethodNotAllowed: "method-not-allowed", METHOD_NOT_ALLOWED, "Method not allowed";
+    Refused: "refused", CONFLICT, "Not possible in the current state";
+    VersionChanged: "version-changed", PRECONDITION_FAILED, "Changed since it was read";
+    TooSlowBody: "too-slow-body", REQUEST_TIMEOUT, "Request body timed out";
+    TooLarge: "too-large", PAYLOAD_TOO_LARGE, "Request body too large";
+    WrongMediaType: "wrong-media-type", UNSUPPORTED_MEDIA_TYPE, "Unsupported media type";
+    Invalid: "invalid", UNPROCESSABLE_ENTITY, "Invalid value";
+    KeyReused: "key-reused", UNPROCESSABLE_ENTITY, "Idempotency key already used";
+    VersionMissing: "version-missing", PRECONDITION_REQUIRED, "If-Match header required";
+    TooManyRequests: "too-many-requests", TOO_MANY_REQUESTS, "Too many requests";
+    Internal: "internal", INTERNAL_SERVER_ERROR, "Internal error";
+    Unavailable: "unavailable", SERVICE_UNAVAILABLE, "Database or identity provider unavailable";
+    NotSupervised: "not-supervised", SERVICE_UNAVAILABLE, "No supervisor owns the fleet";
+    TooSlow: "too-slow", GATEWAY_TIMEOUT, "Timed out";
 }
 
-/// A problem, as the program tells it.
+/// An error of the API.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// What kind it is.
+    /// Kind of the problem.
     pub kind: Kind,
-    /// What was wrong this time, and what to do.
+    /// Cause of the problem in this request, and what to do.
     pub detail: String,
-    /// The fields that were wrong.
+    /// Invalid fields of the request.
     pub errors: Vec<FieldError>,
 }
 
-/// A problem, as the answer's body has it (RFC 9457).
+/// Body of an error response (RFC 9457).
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub struct ProblemBody {
-    /// What kind it is: an address on this service that explains it.
+    /// Kind of the problem: a path on this service that explains it.
     #[serde(rename = "type")]
     #[schema(example = "/problems/not-found")]
     pub type_uri: String,
-    /// The kind in words, the same each time.
+    /// Title of the kind, always the same.
     pub title: String,
-    /// The status of the answer.
+    /// HTTP status of the response.
     #[schema(minimum = 400, maximum = 599)]
     pub status: u16,
-    /// What was wrong this time, and what to do.
+    /// Cause of the problem in this request, and what to do.
     pub detail: String,
-    /// What was asked for.
+    /// Path of the request.
     pub instance: String,
-    /// The request, as the log has it.
+    /// Request ID, as in the log.
     pub request_id: String,
-    /// The fields that were wrong; left out if there are none.
+    /// Invalid fields; omitted if empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
     pub errors: Vec<FieldError>,
 }
 
-/// A field that was wrong.
+/// An invalid field.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 pub struct FieldError {
-    /// Which: a query parameter, a header, or a path into the body.
+    /// Name: a query parameter, a header, or a path into the body.
     #[schema(example = "pressure_mpa")]
     pub field: String,
-    /// What was wrong with it.
+    /// Reason why it is invalid.
     pub detail: String,
 }
 
 impl Problem {
-    /// A problem of that kind.
+    /// A problem of this kind.
     #[must_use]
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
         Self { kind, detail: detail.into(), errors: Vec::new() }
     }
 
-    /// The answer, now that the request's name is known.
+    /// The response, once the request ID is known.
     #[must_use]
     pub fn told(self, instance: String, request_id: String) -> Response {
         let kind = self.kind;
@@ -138,7 +138,7 @@ impl Problem {
         (kind.status(), [(header::CONTENT_TYPE, MEDIA_TYPE)], json).into_response()
     }
 
-    /// A value that is not what it must be.
+    /// An invalid value of a field.
     #[must_use]
     pub fn invalid(field: impl Into<String>, detail: impl Into<String>) -> Self {
         let (field, detail) = (field.into(), detail.into());
@@ -146,20 +146,20 @@ impl Problem {
         Self { errors: vec![FieldError { field, detail }], ..Self::new(Kind::Invalid, told) }
     }
 
-    /// A text with a NUL character, which no text here has: PostgreSQL cannot keep one.
+    /// A text with a NUL character, which PostgreSQL cannot store.
     #[must_use]
     pub fn nul(field: impl Into<String>) -> Self {
         Self { kind: Kind::Malformed, ..Self::invalid(field, "must not contain a NUL character") }
     }
 
-    /// Nothing is there.
+    /// A missing object.
     #[must_use]
     pub fn not_found(what: impl std::fmt::Display) -> Self {
         Self::new(Kind::NotFound, format!("there is no {what}, or your token does not cover its fleet"))
     }
 }
 
-/// What a kind of problem is: where its type's address leads.
+/// Explains a kind of problem at the path of its type.
 pub async fn explain(Path(name): Path<String>) -> Response {
     match Kind::ALL.iter().find(|kind| kind.name() == name) {
         Some(kind) => {
@@ -173,14 +173,14 @@ pub async fn explain(Path(name): Path<String>) -> Response {
 
 impl From<StoreError> for Problem {
     fn from(problem: StoreError) -> Self {
-        // Within the request's span: the log has its name beside the database's own words, which nobody else gets.
-        tracing::error!(%problem, "a query failed");
-        Self::new(Kind::Unavailable, format!("{}; the log says more under this request_id", problem.told()))
+        // Inside the request's span, so that the log entry has its ID. Only the log gets the database's own message.
+        tracing::error!(%problem, "database query failed");
+        Self::new(Kind::Unavailable, format!("{}; see the log entry with this request_id", problem.told()))
     }
 }
 
 impl IntoResponse for Problem {
-    /// The body is written at the very end, when the request's name is known: see `passage`.
+    /// `passage` writes the body once the request ID is known.
     fn into_response(self) -> Response {
         let mut response = self.kind.status().into_response();
         if self.kind == Kind::Unauthenticated {

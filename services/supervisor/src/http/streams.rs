@@ -1,5 +1,4 @@
-//! The open event streams: how many there may be, in total and of one caller, and how often each caller is identified
-//! again.
+//! Open event streams: limits in total and per caller, and how often each caller is identified again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,11 +10,11 @@ use super::problem::{Kind, Problem};
 /// Limits of event streams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamOptions {
-    /// How often the caller of an open stream is identified again: a stream outlives its token by at most this.
+    /// Interval at which the caller of an open stream is identified again: a stream outlives its token by at most this.
     pub check_every: Duration,
-    /// Open streams at most.
+    /// Maximum number of open streams.
     pub total_max: usize,
-    /// Open streams of one caller at most.
+    /// Maximum number of open streams per caller.
     pub per_caller_max: usize,
 }
 
@@ -25,14 +24,14 @@ impl Default for StreamOptions {
     }
 }
 
-/// The open streams, counted by their callers.
+/// Open streams, counted per caller.
 #[derive(Debug, Clone)]
 pub struct Streams {
     options: StreamOptions,
     open: Arc<Mutex<BTreeMap<String, usize>>>,
 }
 
-/// The place of an open stream; dropped, it is free again.
+/// Place of an open stream; dropping it frees the place.
 #[derive(Debug)]
 pub struct Place {
     actor: String,
@@ -40,7 +39,7 @@ pub struct Place {
 }
 
 impl Streams {
-    /// No stream yet.
+    /// A counter without open streams.
     #[must_use]
     pub fn new(options: StreamOptions) -> Self {
         Self { options, open: Arc::default() }
@@ -52,28 +51,28 @@ impl Streams {
         self.options
     }
 
-    /// How many are open.
+    /// Number of open streams.
     #[must_use]
     pub fn count(&self) -> usize {
         lock(&self.open).values().sum()
     }
 
-    /// A place for one more stream of a caller.
+    /// Reserves a place for one more stream of a caller.
     ///
     /// # Errors
-    /// The caller, or all callers together, have as many as they may.
+    /// The caller, or all callers together, have reached the limit.
     pub fn open(&self, actor: &str) -> Result<Place, Problem> {
         let StreamOptions { total_max, per_caller_max, .. } = self.options;
         let mut open = lock(&self.open);
         let refused = |what: String| Err(Problem::new(Kind::TooManyRequests, what));
         if open.get(actor).is_some_and(|&count| count >= per_caller_max) {
             return refused(format!(
-                "{actor} has {per_caller_max} open event streams, the most of one caller: close one, or poll"
+                "{actor} has {per_caller_max} open event streams, the limit per caller: close one, or poll"
             ));
         }
         if open.values().sum::<usize>() >= total_max {
             return refused(format!(
-                "{total_max} event streams are open, the most of this service: try again later, or poll"
+                "{total_max} event streams are open, the limit of this service: try again later, or poll"
             ));
         }
         *open.entry(actor.to_owned()).or_default() += 1;
@@ -93,7 +92,7 @@ impl Drop for Place {
     }
 }
 
-/// A count is right even if somebody panicked between two of them.
+/// The counts are consistent even if a holder of the lock panicked.
 fn lock(open: &Mutex<BTreeMap<String, usize>>) -> MutexGuard<'_, BTreeMap<String, usize>> {
     open.lock().unwrap_or_else(PoisonError::into_inner)
 }

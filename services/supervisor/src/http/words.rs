@@ -1,6 +1,6 @@
-//! Words of the contract that requests may name.
+//! Enumerations of the API, in the words of the contract.
 
-/// A closed enum of words, as JSON and the database write them.
+/// Defines an enumeration with its words in JSON and in the database.
 macro_rules! words {
     ($(#[$meta:meta])* pub enum $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:tt,)+ }) => {
         $(#[$meta])*
@@ -19,149 +19,149 @@ pub(super) use words;
 words! {
     /// Mechanical condition of a whisker.
     pub enum ConditionWord {
-        /// Cold start.
+        /// Baseline is still being learned (cold start).
         Learning = "LEARNING",
-        /// As the factsheet says.
+        /// No trim, erosion or sensitivity loss detected.
         Healthy = "HEALTHY",
-        /// An alarm of the detector is being looked into.
+        /// The detector has raised an alarm that is not confirmed yet.
         Suspected = "SUSPECTED",
-        /// Shorter than whole, by a cut.
+        /// Shortened by a cut.
         Trimmed = "TRIMMED",
-        /// Becoming shorter.
+        /// Shortening gradually (erosion).
         Eroding = "ERODING",
-        /// Less sensitive, which no trim explains.
+        /// Sensitivity loss that no trim explains.
         SensitivityLoss = "SENSITIVITY_LOSS",
     }
 }
 
 words! {
-    /// Length of the spans of time that contacts are added up over.
+    /// Length of the intervals over which contacts are aggregated.
     pub enum ResolutionWord {
-        /// Minutes.
+        /// Intervals of one minute.
         Minute = "minute",
-        /// Hours.
+        /// Intervals of one hour.
         Hour = "hour",
     }
 }
 
 words! {
-    /// Whether a robot is connected.
+    /// Connection state of a robot.
     pub enum ConnectionWord {
-        /// It is.
+        /// The robot is connected.
         Online = "ONLINE",
-        /// It has signed off, or was never there.
+        /// Signed off, or never connected.
         Offline = "OFFLINE",
-        /// It has fallen silent.
+        /// Connection lost without sign-off.
         ConnectionBroken = "CONNECTION_BROKEN",
     }
 }
 
 words! {
-    /// Case of the paper.
+    /// Compensation case of the paper.
     pub enum CaseWord {
-        /// The broken whisker itself, at another pressure.
+        /// The trimmed whisker compensates for itself at another pressure.
         SelfCompensation = "SELF_COMPENSATION",
-        /// A shorter neighbour.
+        /// A shorter neighbour compensates for a longer target.
         ShorterForLonger = "SHORTER_FOR_LONGER",
-        /// A longer neighbour.
+        /// A longer neighbour compensates for a shorter target.
         LongerForShorter = "LONGER_FOR_SHORTER",
     }
 }
 
 words! {
-    /// How far a setpoint is.
+    /// Progress of a setpoint.
     pub enum SetpointStateWord {
-        /// Decided, not answered yet.
+        /// Decided; the robot has not answered yet.
         Pending = "PENDING",
-        /// The robot has it.
+        /// The robot has received it.
         Received = "RECEIVED",
-        /// The robot is moving there.
+        /// The robot is changing the pressure.
         Applying = "APPLYING",
-        /// The robot is there.
+        /// The robot has reached the pressure.
         Applied = "APPLIED",
-        /// The robot will not take it.
+        /// The robot has rejected it.
         Rejected = "REJECTED",
-        /// The robot could not reach it.
+        /// The robot could not reach the pressure.
         Failed = "FAILED",
-        /// A newer one took its place.
+        /// Replaced by a newer setpoint.
         Superseded = "SUPERSEDED",
-        /// No answer in time.
+        /// The robot did not answer in time.
         Expired = "EXPIRED",
-        /// The robot started anew before it answered.
+        /// The robot restarted before it answered.
         Abandoned = "ABANDONED",
     }
 }
 
 words! {
-    /// What a change of health is of.
+    /// Kind of a health change.
     pub enum HealthKindWord {
-        /// Of the mechanical condition.
+        /// Change of the mechanical condition.
         Condition = "CONDITION",
-        /// Of the fault.
+        /// Change of the fault.
         Fault = "FAULT",
     }
 }
 
 words! {
-    /// What people are told of.
+    /// Kind of alarm.
     pub enum AlarmKindWord {
-        /// A trimmed whisker that no one can serve.
+        /// A trimmed whisker has no possible compensator.
         Uncompensated = "UNCOMPENSATED",
-        /// A compensation that waits for approval.
+        /// A compensation waits for approval.
         Proposed = "PROPOSED",
-        /// A setpoint that was given up.
+        /// A setpoint was given up.
         SetpointFailed = "SETPOINT_FAILED",
-        /// A whisker that feels less, which no trim explains.
+        /// A whisker has a sensitivity loss that no trim explains.
         SensitivityLoss = "SENSITIVITY_LOSS",
-        /// A whisker that becomes shorter.
+        /// A whisker is eroding.
         Eroding = "ERODING",
-        /// A change that a whole array feels.
+        /// Most healthy whiskers of an array share a shift.
         ArrayShift = "ARRAY_SHIFT",
-        /// A gauge whose baseline is off.
+        /// The baseline of a strain gauge has drifted.
         BaselineDrift = "BASELINE_DRIFT",
-        /// A whisker that is silent.
+        /// A whisker has been silent for too long.
         Stale = "STALE",
-        /// A gauge that is open.
+        /// Open circuit in a strain gauge.
         GaugeOpen = "GAUGE_OPEN",
-        /// A gauge with a short circuit.
+        /// Short circuit in a strain gauge.
         GaugeShort = "GAUGE_SHORT",
-        /// A gauge at its limit.
+        /// A strain gauge is saturated.
         GaugeSaturated = "GAUGE_SATURATED",
-        /// A gauge that is not to be trusted.
+        /// A strain gauge is unreliable.
         Gauge = "GAUGE",
-        /// A pressure that is not held.
+        /// A chamber does not hold its pressure.
         Leak = "LEAK",
-        /// A regulator that is out of order.
+        /// Fault of a pressure regulator.
         Regulator = "REGULATOR",
-        /// Too little air.
+        /// The supply pressure is too low.
         SupplyLow = "SUPPLY_LOW",
     }
 }
 
 words! {
-    /// What there is to do about an alarm.
+    /// State of an alarm.
     pub enum AlarmStateWord {
-        /// To look at it.
+        /// Not acknowledged yet.
         Unacknowledged = "UNACKNOWLEDGED",
-        /// Somebody has seen it.
+        /// Acknowledged by an operator.
         Acknowledged = "ACKNOWLEDGED",
-        /// It shall be quiet for a while.
+        /// Silenced for a limited time.
         Shelved = "SHELVED",
-        /// Its cause is over.
+        /// The cause is gone.
         Cleared = "CLEARED",
     }
 }
 
 words! {
-    /// Who has said that a compensation begins.
+    /// Approval state of a compensation.
     pub enum ApprovalWord {
-        /// Nobody was asked.
+        /// Started without approval (mode automatic).
         Automatic = "AUTOMATIC",
-        /// It waits for somebody's word.
+        /// Waits for an operator's approval.
         Proposed = "PROPOSED",
-        /// An operator said yes.
+        /// Approved by an operator.
         Approved = "APPROVED",
-        /// An operator said no.
+        /// Refused by an operator.
         Refused = "REFUSED",
     }
 }

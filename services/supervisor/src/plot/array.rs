@@ -1,25 +1,25 @@
-//! An array drawn to scale, seen from the side: a row for each line of whiskers, tips upwards.
+//! An array drawn to scale, seen from the side: one row for each line of whiskers, tips upwards.
 
 use super::svg::{Anchor, Svg};
 use vibrissa_store::lists::whiskers::Whisker;
 
-/// Room above the longest whisker of a row, for arrows.
+/// Space above the longest whisker of a row, for arrows.
 const ABOVE: f64 = 46.0;
-/// Room below the array's surface, for words.
+/// Space below the array's surface, for labels.
 const BELOW: f64 = 96.0;
-/// Width of a whisker's words.
+/// Width of a whisker's labels.
 const COLUMN: f64 = 88.0;
-/// Picture's length of a mm upwards at the most.
+/// Maximum vertical scale, in units of the picture per mm.
 const UP_MAX: f64 = 3.6;
 const HEAD: f64 = 82.0;
 /// Half widths at the base and at the whole tip.
 const BASE: f64 = 7.0;
 const TIP: f64 = 2.2;
 const WIDTH_MIN: f64 = 420.0;
-/// Whiskers nearer to one another in y than this stand in one row.
+/// Whiskers closer than this in y are in the same row.
 const ROW_MM: f64 = 1.0;
 
-/// What a whisker is called at a glance: a word, a shape, a colour.
+/// Health of a whisker as a word, a shape and a colour.
 struct Health<'a> {
     word: &'a str,
     shape: &'static str,
@@ -40,11 +40,11 @@ fn health(whisker: &Whisker) -> Health<'_> {
     Health { word: &whisker.condition, shape, class }
 }
 
-/// Where whiskers stand on the picture.
+/// Positions of the whiskers in the picture.
 struct Layout<'a> {
     px_per_mm: f64,
     left_mm: f64,
-    /// Where that is on the picture.
+    /// Position of `left_mm` in the picture.
     left: f64,
     width: f64,
     rows: Vec<Vec<&'a Whisker>>,
@@ -53,7 +53,7 @@ struct Layout<'a> {
 impl<'a> Layout<'a> {
     fn of(whiskers: &'a [Whisker]) -> Self {
         let mut sorted: Vec<&Whisker> = whiskers.iter().collect();
-        // The row farthest away is drawn first, as one sees an array from the front.
+        // The farthest row is drawn first, as seen from the front.
         sorted.sort_by(|a, b| b.y_mm.total_cmp(&a.y_mm).then(a.x_mm.total_cmp(&b.x_mm)));
         let mut rows: Vec<Vec<&Whisker>> = Vec::new();
         for one in sorted {
@@ -71,7 +71,7 @@ impl<'a> Layout<'a> {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| (low.min(one.x_mm), high.max(one.x_mm)));
         let (left_mm, span_mm) = if left_mm <= right_mm { (left_mm, right_mm - left_mm) } else { (0.0, 0.0) };
-        // Words do not run into one another, however near the whiskers stand.
+        // Labels must not overlap, however close the whiskers are.
         let px_per_mm = (COLUMN / nearest_mm).clamp(1.6, 12.0);
         let needed = span_mm * px_per_mm + COLUMN + 16.0;
         let width = needed.max(WIDTH_MIN);
@@ -88,10 +88,10 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Draws it.
+/// Draws the array.
 pub(crate) fn draw(array: &str, whiskers: &[Whisker]) -> String {
     let layout = Layout::of(whiskers);
-    // Upwards and across are to the same scale, unless the whiskers stand so near that their words need room.
+    // Vertical and horizontal scales are equal, unless the whiskers are so close that their labels need space.
     let up = layout.px_per_mm.min(UP_MAX);
     let height = HEAD + layout.rows.iter().map(|row| layout.row_height(row)).sum::<f64>();
     let mut svg = Svg::new(layout.width, height.max(120.0));
@@ -136,10 +136,10 @@ fn scales(svg: &mut Svg, across: f64, up: f64) {
         let end = bar(x, up, "20 mm up");
         bar(end + 76.0, across, "20 mm across");
     }
-    svg.text("p-soft p-small", (8.0, 68.0), Anchor::Start, "dashed: whole; solid: as it is now");
+    svg.text("p-soft p-small", (8.0, 68.0), Anchor::Start, "dashed: whole; solid: present");
 }
 
-/// A whisker: whole in outline, as it is now in solid.
+/// A whisker: its whole length as an outline, its present length as a solid shape.
 fn body(svg: &mut Svg, whisker: &Whisker, (x, base): (f64, f64), up: f64) {
     let half = |length_mm: f64| BASE + (TIP - BASE) * (length_mm / whisker.whole_length_mm.max(1.0)).min(1.0);
     let shape = |length_mm: f64| {
@@ -159,7 +159,7 @@ fn words(svg: &mut Svg, whisker: &Whisker, (x, base): (f64, f64)) {
     svg.text("p-ink p-small", (x, base + 71.0), Anchor::Middle, &format!("{pressure:.3} MPa"));
 }
 
-/// A word that fits its column.
+/// A label that fits its column.
 fn short(shape: &str, word: &str) -> String {
     match word {
         "SENSITIVITY_LOSS" => format!("{shape} FEELS LESS"),
@@ -168,7 +168,7 @@ fn short(shape: &str, word: &str) -> String {
     }
 }
 
-/// The pairs of compensations: who is served, and by whom.
+/// Pairs of compensator and target.
 fn pairs<T>(all: &[T], whisker: impl Fn(&T) -> &Whisker + Copy) -> impl Iterator<Item = (&T, &T)> {
     all.iter().filter_map(move |target| {
         let by = whisker(target).compensated_by?;
@@ -176,7 +176,7 @@ fn pairs<T>(all: &[T], whisker: impl Fn(&T) -> &Whisker + Copy) -> impl Iterator
     })
 }
 
-/// Arrows from those who serve to those who are served; a loop for whom serves itself.
+/// Arrows from compensators to their targets; a loop for self-compensation.
 fn arrows(svg: &mut Svg, tips: &[(&Whisker, f64, f64)]) {
     for (by, target) in pairs(tips, |tip| tip.0) {
         let ((x1, y1), (x2, y2)) = ((by.1, by.2 - 5.0), (target.1, target.2 - 5.0));
@@ -201,7 +201,7 @@ fn arrows(svg: &mut Svg, tips: &[(&Whisker, f64, f64)]) {
     }
 }
 
-/// What the picture says, in words.
+/// The picture described in words.
 fn described(whiskers: &[Whisker]) -> String {
     let each = whiskers.iter().map(|one| {
         format!(

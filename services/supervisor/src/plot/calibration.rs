@@ -5,10 +5,10 @@ use vibrissa_core::units::{Megapascal, OutOfUnitRange};
 
 use super::lines::{Across, Lines, Mark, Point, Shape};
 
-/// Pieces of a drawn curve.
+/// Segments of a curve.
 const STEPS: u32 = 50;
 
-/// Draws k2 against the pressure, and below it the elongation if it was measured.
+/// Draws k2 over pressure, and below it the elongation if it was measured.
 ///
 /// # Errors
 /// A reading's pressure is beyond the range of [`Megapascal`].

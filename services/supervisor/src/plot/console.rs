@@ -1,4 +1,4 @@
-//! Charts of what the database has of whiskers and compensations.
+//! Charts of recorded data of whiskers and compensations.
 
 use super::lines::{Across, Lines, Mark, Point, Shape};
 use vibrissa_core::mechanics::CONTACT_RATIOS;
@@ -11,14 +11,14 @@ use vibrissa_store::time::Time;
 
 /// The paper's measured mean error of case 1 and self-compensation.
 const PAPER_ERROR: f64 = 0.203_85;
-/// Half a 95 % interval in standard deviations.
+/// Half the width of a 95 % interval, in standard deviations.
 const Z95: f64 = 1.959_963_984_540_054;
 
 fn name(whisker: &Whisker) -> String {
     format!("{}/{}/{}", whisker.robot, whisker.array, whisker.whisker)
 }
 
-/// From when to when, and how many points.
+/// Time range and number of points, in words.
 fn span(series: &Series) -> String {
     match (series.items.first(), series.items.last()) {
         (Some(first), Some(last)) => {
@@ -75,12 +75,12 @@ pub(crate) fn lengths(whisker: &Whisker, series: &Series) -> String {
     .draw()
 }
 
-/// Measured against predicted sensitivity over time.
+/// Ratio of measured to predicted sensitivity over time.
 pub(crate) fn contacts(whisker: &Whisker, series: &Series) -> String {
     let ratios = points(series, |one| one.residual.map(f64::exp));
     let count = ratios.len().max(1) as f64;
     let mean = ratios.iter().map(|point| point.y).sum::<f64>() / count;
-    let told = if ratios.is_empty() { String::new() } else { format!(" Measured by predicted: {mean:.3} on average.") };
+    let told = if ratios.is_empty() { String::new() } else { format!(" Measured / predicted: {mean:.3} on average.") };
     Lines {
         title: format!("Sensitivity against the model, {}", name(whisker)),
         desc: span(series) + &told,
@@ -95,7 +95,7 @@ pub(crate) fn contacts(whisker: &Whisker, series: &Series) -> String {
     .draw()
 }
 
-/// Pressures, measured and set. The setpoints come in the order in which they were sent.
+/// Measured pressures and setpoints over time. `setpoints` are in the order in which they were sent.
 pub(crate) fn pressures(whisker: &Whisker, series: &Series, setpoints: &[Setpoint]) -> String {
     let (first, last) = (series.items.first(), series.items.last());
     let mut set = Vec::new();
@@ -113,7 +113,7 @@ pub(crate) fn pressures(whisker: &Whisker, series: &Series, setpoints: &[Setpoin
     }
     let told = match (last, set.last()) {
         (Some(last), Some((_, held))) => format!(
-            " {:.4} MPa measured at last, {held:.4} MPa set last; {:.3} MPa is nominal.",
+            " Last measured {:.4} MPa, last set {held:.4} MPa, nominal {:.3} MPa.",
             last.pressure_mpa, whisker.nominal_pressure_mpa
         ),
         _ => String::new(),
@@ -157,7 +157,7 @@ pub(crate) fn errors(whisker: &Whisker, statements: &[ErrorStatement]) -> String
         || "Nothing measured yet.".to_owned(),
         |last| {
             format!(
-                "{} statements from {} to {}. The last: {:.1} % (95 % interval {:.1} to {:.1} %), the paper has {:.1} %.",
+                "{} statements from {} to {}. The last: {:.1} % (95 % interval {:.1} to {:.1} %), the paper measured {:.1} %.",
                 statements.len(),
                 statements.first().map(|first| first.recorded_at.to_string()).unwrap_or_default(),
                 last.recorded_at,
@@ -211,7 +211,7 @@ pub(crate) fn by_ratio(one: &CompensationSummary, predicted: Option<&Numbers>, m
     let told = |what: &str, error: Option<f64>| {
         error.map_or_else(|| format!("Nothing {what}. "), |error| format!("{:.1} % {what} on average. ", 100.0 * error))
     };
-    let by = one.compensator_whisker.map_or_else(|| "nobody".to_owned(), |by| by.to_string());
+    let by = one.compensator_whisker.map_or_else(|| "no compensator".to_owned(), |by| by.to_string());
     let each = measured.iter().map(|point| format!("{:.1} % at {:.2}", point.y, point.x)).collect::<Vec<_>>();
     Lines {
         title: format!("Error by contact ratio: {by} for {}/{}/{}", one.robot, one.array, one.target_whisker),

@@ -3,21 +3,21 @@
 use super::svg::{Anchor, Svg, text_width};
 use super::ticks::{numbers, times};
 
-/// What the horizontal axis is of.
+/// Quantity of the horizontal axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Across {
-    /// Microseconds since 1970.
+    /// Time, in microseconds since 1970.
     Time,
-    /// Numbers of that name, from the first to the second.
+    /// Numbers: name of the axis, its lowest and its highest number.
     Number(&'static str, f64, f64),
 }
 
-/// A shape of points.
+/// Shape of the points in a chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shape {
-    /// Filled circle.
+    /// A filled circle.
     Dot,
-    /// Open diamond.
+    /// An open diamond.
     Diamond,
 }
 
@@ -31,20 +31,20 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// Without bounds.
+    /// A point without bounds.
     pub(crate) fn at(x: f64, y: f64) -> Self {
         Self { x, y, bounds: None }
     }
 }
 
-/// Something to draw. The class is one of `p-a`, `p-b`, `p-c`, `p-m`.
+/// An element of a chart. Its class is one of `p-a`, `p-b`, `p-c`, `p-m`.
 #[derive(Debug)]
 pub(crate) enum Mark {
     /// A line, with a band where points have bounds. Without a label it is not in the legend.
     Line { class: &'static str, dash: &'static str, label: String, points: Vec<Point> },
     /// Points, with bars where they have bounds.
     Points { class: &'static str, shape: Shape, label: String, points: Vec<Point> },
-    /// A line across at a level.
+    /// A horizontal line at a level.
     Level { class: &'static str, dash: &'static str, label: String, y: f64 },
 }
 
@@ -63,16 +63,16 @@ impl Mark {
     }
 }
 
-/// A chart.
+/// A chart with its texts, axes and marks.
 #[derive(Debug)]
 pub(crate) struct Lines {
     pub(crate) title: String,
-    /// What it says, in words.
+    /// The chart described in words.
     pub(crate) desc: String,
     pub(crate) across: Across,
     /// Name and unit of the vertical axis.
     pub(crate) up: &'static str,
-    /// The vertical axis shows at least this.
+    /// Range that the vertical axis shows at least.
     pub(crate) up_at_least: (f64, f64),
     pub(crate) marks: Vec<Mark>,
 }
@@ -83,7 +83,7 @@ const LEFT: f64 = 54.0;
 const RIGHT: f64 = 14.0;
 const LINE_HEIGHT: f64 = 18.0;
 
-/// Where things are on the picture.
+/// Geometry of the plot area in the picture.
 struct Frame {
     top: f64,
     x: (f64, f64),
@@ -110,12 +110,12 @@ impl Frame {
 }
 
 impl Lines {
-    /// The chart as a document of its own.
+    /// Draws the chart as SVG.
     pub(crate) fn draw(&self) -> String {
         self.svg().document(&self.title, &self.desc)
     }
 
-    /// Several charts in one document, from top to bottom. The first chart's title is the document's.
+    /// Draws several charts as one document, from top to bottom. The first chart's title is the document's.
     pub(crate) fn draw_stacked(charts: &[Self]) -> String {
         let mut all = Svg::new(WIDTH, 0.0);
         for chart in charts {
@@ -153,7 +153,7 @@ impl Lines {
         self.marks.iter().all(|mark| mark.points().is_empty())
     }
 
-    /// Place and row of each mark in the legend.
+    /// Position and row of each mark in the legend.
     fn legend(&self) -> Vec<(f64, f64)> {
         let (mut x, mut row) = (0.0, 0.0);
         let mut places = Vec::with_capacity(self.marks.len());
@@ -183,7 +183,7 @@ impl Lines {
         }
     }
 
-    /// The range of the vertical axis: bounds count, but not without end.
+    /// Range of the vertical axis. It includes bounds, but extends at most by half the span of the values.
     fn reach(&self) -> (f64, f64) {
         let points = || self.marks.iter().flat_map(Mark::points);
         let levels = self.marks.iter().filter_map(|mark| match mark {

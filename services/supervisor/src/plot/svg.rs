@@ -1,4 +1,4 @@
-//! Pictures for screens of any size, light and dark, and for screen readers: SVG without scripts or fixed pixels.
+//! SVG pictures for screens of any size, light and dark, and for screen readers: without scripts or fixed pixels.
 
 use std::fmt::{Display, Write as _};
 
@@ -10,7 +10,7 @@ pub(crate) struct Svg {
     body: String,
 }
 
-/// Colours by class, for light and dark grounds; each has 4.5:1 against its ground.
+/// Colours by class, for light and dark backgrounds; each has a contrast of at least 4.5:1.
 const STYLE: &str = "\
 .p-ground{fill:#fff}.p-ink{fill:#1b1f24}.p-soft{fill:#57606a}\
 .p-grid{stroke:#d8dee4;stroke-width:1}.p-axis{stroke:#57606a;stroke-width:1.2}\
@@ -25,14 +25,14 @@ const STYLE: &str = "\
 .p-open{fill:none;stroke-width:1.6}.p-band{stroke:none;fill-opacity:.22}.p-body{stroke-width:1.2;fill-opacity:.75}\
 text{font:13px system-ui,sans-serif}text[class]{stroke:none}.p-title{font-weight:600;font-size:14px}.p-small{font-size:12px}";
 
-/// Where a text stands against its point.
+/// Alignment of a text to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Start,
-    /// It is about there.
+    /// The text is centred at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     End,
 }
 
@@ -46,7 +46,7 @@ impl Anchor {
     }
 }
 
-/// A text without what has a meaning in XML or no place in it.
+/// Escapes characters with a meaning in XML, and replaces control characters by spaces.
 pub(crate) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for one in text.chars() {
@@ -62,7 +62,7 @@ pub(crate) fn escaped(text: &str) -> String {
     safe
 }
 
-/// Width of a text of 13 px at the most, about.
+/// Approximate upper bound of the width of a text at 13 px.
 pub(crate) fn text_width(text: &str) -> f64 {
     7.1 * text.chars().count() as f64
 }
@@ -73,7 +73,7 @@ impl Svg {
         Self { width, height, body: String::new() }
     }
 
-    /// Adds an element as it is.
+    /// Adds an element verbatim.
     pub(crate) fn raw(&mut self, element: impl Display) {
         // Writing to a string cannot fail.
         let _ = writeln!(self.body, "{element}");
@@ -86,7 +86,7 @@ impl Svg {
         self.height += other.height;
     }
 
-    /// A straight line.
+    /// Adds a straight line.
     pub(crate) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64), dash: &str) {
         let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
         self.raw(format_args!(
@@ -95,7 +95,7 @@ impl Svg {
         ));
     }
 
-    /// A path through points; closed makes an area.
+    /// Adds a path through points; `closed` makes it an area.
     pub(crate) fn path(&mut self, class: &str, points: &[(f64, f64)], closed: bool, dash: &str) {
         if points.is_empty() {
             return;
@@ -109,7 +109,7 @@ impl Svg {
         self.raw(format_args!("<path class=\"{class}\" d=\"{d}{end}\"{dash}/>"));
     }
 
-    /// A text.
+    /// Adds a text at a point.
     pub(crate) fn text(&mut self, class: &str, at: (f64, f64), anchor: Anchor, text: &str) {
         let (x, y, anchor) = (at.0, at.1, anchor.word());
         self.raw(format_args!(
@@ -118,7 +118,7 @@ impl Svg {
         ));
     }
 
-    /// The document, with what it is and what it says in words.
+    /// The complete document with a title and a description in words.
     pub(crate) fn document(self, title: &str, desc: &str) -> String {
         let Self { width, height, body } = self;
         format!(

@@ -1,11 +1,11 @@
-//! Marks of axes: round numbers, and round times in UTC.
+//! Axis ticks: round numbers, and round times in UTC.
 
 use vibrissa_store::time::Time;
 
-/// A mark with its label.
+/// Position and label of a tick.
 pub(crate) type Tick = (f64, String);
 
-/// Round numbers within a range, so many at the most.
+/// Round numbers within a range, about `count` at most.
 pub(crate) fn numbers(low: f64, high: f64, count: u8) -> Vec<Tick> {
     let raw = (high - low) / f64::from(count);
     let power = 10_f64.powf(raw.log10().floor());
@@ -22,7 +22,7 @@ const STEPS_S: [i64; 23] = [
     864_000, 1_728_000, 8_640_000,
 ];
 
-/// Some four round times within a range, in microseconds since 1970; and the name of the axis.
+/// About four round times within a range, in microseconds since 1970, and the name of the axis.
 pub(crate) fn times(low_us: i64, high_us: i64) -> (Vec<Tick>, String) {
     let span_s = ((high_us - low_us) / 1_000_000).max(1);
     let step_s = STEPS_S.into_iter().find(|&step| step * 4 >= span_s).unwrap_or(span_s);

@@ -1,4 +1,4 @@
-//! The bench that a robot is tested on: hears it, speaks to it as its supervisor, and waits for what it does.
+//! Test bench of a robot: receives its messages, plays its supervisor, and waits for its reactions.
 
 use std::time::{Duration, Instant};
 
@@ -15,21 +15,21 @@ use super::timings::Timings;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::Talk;
 
-/// How long a setpoint is valid.
+/// Validity of a setpoint.
 const VALID: Duration = Duration::from_secs(30);
-/// A change that every regulator can follow.
+/// Slew rate that every regulator can follow.
 const USUAL_SLEW_MPA_PER_S: f64 = 0.02;
 
-/// The whisker that setpoints are tried on.
+/// The whisker on which setpoints are tried.
 #[derive(Debug, Clone)]
 pub(super) struct Trial {
     pub(super) array: Name,
     pub(super) whisker: u16,
-    /// The setpoint that it had, and gets back.
+    /// Its setpoint at the beginning, which is restored at the end.
     pub(super) home_mpa: f64,
-    /// Another one, near it and in the factsheet's range.
+    /// Another setpoint nearby, within the range of the factsheet.
     pub(super) away_mpa: f64,
-    /// The factsheet's limit.
+    /// Maximum pressure of the factsheet.
     pub(super) max_mpa: f64,
 }
 
@@ -59,7 +59,7 @@ impl Bench {
             is_away: false,
             boot_id,
             seqs: [0; 3],
-            // Higher than any that was counted from one, and higher from check to check.
+            // Higher than versions that a supervisor counts from one, and rising from check to check.
             version: wall_clock().0,
             commands: 0,
         }
@@ -69,15 +69,15 @@ impl Bench {
         self.options.timings
     }
 
-    /// Where the log ends now.
+    /// Present end of the log.
     pub(super) fn mark(&self) -> usize {
         self.heard.log.len()
     }
 
-    /// What `look` finds, as soon as it finds something; none if the time is over first.
+    /// Waits until `look` finds something; `None` at the time limit.
     ///
     /// # Errors
-    /// The connection broke, or a supervisor came.
+    /// The connection broke, or a supervisor appeared.
     pub(super) async fn until<T>(
         &mut self,
         limit: Duration,
@@ -98,12 +98,12 @@ impl Bench {
         }
     }
 
-    /// Listens for that long.
+    /// Receives messages for this time.
     pub(super) async fn listen(&mut self, time: Duration) -> anyhow::Result<()> {
         self.until(time, |_| None::<()>).await.map(drop)
     }
 
-    /// Says anything to the robot.
+    /// Publishes a payload to the robot.
     pub(super) async fn say(&self, kind: RobotTopic, payload: Vec<u8>, expiry: Option<Duration>) -> anyhow::Result<()> {
         let topic = kind.of(&self.options.fleet, &self.options.robot).to_string();
         let expiry_s = expiry.and_then(|time| u32::try_from(time.as_secs()).ok());
@@ -126,7 +126,7 @@ impl Bench {
         self.tell(RobotTopic::Request, &request).await
     }
 
-    /// Receipts everything below `next`, and those beyond it, one by one.
+    /// Receipts everything below `next`, and the numbers in `held`.
     pub(super) async fn receipt(&mut self, boot: &BootId, next: u64, held: &[u64]) -> anyhow::Result<()> {
         let receipt = Receipt {
             boot_id: self.boot_id.clone(),
@@ -141,7 +141,7 @@ impl Bench {
         self.tell(RobotTopic::Receipt, &receipt).await
     }
 
-    /// A setpoint that is right in every way, for the whisker on trial; with the next version.
+    /// A valid setpoint for the whisker on trial, with the next version.
     pub(super) fn setpoint(&mut self, trial: &Trial, pressure_mpa: f64) -> Setpoint {
         self.version += 1;
         self.commands += 1;
@@ -163,12 +163,12 @@ impl Bench {
         }
     }
 
-    /// The same command once more, as another message.
+    /// The same command in another message.
     pub(super) fn again(&mut self, setpoint: &Setpoint) -> Setpoint {
         Setpoint { seq: self.seq(2), ..setpoint.clone() }
     }
 
-    /// Sends a setpoint; gives the place in the log from which its answers are.
+    /// Sends a setpoint; returns the log position after which its answers come.
     pub(super) async fn send(&mut self, setpoint: &Setpoint) -> anyhow::Result<usize> {
         self.is_away = true;
         let mark = self.mark();
@@ -187,7 +187,7 @@ impl Bench {
         self.until(self.timings().apply, |heard| answers(heard, mark, id).into_iter().find(is_final)).await
     }
 
-    /// A status that was sent after now, if one comes: it is asked for.
+    /// Requests a status; the first one received after the request, if one comes.
     pub(super) async fn fresh_status(
         &mut self,
         trial: &Trial,
@@ -198,7 +198,7 @@ impl Bench {
         self.until(limit, |heard| heard.newest(mark, (&trial.array, trial.whisker)).map(|(entry, _)| entry)).await
     }
 
-    /// Gives the chamber the setpoint that it had at the beginning; whether it has it.
+    /// Restores the chamber's first setpoint; whether it was applied.
     pub(super) async fn go_home(&mut self) -> anyhow::Result<bool> {
         let Some(trial) = self.trial.clone().filter(|_| self.is_away) else { return Ok(true) };
         let home = self.setpoint(&trial, trial.home_mpa);
@@ -209,7 +209,7 @@ impl Bench {
         Ok(is_home)
     }
 
-    /// Ends the conversation.
+    /// Closes the connection.
     pub(super) async fn close(self) -> Listener {
         self.talk.close().await;
         self.heard
@@ -232,7 +232,7 @@ impl Bench {
     }
 }
 
-/// What the robot said of a command since that place in the log.
+/// The robot's answers to a command since a position in the log.
 pub(super) fn answers(heard: &Listener, mark: usize, id: &str) -> Vec<SetpointState> {
     let mut found = Vec::new();
     for entry in &heard.log[mark..] {
@@ -245,7 +245,7 @@ pub(super) fn answers(heard: &Listener, mark: usize, id: &str) -> Vec<SetpointSt
     found
 }
 
-/// An answer in words.
+/// An answer as text.
 pub(super) fn told(state: &SetpointState) -> String {
     match state.error {
         Some(error) => format!("{} {error}", state.state),

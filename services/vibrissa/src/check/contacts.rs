@@ -1,4 +1,4 @@
-//! Contacts and receipts: what is sent again, when, and in which order.
+//! Tests of contacts and receipts: which messages are sent again, when, and in which order.
 
 use std::time::{Duration, Instant};
 
@@ -8,11 +8,11 @@ use super::bench::Bench;
 use super::listener::Listener;
 use super::report::seconds;
 
-/// Sendings of one message, the first included, whose pauses are compared.
+/// Number of transmissions of one message, including the first, whose pauses are compared.
 const SENDINGS: usize = 4;
-/// The last pause is at least so many times as long as the shortest, if they grow exponentially.
+/// Smallest ratio of the last pause to the shortest one that counts as exponential growth.
 const GROWTH: f64 = 1.6;
-/// What can only be seen of robots that send again.
+/// Rules that can be tested only on robots that send contacts again.
 const AGAIN: [Rule; 7] = [
     Rule::ResendOldestFirst,
     Rule::ResendBackoff,
@@ -24,23 +24,22 @@ const AGAIN: [Rule; 7] = [
 ];
 
 impl Bench {
-    /// Tests contacts, if some come, and receipts, if the robot knows them.
+    /// Tests contacts, if any arrive, and receipts, if the robot supports them.
     pub(super) async fn contacts(&mut self) -> anyhow::Result<()> {
         let limit = self.timings().contacts;
         let Some(boot) = self.until(limit, |heard| heard.boot.clone().filter(|_| heard.ledger.len() > 0)).await? else {
-            let why =
-                format!("no contacts came for {}: somebody must touch a whisker during the check", seconds(limit));
+            let why = format!("no contacts arrived within {}: touch a whisker during the check", seconds(limit));
             self.skip(&[Rule::ContactsInRange, Rule::ContactsOnFactsheet, Rule::ContactsResent], &why);
             self.skip(&AGAIN, &why);
             return Ok(());
         };
         if self.heard.ledger.at_least_once > 0 {
-            let why = "contacts come with quality of service 1: this robot leaves sending again to MQTT";
+            let why = "contacts come with quality of service 1: this robot leaves retransmission to MQTT";
             self.skip(&[Rule::ContactsResent], why);
             self.skip(&AGAIN, why);
             return Ok(());
         }
-        // An orderly beginning: all that there was is receipted, so that the first pause is the shortest.
+        // Receipts everything so far, so that the first pause is the shortest.
         let first = self.heard.ledger.end();
         self.receipt(&boot, first, &[]).await?;
         self.heard.ledger.judges_order = true;
@@ -48,7 +47,7 @@ impl Bench {
         self.heard.ledger.judges_order = false;
         let missing = self.heard.ledger.missing(first);
         if let Some(seq) = missing.first() {
-            let seen = format!("contacts {seq} never came, and {} others", missing.len() - 1);
+            let seen = format!("contacts {seq} and {} others never arrived", missing.len() - 1);
             self.fail(Rule::SeqWithoutGaps, seen);
         }
         if is_resending {
@@ -59,26 +58,26 @@ impl Bench {
         Ok(())
     }
 
-    /// Receipts nothing, and watches how what begins with `first` comes again; whether it does.
+    /// Withholds receipts, and watches whether messages from `first` on are sent again; returns whether they are.
     async fn silence(&mut self, first: u64) -> anyhow::Result<bool> {
         let (contacts, resend, backoff) = (self.timings().contacts, self.timings().resend, self.timings().backoff);
         let oldest = |heard: &Listener| heard.ledger.uncovered().into_iter().find(|&seq| seq >= first);
         let Some(seq) = self.until(contacts, oldest).await? else {
-            let why = format!("no more contacts came for {}", seconds(contacts));
+            let why = format!("no more contacts arrived within {}", seconds(contacts));
             self.skip(&[Rule::ContactsResent], &why);
             self.skip(&AGAIN, &why);
             return Ok(false);
         };
         let again = self.until(resend, |heard| (heard.ledger.times(seq).len() > 1).then_some(())).await?;
         if again.is_none() {
-            self.fail(Rule::ContactsResent, format!("contacts {seq} did not come again within {}", seconds(resend)));
+            self.fail(Rule::ContactsResent, format!("contacts {seq} was not sent again within {}", seconds(resend)));
             self.skip(&AGAIN, "nothing is sent again");
             return Ok(false);
         }
-        self.pass(Rule::ContactsResent, format!("contacts {seq} came again"));
+        self.pass(Rule::ContactsResent, format!("contacts {seq} was sent again"));
         self.until(backoff, |heard| (heard.ledger.times(seq).len() >= SENDINGS).then_some(())).await?;
         self.judge_pauses(seq, backoff);
-        self.skip(&[Rule::ResendOldestFirst], "never more than one message was to be sent again");
+        self.skip(&[Rule::ResendOldestFirst], "at no time did more than one message wait to be sent again");
         Ok(true)
     }
 
@@ -88,15 +87,15 @@ impl Bench {
         let shown = pauses.iter().map(|pause| format!("{pause:.2}")).collect::<Vec<_>>().join(", ");
         let [first, second, third, ..] = pauses[..] else {
             let sent = times.len();
-            let why = format!("contacts {seq} came {sent} times only within {} (pauses {shown} s)", seconds(limit));
+            let why = format!("contacts {seq} arrived only {sent} times within {} (pauses {shown} s)", seconds(limit));
             self.skip(&[Rule::ResendBackoff], &why);
             return;
         };
         let holds = third >= GROWTH * first.min(second);
-        self.judge(Rule::ResendBackoff, holds, format!("contacts {seq} came after pauses of {shown} s"));
+        self.judge(Rule::ResendBackoff, holds, format!("contacts {seq} arrived after pauses of {shown} s"));
     }
 
-    /// Receipts with a gap, and for another boot.
+    /// Sends a receipt with a gap, and a receipt for another boot.
     async fn partly(&mut self, boot: &BootId) -> anyhow::Result<()> {
         let (contacts, resend, grace) = (self.timings().contacts, self.timings().resend, self.timings().grace);
         let enough = |heard: &Listener| {
@@ -104,7 +103,7 @@ impl Bench {
             (open.len() >= 4).then(|| [open[0], open[1], open[2], open[3]])
         };
         let Some([below, gap, held, beyond]) = self.until(contacts, enough).await? else {
-            let why = "fewer than four contacts messages came: touch whiskers more often during the check";
+            let why = "fewer than four contacts messages arrived: touch whiskers more often during the check";
             self.skip(&[Rule::ReceiptNext, Rule::ReceiptHeld, Rule::ReceiptGap, Rule::ReceiptBoot], why);
             return Ok(());
         };
@@ -117,21 +116,21 @@ impl Bench {
             (comes(gap) && comes(beyond)).then_some(())
         };
         let all = self.until(resend, both).await?;
-        // What comes late of the same round.
+        // Collects the late messages of the same round.
         self.listen(grace / 2).await?;
-        self.pass(Rule::ReceiptNext, format!("{text}, contacts {below} came no more"));
-        self.pass(Rule::ReceiptHeld, format!("{text}, contacts {held} came no more"));
+        self.pass(Rule::ReceiptNext, format!("{text}, contacts {below} was not sent again"));
+        self.pass(Rule::ReceiptHeld, format!("{text}, contacts {held} was not sent again"));
         if all.is_none() && !self.heard.ledger.times(gap).iter().any(|&at| at > since) {
-            let seen = format!("{text}, contacts {gap} did not come again within {}", seconds(resend));
+            let seen = format!("{text}, contacts {gap} was not sent again within {}", seconds(resend));
             self.fail(Rule::ReceiptGap, seen);
-            self.skip(&[Rule::ReceiptBoot], "what a receipt leaves open does not come again anyway");
+            self.skip(&[Rule::ReceiptBoot], "messages that a receipt leaves open are not sent again");
             return Ok(());
         }
-        self.pass(Rule::ReceiptGap, format!("{text}, contacts {gap} came again"));
+        self.pass(Rule::ReceiptGap, format!("{text}, contacts {gap} was sent again"));
         self.foreign(gap).await
     }
 
-    /// A receipt for another boot, which must cover nothing.
+    /// Sends a receipt for another boot, which must cover nothing.
     async fn foreign(&mut self, open: u64) -> anyhow::Result<()> {
         let other = BootId::new("a-boot-that-never-was")?;
         let (end, receipted) = (self.heard.ledger.end(), Instant::now());
@@ -139,7 +138,7 @@ impl Bench {
         let (resend, since) = (self.timings().resend, receipted + self.timings().grace / 2);
         let comes = |heard: &Listener| heard.ledger.times(open).iter().any(|&at| at > since).then_some(());
         let again = self.until(resend, comes).await?;
-        let how = if again.is_some() { "came again" } else { "came no more" };
+        let how = if again.is_some() { "was sent again" } else { "was not sent again" };
         let seen = format!("after a receipt for another boot, contacts {open} {how}");
         self.judge(Rule::ReceiptBoot, again.is_some(), seen);
         Ok(())

@@ -1,4 +1,4 @@
-//! Which contacts messages came, how often, and which are receipted: who sends what again, and in what order.
+//! Record of the contacts messages: which arrived, how often, in which order, and which are receipted.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -8,22 +8,22 @@ use vibrissa_protocol::{BootId, Rule};
 
 use super::report::Findings;
 
-/// What covers a message.
+/// Part of a receipt that covers a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cover {
-    /// A receipt's `next`.
+    /// The receipt's `next`.
     Next,
-    /// A receipt's `held`.
+    /// The receipt's `held`.
     Held,
 }
 
-/// One message, by its number.
+/// A message, by its number.
 #[derive(Debug)]
 struct Sent {
     payload: Bytes,
-    /// When it came, each time.
+    /// Times of arrival.
     times: Vec<Instant>,
-    /// Its place among all arrivals, the last time.
+    /// Position of the last arrival among all arrivals.
     last: u64,
     covered: Option<(Instant, Cover)>,
 }
@@ -34,17 +34,17 @@ pub(super) struct Ledger {
     boot: Option<BootId>,
     sent: BTreeMap<u64, Sent>,
     arrivals: u64,
-    /// Messages with quality of service 1: their sender relies on the broker.
+    /// Number of messages with quality of service 1: their sender relies on the broker.
     pub(super) at_least_once: u64,
-    /// Whether the order of what comes again is looked at: only while nothing is receipted.
+    /// Whether the order of repeated messages is judged: only while nothing is receipted.
     pub(super) judges_order: bool,
-    /// Few: each is made by hand.
+    /// Receipts sent; few, because the check makes each one deliberately.
     receipts: Vec<Receipted>,
-    /// Messages that came again while it was.
+    /// Number of repeated messages while the order was judged.
     ordered: u64,
 }
 
-/// A receipt that went out.
+/// A receipt that was sent.
 #[derive(Debug)]
 struct Receipted {
     next: u64,
@@ -64,7 +64,7 @@ impl Receipted {
 }
 
 impl Ledger {
-    /// A message came.
+    /// Records the arrival of a message.
     pub(super) fn arrive(
         &mut self,
         (boot, seq): (&BootId, u64),
@@ -80,7 +80,7 @@ impl Ledger {
         let order = self.arrivals;
         let overtaken = self.overtaken(seq);
         let Some(known) = self.sent.get_mut(&seq) else {
-            // It may have been on its way when it was receipted.
+            // It may have been in transit when it was receipted.
             let covered = self.receipts.iter().find_map(|receipt| receipt.covers(seq));
             let first = Sent { payload: payload.clone(), times: vec![at], last: order, covered };
             self.sent.insert(seq, first);
@@ -89,36 +89,38 @@ impl Ledger {
         known.times.push(at);
         known.last = order;
         let is_same = is_same(&known.payload, payload);
-        findings.judge(Rule::ResendSame, is_same, format!("contacts {seq} came again, {}", same_text(is_same)));
+        findings.judge(Rule::ResendSame, is_same, format!("contacts {seq} was sent again, {}", same_text(is_same)));
         if let Some((since, cover)) = known.covered {
             if at > since + grace {
                 let (rule, how) = match cover {
-                    Cover::Next => (Rule::ReceiptNext, "lies below the next"),
-                    Cover::Held => (Rule::ReceiptHeld, "lies in a held range"),
+                    Cover::Next => (Rule::ReceiptNext, "is below next"),
+                    Cover::Held => (Rule::ReceiptHeld, "is in a held range"),
                 };
                 let after_s = (at - since).as_secs_f64();
-                findings
-                    .fail(rule, format!("contacts {seq} came again {after_s:.1} s after it was receipted: it {how}"));
+                findings.fail(
+                    rule,
+                    format!("contacts {seq} was sent again {after_s:.1} s after it was receipted: it {how}"),
+                );
             }
         } else if self.judges_order {
             self.ordered += 1;
             if let Some(older) = overtaken {
-                let seen = format!("contacts {seq} came again before {older}, which has waited longer");
+                let seen = format!("contacts {seq} was sent again before {older}, which has waited longer");
                 findings.fail(Rule::ResendOldestFirst, seen);
             } else if self.ordered > 1 {
-                findings.pass(Rule::ResendOldestFirst, format!("{} messages came again in order", self.ordered));
+                findings.pass(Rule::ResendOldestFirst, format!("{} messages were sent again in order", self.ordered));
             }
         }
     }
 
-    /// An uncovered message with a lower number that has waited longer than that one.
+    /// An uncovered message with a lower number that has waited longer than this one.
     fn overtaken(&self, seq: u64) -> Option<u64> {
         let last = self.sent.get(&seq)?.last;
         let older = self.sent.range(..seq).find(|(_, sent)| sent.covered.is_none() && sent.last < last);
         older.map(|(&seq, _)| seq)
     }
 
-    /// A receipt goes out that covers everything below `next`, and those.
+    /// Records a receipt that covers everything below `next` and the numbers in `held`.
     pub(super) fn cover(&mut self, next: u64, held: &[u64], at: Instant) {
         let receipt = Receipted { next, held: held.to_vec(), at };
         for (&seq, sent) in &mut self.sent {
@@ -127,33 +129,33 @@ impl Ledger {
         self.receipts.push(receipt);
     }
 
-    /// Numbers that are not covered, lowest first.
+    /// Numbers of messages that no receipt covers, lowest first.
     pub(super) fn uncovered(&self) -> Vec<u64> {
         self.sent.iter().filter(|(_, sent)| sent.covered.is_none()).map(|(&seq, _)| seq).collect()
     }
 
-    /// The number after the highest.
+    /// The number after the highest one.
     pub(super) fn end(&self) -> u64 {
         self.sent.last_key_value().map_or(0, |(&seq, _)| seq + 1)
     }
 
-    /// Numbers from there on that never came.
+    /// Numbers from `from` on that never arrived.
     pub(super) fn missing(&self, from: u64) -> Vec<u64> {
         (from..self.end()).filter(|seq| !self.sent.contains_key(seq)).collect()
     }
 
-    /// When a message came, each time.
+    /// Times at which a message arrived.
     pub(super) fn times(&self, seq: u64) -> &[Instant] {
         self.sent.get(&seq).map_or(&[], |sent| &sent.times)
     }
 
-    /// How many there are.
+    /// Number of messages.
     pub(super) fn len(&self) -> usize {
         self.sent.len()
     }
 }
 
-/// Whether two messages say the same, however they are written.
+/// Whether two messages have the same content, in whatever notation.
 fn is_same(one: &[u8], other: &[u8]) -> bool {
     let read = |bytes: &[u8]| serde_json::from_slice::<serde_json::Value>(bytes).ok();
     one == other || read(one).is_some_and(|one| Some(one) == read(other))

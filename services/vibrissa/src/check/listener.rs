@@ -1,4 +1,4 @@
-//! Hears everything that a robot says, and holds it against the rules that every message must keep.
+//! Receives all messages of a robot, and checks the rules that apply to every message.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use super::report::Findings;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::Said;
 
-/// What came last on a topic in a boot.
+/// Last message on a topic in a boot.
 #[derive(Debug)]
 struct Stream {
     seq: u64,
@@ -23,21 +23,21 @@ struct Stream {
     time_us: Option<u64>,
 }
 
-/// What was heard.
+/// Messages received so far.
 #[derive(Debug)]
 pub(super) struct Listener {
     pub(super) findings: Findings,
-    /// Every message that could be read, in the order in which they came.
+    /// All valid messages in the order of arrival.
     pub(super) log: Vec<Entry>,
     pub(super) ledger: Ledger,
-    /// The robot's newest boot.
+    /// Newest boot of the robot.
     pub(super) boot: Option<BootId>,
     pub(super) factsheet: Option<Factsheet>,
     pub(super) connection: Option<ConnectionState>,
     pub(super) supervisor: Option<SupervisorState>,
-    /// Whether what comes now is said now, and not only retained.
+    /// Whether arriving messages are current; at first they may be retained ones.
     pub(super) is_live: bool,
-    /// A boot that began while we listened: its numbers must begin at 0.
+    /// A boot that began during the check: its numbers must begin at 0.
     born: Option<BootId>,
     streams: BTreeMap<(BootId, RobotTopic), Stream>,
     numbered: u64,
@@ -64,7 +64,7 @@ impl Listener {
         }
     }
 
-    /// A message came.
+    /// Processes a message.
     pub(super) fn take(&mut self, said: &Said) {
         let Ok(topic) = Topic::parse(&said.topic) else { return };
         let kind = match &topic {
@@ -83,7 +83,7 @@ impl Listener {
         }
         match decoded {
             Ok(message) => {
-                self.findings.pass(Rule::MessageForm, format!("{} messages were read", self.log.len() + 1));
+                self.findings.pass(Rule::MessageForm, format!("{} messages were valid", self.log.len() + 1));
                 self.judge_content(&message, said);
                 self.log.push(Entry { at: said.at, message, retained: said.retained });
             }
@@ -105,11 +105,11 @@ impl Listener {
             RobotTopic::Contacts => qos <= 1,
             RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => true,
         };
-        let seen = if is_right { "as the contract has it on every topic".into() } else { format!("{qos} on {kind}") };
+        let seen = if is_right { "as the contract requires on every topic".into() } else { format!("{qos} on {kind}") };
         self.findings.judge(Rule::QualityOfService, is_right, seen);
         match kind {
             RobotTopic::Contacts | RobotTopic::Status | RobotTopic::SetpointState => {
-                let seen = if retained { format!("{kind} is retained") } else { "none of them is".to_owned() };
+                let seen = if retained { format!("{kind} is retained") } else { "none is retained".to_owned() };
                 self.findings.judge(Rule::NotRetained, !retained, seen);
             }
             RobotTopic::Factsheet => {
@@ -123,25 +123,25 @@ impl Listener {
         }
     }
 
-    /// Its number among those of its boot and topic, and its time after theirs.
+    /// Checks a message's number and time against those of its boot and topic.
     fn judge_number(&mut self, kind: RobotTopic, (boot, seq): (&BootId, u64), said: &Said, message: Option<&Message>) {
         let key = (boot.clone(), kind);
         let last = self.streams.get(&key);
         let time_us = message.and_then(time_us);
         let is_new = self.born.as_ref() == Some(boot) || message.is_some_and(|message| self.is_birth(message));
         if last.is_none() && is_new {
-            self.findings.judge(Rule::SeqFromZero, seq == 0, format!("{kind} began at {seq} after the start"));
+            self.findings.judge(Rule::SeqFromZero, seq == 0, format!("{kind} began at {seq} after the restart"));
         }
         if kind == RobotTopic::Contacts {
             self.ledger.arrive((boot, seq), &said.payload, said.at, self.grace, &mut self.findings);
         }
-        // The order of connection messages is that of receipt, and contacts come again: they have rules of their own.
+        // Connection messages are ordered by arrival, and contacts are repeated: both have rules of their own.
         if let Some(last) = last.filter(|_| !matches!(kind, RobotTopic::Connection | RobotTopic::Contacts)) {
             let is_again = seq == last.seq && said.payload == last.payload;
             let holds = seq == last.seq + 1 || is_again;
             self.numbered += 1;
             let seen = if holds {
-                format!("{} messages were numbered one after the other", self.numbered)
+                format!("{} messages were numbered consecutively", self.numbered)
             } else {
                 format!("{kind} {seq} came after {}", last.seq)
             };
@@ -151,7 +151,7 @@ impl Listener {
                 let seen = if back_s > 0.0 {
                     format!("{kind} {seq} is {back_s:.3} s older than the one before")
                 } else {
-                    "they rise".into()
+                    "times rise".into()
                 };
                 self.findings.judge(Rule::TimeForward, back_s <= 0.0, seen);
             }
@@ -160,7 +160,7 @@ impl Listener {
         self.streams.insert(key, Stream { seq, payload: said.payload.clone(), time_us });
     }
 
-    /// Whether a boot begins with it, while we listen.
+    /// Whether the message begins a boot during the check.
     fn is_birth(&self, message: &Message) -> bool {
         let Message::Connection(connection) = message else { return false };
         let is_other = self.boot.as_ref().is_some_and(|known| *known != connection.boot_id);
@@ -203,7 +203,7 @@ impl Listener {
         let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
         let off_s = (time_us as f64 - now_us as f64) / 1e6;
         let holds = off_s.abs() <= self.clock.as_secs_f64();
-        self.findings.judge(Rule::Clock, holds, format!("{what} is {off_s:+.3} s from the clock here"));
+        self.findings.judge(Rule::Clock, holds, format!("{what} is {off_s:+.3} s off this machine's clock"));
     }
 
     fn judge_status(&mut self, status: &Status) {
@@ -223,7 +223,7 @@ impl Listener {
     fn judge_contacts(&mut self, message: &Contacts, said: &Said) {
         for contact in &message.contacts {
             let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
-            // Contacts may be old: a robot keeps them. They are never of the future.
+            // Contacts may be old, because a robot buffers them, but never in the future.
             let ahead_s = contact.t_us.saturating_sub(now_us) as f64 / 1e6;
             if ahead_s > self.clock.as_secs_f64() {
                 self.findings
@@ -232,7 +232,8 @@ impl Listener {
             if let Some(factsheet) = &self.factsheet {
                 let (array, whisker) = (&contact.array, contact.whisker);
                 let is_known = whiskers(factsheet).any(|known| known == (array, whisker));
-                let seen = if is_known { "all are".to_owned() } else { format!("{array}/{whisker} is not") };
+                let seen =
+                    if is_known { "all are on it".to_owned() } else { format!("{array}/{whisker} is not on it") };
                 self.findings.judge(Rule::ContactsOnFactsheet, is_known, seen);
             }
         }

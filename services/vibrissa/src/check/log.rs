@@ -1,4 +1,4 @@
-//! What was heard, for those who look for something in it.
+//! Queries on the messages received from a robot.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, Wh
 use super::listener::Listener;
 use vibrissa_edge::clock::wall_clock;
 
-/// A message that could be read.
+/// A valid message.
 #[derive(Debug, Clone)]
 pub(super) struct Entry {
     pub(super) at: Instant,
@@ -16,12 +16,12 @@ pub(super) struct Entry {
 }
 
 impl Listener {
-    /// The epoch of the supervisor that owns the fleet now.
+    /// Epoch of the supervisor that owns the fleet now.
     pub(super) fn supervised(&self) -> Option<u64> {
         self.supervisor.as_ref().filter(|told| told.state == SupervisorPresence::Online).map(|told| told.epoch)
     }
 
-    /// Statuses since that place in the log.
+    /// Statuses since a position in the log.
     pub(super) fn statuses(&self, mark: usize) -> impl Iterator<Item = (&Status, Instant)> {
         self.log[mark..].iter().filter_map(|entry| match &entry.message {
             Message::Status(status) => Some((status, entry.at)),
@@ -36,21 +36,21 @@ impl Listener {
         })
     }
 
-    /// What the newest status says of a whisker, and when it came.
+    /// The whisker's entry in the newest status, and the time of its arrival.
     pub(super) fn newest(&self, mark: usize, (array, whisker): (&Name, u16)) -> Option<(WhiskerStatus, Instant)> {
         let (status, at) = self.statuses(mark).last()?;
         let entry = status.whiskers.iter().find(|one| one.array == *array && one.whisker == whisker)?;
         Some((entry.clone(), at))
     }
 
-    /// The robot's clock now, by its newest status; ours if it has sent none.
+    /// The robot's clock now, from its newest status; this machine's clock if there was no status.
     pub(super) fn robot_clock_us(&self) -> u64 {
         let newest = self.statuses(0).last().map(|(status, at)| status.t_us + at.elapsed().as_micros() as u64);
         newest.unwrap_or_else(|| wall_clock().0)
     }
 }
 
-/// The whiskers of a factsheet.
+/// All whiskers on a factsheet.
 pub(super) fn whiskers(factsheet: &Factsheet) -> impl Iterator<Item = (&Name, u16)> {
     factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(move |one| (&array.array, one.whisker)))
 }

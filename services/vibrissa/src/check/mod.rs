@@ -1,12 +1,14 @@
-//! Tests one robot against the contract, rule by rule, as its supervisor would talk to it. For the people who build robots.
+//! Tests whether a robot conforms to the contract, rule by rule, in place of its supervisor. For robot developers.
 //!
-//! It hears everything that the robot says ([`listener`]: what every message must keep), and then, in this order, sends receipts
-//! ([`contacts`]), watches it ([`opening`]), sends setpoints ([`setpoints`], [`refusals`]), and looks at a restart ([`restart`]).
+//! It receives all messages of the robot ([`listener`]: rules for every message). Then it tests, in this order,
+//! contacts and receipts ([`contacts`]), status and requests ([`opening`]), setpoints ([`setpoints`], [`refusals`]),
+//! and a restart ([`restart`]).
 //!
-//! **Epochs.** A robot takes nothing of an epoch below the highest that it has seen for a whisker, until it starts again. So the check takes
-//! the *last supervisor's own epoch*, which it finds in what the broker retains, with versions far above those that supervisors count
-//! from one. Every supervisor takes a fleet in a new epoch, higher by at least one, so that the robot obeys the next one at once. The price: the
-//! last supervisor itself, should it be cut off and not ended, would find its setpoints refused as STALE if it came back in its old epoch.
+//! **Epochs.** Until it restarts, a robot refuses setpoints of an epoch below the highest that it has seen for a
+//! whisker. Therefore the check uses the *last supervisor's own epoch*, which the broker retains, with versions far
+//! above those that supervisors count from one. Every supervisor takes a fleet over in a new epoch, higher by at least
+//! one, so that the robot obeys the next one at once. The price: if the last supervisor was only disconnected and
+//! returns in its old epoch, the robot refuses its setpoints as STALE.
 
 mod bench;
 mod contacts;
@@ -31,29 +33,29 @@ pub use timings::Timings;
 use bench::{Bench, Trial};
 use vibrissa_supervisor::mqtt::{Connection, Talk};
 
-/// How a robot is checked.
+/// Options of a check.
 #[derive(Debug, Clone)]
 pub struct CheckOptions {
-    /// Its fleet.
+    /// Fleet of the robot.
     pub fleet: Name,
-    /// Its name.
+    /// Name of the robot.
     pub robot: Name,
-    /// The whisker that setpoints are tried on; the first of the factsheet if not said.
+    /// Whisker on which setpoints are tried; by default the first of the factsheet.
     pub whisker: Option<(Name, u16)>,
-    /// The epoch of those setpoints; the last supervisor's if not said, 0 if there was none.
+    /// Epoch of these setpoints; by default the last supervisor's, or 0 if there was none.
     pub epoch: Option<u64>,
-    /// Whether somebody takes the robot's power away when the check asks for it, and gives it back.
+    /// Whether to test a restart, for which somebody must cut the robot's power and restore it.
     pub restart: bool,
-    /// How long what is waited for.
+    /// Time limits of the check.
     pub timings: Timings,
 }
 
-/// What a check is at.
+/// Progress of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// This is looked at now.
+    /// A step begins.
     Step(&'static str),
-    /// Somebody is to take the robot's power away and to give it back, within that time.
+    /// The operator must cut the robot's power and restore it within this time.
     RestartNow(Duration),
 }
 
@@ -62,16 +64,16 @@ impl fmt::Display for Progress {
         match self {
             Self::Step(what) => f.write_str(what),
             Self::RestartNow(limit) => {
-                write!(f, "NOW take the robot's power away, and give it back: {} s are left for both", limit.as_secs())
+                write!(f, "NOW cut the robot's power and restore it within {} s", limit.as_secs())
             }
         }
     }
 }
 
-/// Checks a robot until the end, or until `stop`: then the pressure is put back, and what was found until then is the report.
+/// Checks a robot until the end or until `stop`. Then it restores the pressure and reports what was found so far.
 ///
 /// # Errors
-/// There is no broker, a supervisor owns the fleet, the robot is not there, or it has seen a higher epoch.
+/// There is no broker, a supervisor owns the fleet, the robot is not connected, or it has seen a higher epoch.
 pub async fn check(
     connection: &Connection,
     options: CheckOptions,
@@ -90,7 +92,7 @@ pub async fn check(
         () = stop => None,
     };
     let unseen = match &ended {
-        Some(_) => "nothing of it was seen",
+        Some(_) => "not observed",
         None => "the check was interrupted",
     };
     let is_interrupted = ended.is_none();
@@ -98,7 +100,7 @@ pub async fn check(
     if let Some(ended) = ended {
         ended?;
     } else {
-        bench.heard.findings.note("interrupted: what is missing was not looked at".to_owned());
+        bench.heard.findings.note("interrupted: the missing rules were not tested".to_owned());
     }
     let (whisker, epoch) =
         (bench.trial.as_ref().map(|trial| format!("{}/{}", trial.array, trial.whisker)), bench.epoch);
@@ -109,10 +111,10 @@ pub async fn check(
 }
 
 async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> anyhow::Result<()> {
-    progress(Progress::Step("what the broker retains"));
+    progress(Progress::Step("reading the retained messages"));
     bench.open().await?;
     take_epoch(bench);
-    progress(Progress::Step("contacts and receipts: touch its whiskers now, and again and again"));
+    progress(Progress::Step("contacts and receipts: keep touching its whiskers now"));
     bench.contacts().await?;
     progress(Progress::Step("watching its status"));
     bench.watch().await?;
@@ -123,44 +125,44 @@ async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> 
         tell_trial(bench, &trial);
         progress(Progress::Step("setpoints"));
         bench.setpoints(&trial).await?;
-        progress(Progress::Step("setpoints that it must refuse"));
+        progress(Progress::Step("setpoints that the robot must refuse"));
         bench.refusals(&trial).await?;
     }
-    progress(Progress::Step("messages that cannot be read"));
+    progress(Progress::Step("malformed messages"));
     bench.malformed().await?;
-    // Before its power goes: it may go back to another pressure by itself.
+    // Before the power is cut, because the robot may then change the pressure on its own.
     bench.go_home().await?;
     progress(Progress::Step("restart"));
     bench.restart(progress).await
 }
 
-/// Chooses the epoch, and says what that means for the next supervisor.
+/// Chooses the epoch, and notes the consequences for the next supervisor.
 fn take_epoch(bench: &mut Bench) {
     let last = bench.heard.supervisor.as_ref().map(|told| told.epoch);
     bench.epoch = bench.options.epoch.or(last).unwrap_or(0);
     let epoch = bench.epoch;
     let told = match last {
         Some(last) if epoch > last => format!(
-            "epoch {epoch} was used, which is above the last supervisor's ({last}): RESTART THE ROBOT before it is supervised, or it refuses \
-             every supervisor's setpoints as STALE until their epoch is above {epoch}"
+            "epoch {epoch} was used, above the last supervisor's ({last}): RESTART THE ROBOT before it is supervised, \
+             otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
         Some(last) if epoch < last => format!("epoch {epoch} was used, below the last supervisor's ({last})"),
         Some(_) => format!(
-            "epoch {epoch} was used, which is the last supervisor's: the next one's is higher, and the robot obeys it. Make sure that the last \
-             one has ended, and is not only cut off from the broker"
+            "epoch {epoch} was used, the last supervisor's: the next one's is higher, and the robot obeys it. Make \
+             sure that the last one has stopped, and is not merely disconnected from the broker"
         ),
         None if epoch > 0 => format!(
-            "epoch {epoch} was used, and the broker knows of no supervisor: RESTART THE ROBOT before it is supervised, or it refuses every \
-             supervisor's setpoints as STALE until their epoch is above {epoch}"
+            "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, \
+             otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
         None => {
-            "epoch 0 was used, as the broker knows of no supervisor: the first one's is higher, and the robot obeys it"
+            "epoch 0 was used, as the broker knows no supervisor: the first one's is higher, and the robot obeys it"
                 .into()
         }
     };
     bench.heard.findings.note(told);
     bench.heard.findings.note(
-        "contacts of this time, and what the robot had kept, were receipted in part: those are recorded nowhere"
+        "contacts of this time, and those that the robot had buffered, were partly receipted and not recorded"
             .to_owned(),
     );
 }
@@ -168,23 +170,23 @@ fn take_epoch(bench: &mut Bench) {
 fn tell_trial(bench: &mut Bench, trial: &Trial) {
     let Trial { array, whisker, home_mpa, away_mpa, max_mpa } = trial;
     bench.heard.findings.note(format!(
-        "setpoints were tried on whisker {array}/{whisker}, between {home_mpa:.4} and {away_mpa:.4} MPa; what must be refused was up to \
-         0.001 MPa above its limit of {max_mpa:.4} MPa, at 0.002 MPa/s"
+        "setpoints were tried on whisker {array}/{whisker}, between {home_mpa:.4} and {away_mpa:.4} MPa; those that \
+         it must refuse were up to 0.001 MPa above its limit of {max_mpa:.4} MPa, at 0.002 MPa/s"
     ));
 }
 
-/// Gives the chamber its first setpoint back, whatever has happened.
+/// Restores the chamber's first setpoint, whatever has happened.
 async fn put_back(bench: &mut Bench) {
     let told = match (bench.go_home().await, &bench.trial) {
         (_, None) => return,
-        (Ok(true), Some(trial)) => format!("its setpoint is {:.4} MPa again, as before", trial.home_mpa),
+        (Ok(true), Some(trial)) => format!("its setpoint of {:.4} MPa was restored", trial.home_mpa),
         (Ok(false), Some(trial)) => {
-            format!("ITS SETPOINT MAY NOT BE WHAT IT WAS: {:.4} MPa was sent, and not APPLIED", trial.home_mpa)
+            format!("ITS SETPOINT MAY NOT BE RESTORED: {:.4} MPa was sent, and not APPLIED", trial.home_mpa)
         }
         (Err(problem), Some(trial)) => {
             let home_mpa = trial.home_mpa;
-            tracing::error!(%problem, "the setpoint of {home_mpa:.4} MPa could not be put back");
-            format!("ITS SETPOINT IS NOT WHAT IT WAS ({home_mpa:.4} MPa): {problem}")
+            tracing::error!(%problem, "cannot restore the setpoint of {home_mpa:.4} MPa");
+            format!("ITS SETPOINT WAS NOT RESTORED ({home_mpa:.4} MPa): {problem}")
         }
     };
     bench.heard.findings.note(told);

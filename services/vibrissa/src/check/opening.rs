@@ -1,4 +1,4 @@
-//! The beginning: who is there, what the broker retains, and how the robot talks while nobody asks it anything.
+//! The beginning of a check: retained messages, the period of statuses, requests, and the choice of the whisker.
 
 use std::time::{Duration, Instant};
 
@@ -9,36 +9,38 @@ use super::bench::{Bench, Trial};
 use super::log::whiskers;
 use super::report::seconds;
 
-/// Statuses that are watched for their pace.
+/// Number of statuses whose period is measured.
 const WATCHED: usize = 4;
-/// A pause between statuses that is too short to tell an answer to a request from the next of them.
+/// Status period below which an answer to a request cannot be distinguished from the next regular status.
 const TOO_QUICK: Duration = Duration::from_millis(400);
-/// How far the pressure is moved.
+/// Size of a pressure change.
 const STEP_MPA: f64 = 0.01;
 
 impl Bench {
-    /// Takes what is retained.
+    /// Reads the retained messages.
     ///
     /// # Errors
-    /// A supervisor owns the fleet, or the robot is not there.
+    /// A supervisor owns the fleet, or the robot is not connected.
     pub(super) async fn open(&mut self) -> anyhow::Result<()> {
         let limit = self.timings().retained;
-        // The first that come are what is retained; a supervisor's word, if there is one, among them.
-        self.listen(limit).await.context("the fleet cannot be checked while a supervisor owns it: stop it first")?;
+        // The first messages are the retained ones, among them the supervisor's state if there is one.
+        self.listen(limit)
+            .await
+            .context("cannot check the fleet while a supervisor owns it; stop the supervisor first")?;
         self.heard.is_live = true;
         let (fleet, robot) = (self.options.fleet.clone(), self.options.robot.clone());
         match self.heard.connection {
             Some(ConnectionState::Online) => {}
             Some(state @ (ConnectionState::Offline | ConnectionState::ConnectionBroken)) => {
-                bail!("robot {fleet}/{robot} is not connected: its last word is {state}");
+                bail!("robot {fleet}/{robot} is not connected: its last state is {state}");
             }
             None => {
                 let patience = self.timings().status.1;
                 if self.until(patience, |heard| (!heard.log.is_empty()).then_some(())).await?.is_none() {
                     let seconds = seconds(patience);
-                    bail!("nothing was heard of {fleet}/{robot} for {seconds}: is it on, and are these its names?");
+                    bail!("no message of {fleet}/{robot} within {seconds}: is it on, and are these its names?");
                 }
-                self.fail(Rule::Birth, "the robot talks, but the broker retains no ONLINE of it");
+                self.fail(Rule::Birth, "the robot sends messages, but the broker retains no ONLINE of it");
             }
         }
         self.open_factsheet().await
@@ -46,29 +48,31 @@ impl Bench {
 
     async fn open_factsheet(&mut self) -> anyhow::Result<()> {
         if self.heard.factsheet.is_some() {
-            self.pass(Rule::FactsheetAfterBirth, "the broker retains one");
+            self.pass(Rule::FactsheetAfterBirth, "the broker retains a factsheet");
             return Ok(());
         }
         let mark = self.mark();
         self.request(RequestKind::Factsheet).await?;
         let limit = self.timings().answer;
         self.until(limit, |heard| heard.factsheet.is_some().then_some(())).await?;
-        // One that is not retained may have followed the birth all the same.
+        // A factsheet that is not retained may still have followed the birth.
         let came = self.heard.log[mark..].iter().find(|entry| super::is_factsheet(&entry.message));
         match came {
             Some(entry) if !entry.retained => {}
-            Some(_) => self.fail(Rule::FactsheetAfterBirth, "the robot is connected, and sent none until it was asked"),
-            None => self.fail(Rule::FactsheetAfterBirth, "there is none, not even when it is asked for"),
+            Some(_) => {
+                self.fail(Rule::FactsheetAfterBirth, "the robot is connected, and sent no factsheet before the request")
+            }
+            None => self.fail(Rule::FactsheetAfterBirth, "no factsheet, not even on request"),
         }
         Ok(())
     }
 
-    /// Watches statuses that nobody has asked for, and how pressures may be tried.
+    /// Measures the period of statuses without requests.
     pub(super) async fn watch(&mut self) -> anyhow::Result<()> {
         let (shortest, longest) = self.timings().status;
         let (begun, mark) = (Instant::now(), self.mark());
         let mut last = begun;
-        // A little longer than allowed: a network may delay one.
+        // A little longer than allowed, because the network may delay a status.
         let patience = longest + longest / 10;
         loop {
             let seen = self.heard.statuses(mark).count();
@@ -90,12 +94,12 @@ impl Bench {
             conditions.all(|one| Some(one) == first)
         };
         let is_too_often = is_calm && mean < shortest.mul_f64(0.8);
-        let seen = format!("one every {} on average, {} of them", seconds(mean), times.len());
+        let seen = format!("one every {} on average over {}", seconds(mean), times.len());
         self.judge(Rule::StatusPeriod, !is_too_often, seen);
         Ok(())
     }
 
-    /// Asks for a factsheet and for statuses.
+    /// Requests a factsheet and statuses.
     pub(super) async fn ask(&mut self) -> anyhow::Result<()> {
         let (limit, mark, asked) = (self.timings().answer, self.mark(), Instant::now());
         self.request(RequestKind::Factsheet).await?;
@@ -103,18 +107,21 @@ impl Bench {
             heard.log[mark..].iter().any(|entry| super::is_factsheet(&entry.message)).then_some(())
         };
         let came = self.until(limit, is_there).await?;
-        let seen = came.map_or("none came".to_owned(), |()| format!("came after {}", seconds(asked.elapsed())));
+        let seen = came.map_or("no answer".to_owned(), |()| format!("answered after {}", seconds(asked.elapsed())));
         self.judge(Rule::FactsheetOnRequest, came.is_some(), seen);
         self.ask_status().await
     }
 
-    /// Asks right after a status: what then comes early is the answer.
+    /// Requests a status right after one has arrived: an early next one is the answer.
     async fn ask_status(&mut self) -> anyhow::Result<()> {
         const ASKED: usize = 3;
         let times: Vec<Instant> = self.heard.statuses(0).map(|(_, at)| at).collect();
         let period = mean_gap(&times).unwrap_or(2 * self.timings().status.1);
         if period < TOO_QUICK {
-            self.skip(&[Rule::StatusOnRequest], "statuses come so often that an answer cannot be told from the next");
+            self.skip(
+                &[Rule::StatusOnRequest],
+                "statuses are too frequent to distinguish an answer from the next regular one",
+            );
             return Ok(());
         }
         let window = self.timings().answer.min(period / 2);
@@ -132,10 +139,10 @@ impl Bench {
         Ok(())
     }
 
-    /// Chooses the whisker and the pressures for setpoints; none if there is no whisker.
+    /// Chooses the whisker and the pressures for setpoints; no trial without a whisker.
     ///
     /// # Errors
-    /// The whisker that was asked for is not on the factsheet.
+    /// The requested whisker is not on the factsheet.
     pub(super) async fn choose(&mut self) -> anyhow::Result<()> {
         let Some(factsheet) = self.heard.factsheet.clone() else { return Ok(()) };
         let wanted = self.options.whisker.clone();

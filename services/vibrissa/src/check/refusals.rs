@@ -1,20 +1,20 @@
-//! Setpoints that a robot must refuse, and messages that it cannot read.
+//! Setpoints that a robot must refuse, and malformed messages.
 //!
-//! Every pressure asked for is harmless: half a step from the present one, or a little above the robot's limit at a rate so slow that a
-//! robot which takes it hardly moves before it is called back.
+//! Every pressure is harmless: half a step from the present one, or slightly above the robot's limit at a rate so low
+//! that a robot which accepts it hardly moves before the setpoint is withdrawn.
 
 use vibrissa_protocol::{BootId, RequestKind, RobotTopic, Rule, Setpoint, SetpointError, SetpointOutcome};
 
 use super::bench::{Bench, Trial, told};
 use super::setpoints::SLOW_MPA_PER_S;
 
-/// What the chambers of the paper stand.
+/// Highest pressure that the paper's chambers withstand.
 const CHAMBER_MAX_MPA: f64 = 0.2;
-/// How far above a limit a setpoint is that must be refused.
+/// Excess of an inadmissible setpoint over the limit.
 const ABOVE_MPA: f64 = 0.001;
-/// So long ago has an expired setpoint expired.
+/// Time since an expired setpoint has expired.
 const EXPIRED_US: u64 = 10_000_000;
-/// What cannot be read.
+/// Malformed payloads with their topics.
 const MALFORMED: [(RobotTopic, &[u8]); 4] = [
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":0,"),
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":\"none\",\"pressure_mpa\":\"much\"}"),
@@ -23,12 +23,12 @@ const MALFORMED: [(RobotTopic, &[u8]); 4] = [
 ];
 
 impl Bench {
-    /// Tests what a robot must refuse.
+    /// Tests the setpoints that a robot must refuse.
     pub(super) async fn refusals(&mut self, trial: &Trial) -> anyhow::Result<()> {
         let near_mpa = f64::midpoint(trial.home_mpa, trial.away_mpa);
         let probe = |bench: &mut Self| Setpoint { slew_mpa_per_s: SLOW_MPA_PER_S, ..bench.setpoint(trial, near_mpa) };
 
-        // After this one its version, and those before it, are seen.
+        // After this setpoint the robot has seen its version and all lower ones.
         self.is_away = true;
         self.go_home().await?;
         let newest = probe(self);
@@ -38,7 +38,10 @@ impl Bench {
             self.refuse(Rule::RefuseStaleVersion, stale, SetpointError::Stale).await?;
         }
         if self.epoch == 0 {
-            self.skip(&[Rule::RefuseStaleEpoch], "there is no epoch below 0: no supervisor has had this fleet yet");
+            self.skip(
+                &[Rule::RefuseStaleEpoch],
+                "there is no epoch below 0, and no supervisor has owned this fleet yet",
+            );
         } else {
             let right = probe(self);
             let stale = Setpoint { epoch: right.epoch - 1, version: right.version + 1_000_000, ..right };
@@ -57,13 +60,13 @@ impl Bench {
 
     async fn refuse_above(&mut self, trial: &Trial, probe: Setpoint) -> anyhow::Result<()> {
         let above_mpa = trial.max_mpa + ABOVE_MPA;
-        // A limit just below the chamber's: no more than the chamber stands.
+        // If the limit is just below the chamber's, no more than the chamber withstands.
         let pressure_mpa = if trial.max_mpa < CHAMBER_MAX_MPA { above_mpa.min(CHAMBER_MAX_MPA) } else { above_mpa };
         let above = Setpoint { pressure_mpa, ..probe };
         self.refuse(Rule::RefuseOutOfRange, above, SetpointError::OutOfRange).await
     }
 
-    /// A number that the array does not have.
+    /// A number that no whisker of the array has.
     fn unknown_whisker(&self, trial: &Trial) -> u16 {
         let factsheet = self.heard.factsheet.as_ref();
         let arrays = factsheet.into_iter().flat_map(|factsheet| &factsheet.arrays);
@@ -71,7 +74,7 @@ impl Bench {
         (0..=u16::MAX).rev().find(|number| numbers().all(|one| one.whisker != *number)).unwrap_or(u16::MAX)
     }
 
-    /// Sends a setpoint that must be refused for that reason; one that is taken is called back at once.
+    /// Sends a setpoint that must be refused for this reason. If the robot accepts it, it is withdrawn at once.
     async fn refuse(&mut self, rule: Rule, setpoint: Setpoint, error: SetpointError) -> anyhow::Result<()> {
         let was_away = self.is_away;
         let mark = self.send(&setpoint).await?;
@@ -91,7 +94,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Sends what cannot be read, and looks whether the robot goes on.
+    /// Sends malformed messages, and checks that the robot keeps running.
     pub(super) async fn malformed(&mut self) -> anyhow::Result<()> {
         let boot = self.heard.boot.clone();
         for (topic, payload) in MALFORMED {
@@ -104,8 +107,8 @@ impl Bench {
         let goes_on = self.until(limit, |heard| heard.statuses(mark).next().map(drop)).await?.is_some();
         let is_same_boot = self.heard.boot == boot;
         let seen = match (goes_on, is_same_boot) {
-            (true, true) => format!("after {} of them it goes on", MALFORMED.len()),
-            (true, false) => "the robot started again".to_owned(),
+            (true, true) => format!("the robot keeps running after {} of them", MALFORMED.len()),
+            (true, false) => "the robot restarted".to_owned(),
             (false, _) => format!("no status for {}", super::report::seconds(limit)),
         };
         self.judge(Rule::MalformedHarmless, goes_on && is_same_boot, seen);

@@ -1,4 +1,4 @@
-//! What a check found: one result for each rule.
+//! Report of a check: one result for each rule.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,15 +8,15 @@ use serde::{Serialize, Serializer};
 use vibrissa_protocol::Rule;
 use vibrissa_protocol::rules::Visible;
 
-/// Whether a robot keeps a rule.
+/// Result of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Outcome {
-    /// It was seen to keep it.
+    /// The robot was observed to follow the rule.
     Pass,
-    /// It was seen to break it.
+    /// The robot was observed to violate the rule.
     Fail,
-    /// It could not be seen, for the reason in [`Finding::seen`].
+    /// The rule could not be tested, for the reason in [`Finding::seen`].
     Skipped,
 }
 
@@ -30,17 +30,17 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// What was found of one rule.
+/// Result of one rule with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// The rule.
+    /// The rule of the contract.
     #[serde(serialize_with = "id")]
     pub rule: Rule,
-    /// Whether it is kept.
+    /// Result of the test.
     pub outcome: Outcome,
-    /// What was seen, or why nothing was.
+    /// Observation, or the reason why the rule was not tested.
     pub seen: String,
-    /// What the rule asks.
+    /// Requirement of the rule.
     pub expected: &'static str,
 }
 
@@ -48,35 +48,35 @@ fn id<S: Serializer>(rule: &Rule, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(rule.id())
 }
 
-/// What a check found.
+/// Report of a check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The fleet.
+    /// Name of the fleet.
     pub fleet: String,
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// The whisker that setpoints were tried on, as `array/number`.
+    /// Whisker on which setpoints were tried, as `array/number`.
     pub whisker: Option<String>,
-    /// The epoch of those setpoints.
+    /// Epoch of these setpoints.
     pub epoch: u64,
-    /// How long it took, in seconds.
+    /// Duration of the check, in seconds.
     pub seconds: f64,
-    /// Whether it was stopped before its end.
+    /// Whether the check was stopped before its end.
     pub is_interrupted: bool,
-    /// Every rule, in the contract's order.
+    /// Results of all rules, in the contract's order.
     pub findings: Vec<Finding>,
-    /// What the operator needs to know beyond that.
+    /// Additional notes for the operator.
     pub notes: Vec<String>,
 }
 
 impl Report {
-    /// How many rules came out so.
+    /// Number of rules with this result.
     #[must_use]
     pub fn count(&self, outcome: Outcome) -> usize {
         self.findings.iter().filter(|finding| finding.outcome == outcome).count()
     }
 
-    /// The rules that came out so.
+    /// Rules with this result.
     #[must_use]
     pub fn rules(&self, outcome: Outcome) -> Vec<Rule> {
         self.findings.iter().filter(|finding| finding.outcome == outcome).map(|finding| finding.rule).collect()
@@ -99,7 +99,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// What is known of each rule so far. The first thing seen to be wrong stays.
+/// Results so far. Later results do not replace a rule's first violation.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
     known: BTreeMap<Rule, (Outcome, String)>,
@@ -107,33 +107,33 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// The rule is kept, as far as this shows.
+    /// The rule is followed, as far as this observation shows.
     pub(super) fn pass(&mut self, rule: Rule, seen: impl Into<String>) {
         if !self.has_failed(rule) {
             self.known.insert(rule, (Outcome::Pass, seen.into()));
         }
     }
 
-    /// The rule is broken.
+    /// The rule is violated.
     pub(super) fn fail(&mut self, rule: Rule, seen: impl Into<String>) {
         if !self.has_failed(rule) {
             self.known.insert(rule, (Outcome::Fail, seen.into()));
         }
     }
 
-    /// As it holds or not.
+    /// Passes or fails the rule.
     pub(super) fn judge(&mut self, rule: Rule, holds: bool, seen: impl Into<String>) {
         if holds { self.pass(rule, seen) } else { self.fail(rule, seen) }
     }
 
-    /// Nothing can be seen of these, unless something was already.
+    /// Skips the rules that have no result yet.
     pub(super) fn skip(&mut self, rules: &[Rule], why: &str) {
         for &rule in rules {
             self.known.entry(rule).or_insert_with(|| (Outcome::Skipped, why.to_owned()));
         }
     }
 
-    /// Something for the operator.
+    /// Adds a note for the operator.
     pub(super) fn note(&mut self, note: String) {
         self.notes.push(note);
     }
@@ -142,7 +142,7 @@ impl Findings {
         matches!(self.known.get(&rule), Some((Outcome::Fail, _)))
     }
 
-    /// All rules, and the notes; `unseen` is why nothing is known of the rest.
+    /// The results of all rules, and the notes; `unseen` is the reason for rules without a result.
     pub(super) fn close(mut self, unseen: &str) -> (Vec<Finding>, Vec<String>) {
         let finding = |&rule: &Rule| {
             let (outcome, seen) = self.known.remove(&rule).unwrap_or_else(|| {
@@ -158,7 +158,7 @@ impl Findings {
     }
 }
 
-/// A time for people.
+/// A duration as text, in seconds.
 pub(super) fn seconds(time: Duration) -> String {
     format!("{:.1} s", time.as_secs_f64())
 }

@@ -1,4 +1,4 @@
-//! What can only be seen while somebody takes the robot's power away and gives it back.
+//! Rules that can be tested only during a restart of the robot.
 
 use vibrissa_protocol::{Connection, ConnectionState, Message, Rule};
 
@@ -8,19 +8,20 @@ use super::log::Entry;
 use super::report::seconds;
 use super::{Progress, is_factsheet};
 
-/// All that is seen then.
+/// The rules of a restart.
 const RULES: [Rule; 4] = [Rule::Will, Rule::WillRetained, Rule::BootIdNew, Rule::SeqFromZero];
 
 impl Bench {
-    /// Waits for a restart, and looks at it.
+    /// Waits for a restart, and tests its rules.
     pub(super) async fn restart(&mut self, progress: &mut (dyn FnMut(Progress) + Send)) -> anyhow::Result<()> {
         if !self.options.restart {
-            self.skip(&RULES, "needs --restart, and somebody who takes the robot's power away and gives it back");
+            self.skip(&RULES, "requires --restart, and somebody to cut the robot's power and restore it");
             return Ok(());
         }
         let (mark, old, limit) = (self.mark(), self.heard.boot.clone(), self.timings().restart);
         progress(Progress::RestartNow(limit));
-        // They may come in either order: a broker that waits for a silent robot gives its will after its next birth.
+        // They may come in either order: a broker that waits for a silent robot publishes its will after its next
+        // birth.
         let both = |heard: &Listener| {
             let said = |state| connection(heard, mark, state).map(|(at, _)| at);
             said(ConnectionState::Offline)
@@ -30,7 +31,7 @@ impl Bench {
         let broken = connection(&self.heard, mark, ConnectionState::ConnectionBroken);
         let birth = connection(&self.heard, mark, ConnectionState::Online);
         if connection(&self.heard, mark, ConnectionState::Offline).is_some() {
-            self.skip(&RULES, "the robot left in good order: its power must be taken away");
+            self.skip(&RULES, "the robot signed off in good order: its power must be cut");
             return Ok(());
         }
         if broken.is_none() && birth.is_none() {
@@ -41,7 +42,7 @@ impl Bench {
             Some((_, (will, retained))) => {
                 let is_its = Some(&will.boot_id) == old.as_ref();
                 let seen = if is_its {
-                    "CONNECTION_BROKEN, of the boot that ended".to_owned()
+                    "CONNECTION_BROKEN of the boot that ended".to_owned()
                 } else {
                     format!("CONNECTION_BROKEN of boot {}, which is not the one that ended", will.boot_id)
                 };
@@ -50,8 +51,8 @@ impl Bench {
                 self.judge(Rule::WillRetained, *retained, seen);
             }
             None => {
-                self.fail(Rule::Will, "the robot came back, and no CONNECTION_BROKEN came");
-                self.skip(&[Rule::WillRetained], "there was no will");
+                self.fail(Rule::Will, "the robot returned without a CONNECTION_BROKEN");
+                self.skip(&[Rule::WillRetained], "no will was published");
             }
         }
         self.rebirth(birth, old.as_ref()).await
@@ -63,19 +64,23 @@ impl Bench {
         old: Option<&vibrissa_protocol::BootId>,
     ) -> anyhow::Result<()> {
         let Some((at, (birth, _))) = birth else {
-            let why = format!("the robot did not come back within {}", seconds(self.timings().restart));
+            let why = format!("the robot did not return within {}", seconds(self.timings().restart));
             self.skip(&RULES, &why);
             return Ok(());
         };
         let is_new = Some(&birth.boot_id) != old;
-        let seen = if is_new { "another one than before".to_owned() } else { format!("{} again", birth.boot_id) };
+        let seen = if is_new { "a new boot_id".to_owned() } else { format!("{} again", birth.boot_id) };
         self.judge(Rule::BootIdNew, is_new, seen);
         let limit = self.timings().answer;
         let follows = |heard: &Listener| heard.log[at..].iter().any(|entry| is_factsheet(&entry.message)).then_some(());
         let came = self.until(limit, follows).await?.is_some();
-        let seen = if came { "it followed".to_owned() } else { format!("none within {} of the birth", seconds(limit)) };
+        let seen = if came {
+            "it followed the birth".to_owned()
+        } else {
+            format!("no factsheet within {} of the birth", seconds(limit))
+        };
         self.judge(Rule::FactsheetAfterBirth, came, seen);
-        // The first numbers of the new boot.
+        // Waits for the first numbers of the new boot.
         let limit = self.timings().status.1;
         self.until(limit, |heard| heard.statuses(at).next().map(drop)).await?;
         if !is_new {
@@ -85,7 +90,7 @@ impl Bench {
     }
 }
 
-/// The first connection message of that state since then: its place in the log, itself, and whether it was to be retained.
+/// The first connection message with this state since `mark`: position in the log, content, and retain flag.
 fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(usize, (Connection, bool))> {
     let find = |(at, entry): (usize, &Entry)| match &entry.message {
         Message::Connection(connection) if connection.state == state => {

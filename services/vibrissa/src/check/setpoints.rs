@@ -1,4 +1,4 @@
-//! Setpoints that are right: taken, applied, superseded, repeated.
+//! Valid setpoints: accepted, applied, superseded, repeated.
 
 use std::time::{Duration, Instant};
 
@@ -9,17 +9,17 @@ use vibrissa_protocol::{RequestKind, RobotTopic, Rule, Setpoint, SetpointError, 
 use super::bench::{Bench, Trial, answers, told};
 use super::report::seconds;
 
-/// How near a pressure must be to its setpoint: regulators of small robots dither by a step of a coarse sensor.
+/// Tolerance between a pressure and its setpoint: regulators of small robots dither by a step of a coarse sensor.
 const NEAR_MPA: f64 = 0.005;
-/// How far a pressure may be ahead of its ramp, for the same reason.
+/// Tolerance of a pressure ahead of its ramp, for the same reason.
 const AHEAD_MPA: f64 = 0.005;
-/// How exactly a status repeats a setpoint.
+/// Tolerance of the setpoint in a status.
 const REPEATED_MPA: f64 = 0.0005;
-/// How often the pressure is asked for on its way.
+/// Interval of status requests during a slow change.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-/// So slow that a setpoint is still under way when the next one comes.
+/// So slow that a setpoint is still being applied when the next one comes.
 pub(super) const SLOW_MPA_PER_S: f64 = 0.002;
-/// What needs a setpoint that was taken.
+/// Rules that require an accepted setpoint.
 const TAKEN: [Rule; 6] = [
     Rule::SetpointApplied,
     Rule::SetpointInStatus,
@@ -30,7 +30,7 @@ const TAKEN: [Rule; 6] = [
 ];
 
 impl Bench {
-    /// Tests what a robot does with setpoints that are right.
+    /// Tests the robot's reactions to valid setpoints.
     ///
     /// # Errors
     /// The robot has seen a higher epoch.
@@ -42,7 +42,7 @@ impl Bench {
         self.extra_fields(trial).await
     }
 
-    /// The first setpoint; none if it is not taken.
+    /// Sends the first setpoint; `None` if it is not applied.
     async fn first(&mut self, trial: &Trial) -> anyhow::Result<Option<Setpoint>> {
         let setpoint = self.setpoint(trial, trial.away_mpa);
         let mark = self.send(&setpoint).await?;
@@ -50,8 +50,8 @@ impl Bench {
         if end.as_ref().and_then(|end| end.error) == Some(SetpointError::Stale) {
             self.is_away = false;
             bail!(
-                "the robot calls epoch {} STALE: it has seen a higher one, perhaps of a supervisor that the broker knows \
-                 nothing of any more. Restart the robot, which then has seen none, or say --epoch",
+                "the robot refuses epoch {} as STALE: it has seen a higher one, perhaps of a supervisor that the \
+                 broker no longer knows. Restart the robot, which then forgets it, or use --epoch",
                 self.epoch
             );
         }
@@ -79,7 +79,7 @@ impl Bench {
         let status = self.fresh_status(trial).await?;
         let read_mpa = status.as_ref().map(|status| status.pressure_mpa);
         let is_near = |mpa: Option<f64>| mpa.is_none_or(|mpa| (mpa - asked_mpa).abs() <= NEAR_MPA);
-        let shown = |mpa: Option<f64>| mpa.map_or("not told".to_owned(), |mpa| format!("{mpa:.4} MPa"));
+        let shown = |mpa: Option<f64>| mpa.map_or("not reported".to_owned(), |mpa| format!("{mpa:.4} MPa"));
         let seen = format!(
             "APPLIED at {}, then {} in the status, of {asked_mpa:.4} MPa",
             shown(end.pressure_mpa),
@@ -87,7 +87,7 @@ impl Bench {
         );
         self.judge(Rule::SetpointApplied, is_near(end.pressure_mpa) && is_near(read_mpa), seen);
         let Some(status) = status else {
-            self.skip(&[Rule::SetpointInStatus], "no status came that names the whisker");
+            self.skip(&[Rule::SetpointInStatus], "no status contains the whisker");
             return Ok(());
         };
         let holds = (status.setpoint_mpa - asked_mpa).abs() <= REPEATED_MPA;
@@ -95,10 +95,10 @@ impl Bench {
         Ok(())
     }
 
-    /// Goes home slowly, and looks often on the way.
+    /// Returns to the first setpoint slowly, and requests statuses meanwhile.
     async fn slew(&mut self, trial: &Trial) -> anyhow::Result<()> {
         let Some(before) = self.fresh_status(trial).await? else {
-            self.skip(&[Rule::Slew], "no status came that names the whisker");
+            self.skip(&[Rule::Slew], "no status contains the whisker");
             return Ok(());
         };
         let way_mpa = (trial.home_mpa - trial.away_mpa).abs();
@@ -124,14 +124,14 @@ impl Bench {
         for (status, at) in self.heard.statuses(mark) {
             let after = at.saturating_duration_since(sent);
             let entry = status.whiskers.iter().find(|one| one.array == trial.array && one.whisker == trial.whisker);
-            // Later it may be there.
+            // Later the pressure may have arrived.
             let Some(entry) = entry.filter(|_| after < self.timings().slew.mul_f64(0.75)) else { continue };
             looked += 1;
             let ahead_mpa = (entry.pressure_mpa - before_mpa).abs() - rate_mpa_per_s * after.as_secs_f64();
             worst_mpa = worst_mpa.max(ahead_mpa);
         }
         if looked == 0 {
-            self.skip(&[Rule::Slew], "no status came on the way: the robot does not answer requests for it");
+            self.skip(&[Rule::Slew], "no status came during the change: the robot does not answer requests for it");
             return;
         }
         let seen = format!(
@@ -141,7 +141,7 @@ impl Bench {
         self.judge(Rule::Slew, worst_mpa <= AHEAD_MPA, seen);
     }
 
-    /// Sends the first command again, after another one has been applied.
+    /// Sends the first command again, after another one was applied.
     async fn repeat(&mut self, trial: &Trial, first: &Setpoint) -> anyhow::Result<()> {
         let (again, was_away) = (self.again(first), self.is_away);
         let mark = self.send(&again).await?;
@@ -153,14 +153,14 @@ impl Bench {
         let is_answered = is_applied_again || all.iter().any(|one| one.state == SetpointOutcome::Applied);
         let shown = if all.is_empty() { "no answer".to_owned() } else { list(&all) };
         self.judge(Rule::CommandAgainAnswered, is_answered, format!("{shown}, to a command that was APPLIED"));
-        // Where a status shows the setpoint in force it must not have moved.
+        // The setpoint in a status must not have changed.
         let status = self.fresh_status(trial).await?;
         let has_moved = status.is_some_and(|one| (one.setpoint_mpa - trial.away_mpa).abs() <= REPEATED_MPA)
             && (trial.away_mpa - trial.home_mpa).abs() > 2.0 * REPEATED_MPA;
         let seen = match (is_applied_again, has_moved) {
             (true, _) => format!("{shown}, to a command that was APPLIED before"),
-            (false, true) => "the status shows its setpoint in force again".to_owned(),
-            (false, false) => "the setpoint in force stayed".to_owned(),
+            (false, true) => "the status shows its setpoint again".to_owned(),
+            (false, false) => "the setpoint did not change".to_owned(),
         };
         self.judge(Rule::CommandAgainNotApplied, !is_applied_again && !has_moved, seen);
         if is_applied_again || has_moved {
@@ -183,22 +183,20 @@ impl Bench {
         let older_end = answers(&self.heard, mark, &slow.command_id).into_iter().find(|one| one.state.is_final());
         let is_applied = newer_end.as_ref().is_some_and(|one| one.state == SetpointOutcome::Applied);
         self.is_away = !is_applied;
-        let end = |end: Option<SetpointState>| end.map_or("without an end".to_owned(), |end| told(&end));
+        let end = |end: Option<SetpointState>| end.map_or("no final state".to_owned(), |end| told(&end));
         let is_superseded = older_end.as_ref().is_some_and(|one| one.state == SetpointOutcome::Superseded);
         let seen = format!("the older one: {}; the newer one: {}", end(older_end), end(newer_end));
         self.judge(Rule::Supersede, is_superseded && is_applied, seen);
         Ok(())
     }
 
-    /// Sends a setpoint with fields that no contract knows.
+    /// Sends a setpoint with fields that the contract does not have.
     async fn extra_fields(&mut self, trial: &Trial) -> anyhow::Result<()> {
         let setpoint = self.setpoint(trial, trial.home_mpa);
         let mut value = serde_json::to_value(&setpoint)?;
         if let Value::Object(fields) = &mut value {
-            fields.insert(
-                "check_note".to_owned(),
-                serde_json::json!({"for": "robots that look too closely", "n": [1, 2]}),
-            );
+            fields
+                .insert("check_note".to_owned(), serde_json::json!({"for": "robots with strict parsers", "n": [1, 2]}));
         }
         let mark = self.mark();
         self.is_away = true;

@@ -1,31 +1,31 @@
-//! How long a check waits for what.
+//! Time limits of a check.
 
 use std::time::Duration;
 
-/// Times of a check. The contract's own are those of the default; tests with robots that are known to be quick take shorter ones.
+/// Time limits of a check. The defaults are those of the contract; tests with fast simulated robots use shorter ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timings {
-    /// For what the broker retains.
+    /// Reading the retained messages.
     pub retained: Duration,
-    /// For an answer to a request, and for the first one to a setpoint.
+    /// Answer to a request, and first answer to a setpoint.
     pub answer: Duration,
-    /// After a receipt what it covers may still come: it was under way.
+    /// Time after a receipt in which covered messages may still arrive, because they were in transit.
     pub grace: Duration,
-    /// The shortest and the longest time between two statuses that the contract allows.
+    /// Shortest and longest status period that the contract allows.
     pub status: (Duration, Duration),
-    /// How far times may be from ours.
+    /// Largest deviation of the robot's clock from this machine's.
     pub clock: Duration,
-    /// For a setpoint's final state.
+    /// Final state of a setpoint.
     pub apply: Duration,
-    /// What the pressure's slow change takes.
+    /// Duration of the slow pressure change.
     pub slew: Duration,
-    /// For contacts: somebody has to touch a whisker.
+    /// First contacts: somebody has to touch a whisker.
     pub contacts: Duration,
-    /// For a contacts message to be sent again for the first time, or after a receipt.
+    /// First retransmission of a contacts message, and retransmission after a receipt.
     pub resend: Duration,
-    /// For it to be sent again so often that pauses can be seen to grow.
+    /// Enough retransmissions to see the pauses grow.
     pub backoff: Duration,
-    /// For somebody to take the robot's power away and give it back.
+    /// Cutting the robot's power and restoring it.
     pub restart: Duration,
 }
 
@@ -49,7 +49,7 @@ impl Default for Timings {
 }
 
 impl Timings {
-    /// How long a robot that keeps the contract takes, and how long any robot may take.
+    /// Expected duration for a robot that conforms to the contract, and longest duration for any robot.
     #[must_use]
     pub fn expected(&self, with_restart: bool) -> (Duration, Duration) {
         let usual = self.retained + 3 * self.status.0 + 4 * self.answer + self.slew + 5 * self.grace;

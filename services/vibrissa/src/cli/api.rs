@@ -1,4 +1,4 @@
-//! The API from the command line: who is asked, with which token, and what is made of problems.
+//! Client of the API for the command line.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -8,28 +8,28 @@ use clap::Args;
 use serde_json::Value;
 use url::Url;
 
-/// A supervisor to ask.
+/// Arguments of the commands that use the API.
 #[derive(Debug, Args)]
 pub struct ApiArgs {
-    /// Where it listens.
+    /// URL of the supervisor.
     #[arg(long, env = "VIBRISSA_URL", default_value = "http://127.0.0.1:8080")]
     url: Url,
-    /// A file with the token; not needed on loopback.
+    /// File with the API token; not needed on loopback.
     #[arg(long, env = "VIBRISSA_TOKEN_FILE", value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// As JSON: one line for each row.
+    /// Print JSON, one line per row.
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// How long an answer is waited for.
+/// Time limit of a request.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Rows of a page.
+/// Rows per page.
 const PAGE: u32 = 1000;
-/// Bytes of an answer at the most.
+/// Size limit of an answer, in bytes.
 const ANSWER_BYTES_MAX: u64 = 64 * 1024 * 1024;
 
-/// A supervisor that can be asked.
+/// Client of a supervisor's API.
 pub(super) struct Api {
     url: Url,
     authorization: Option<String>,
@@ -37,10 +37,10 @@ pub(super) struct Api {
 }
 
 impl ApiArgs {
-    /// Where to ask.
+    /// A client with these arguments; sends nothing yet.
     ///
     /// # Errors
-    /// The token cannot be read.
+    /// The token file cannot be read.
     pub(super) fn open(&self) -> anyhow::Result<Api> {
         let token = match (&self.token_file, std::env::var("VIBRISSA_TOKEN")) {
             (Some(path), _) => {
@@ -61,10 +61,10 @@ impl ApiArgs {
 }
 
 impl Api {
-    /// Every row of a list, page by page.
+    /// All rows of a list, page by page.
     ///
     /// # Errors
-    /// Nobody answers, or with a problem.
+    /// The supervisor does not answer, or refuses the request.
     pub(super) fn rows(&self, path: &str, filters: &[(&str, Option<String>)]) -> anyhow::Result<Vec<Value>> {
         let mut rows = Vec::new();
         let mut cursor: Option<String> = None;
@@ -93,18 +93,18 @@ impl Api {
         }
     }
 
-    /// What is at a path.
+    /// The resource at a path.
     ///
     /// # Errors
-    /// Nobody answers, or with a problem.
+    /// The supervisor does not answer, or refuses the request.
     pub(super) fn one(&self, path: &str) -> anyhow::Result<Value> {
         self.get(&self.at(path)?)
     }
 
-    /// Asks for an action; sent once, under a key of its own.
+    /// Requests an action, once, under an idempotency key of its own.
     ///
     /// # Errors
-    /// Nobody answers, or with a problem.
+    /// The supervisor does not answer, or refuses the request.
     pub(super) fn act(&self, path: &str, body: &Value) -> anyhow::Result<Value> {
         let url = self.at(path)?;
         let mut request = self
@@ -115,12 +115,12 @@ impl Api {
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }
-        let answer = request.send(body.to_string()).with_context(|| format!("asking {url}"))?;
+        let answer = request.send(body.to_string()).with_context(|| format!("requesting {url}"))?;
         read(&url, answer)
     }
 
     fn at(&self, path: &str) -> anyhow::Result<Url> {
-        self.url.join(path).with_context(|| format!("no URL: {}{path}", self.url))
+        self.url.join(path).with_context(|| format!("invalid URL: {}{path}", self.url))
     }
 
     fn get(&self, url: &Url) -> anyhow::Result<Value> {
@@ -128,16 +128,16 @@ impl Api {
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }
-        read(url, request.call().with_context(|| format!("asking {url}: is a supervisor running there?"))?)
+        read(url, request.call().with_context(|| format!("requesting {url}: is a supervisor running there?"))?)
     }
 }
 
-/// The answer, or the problem in its own words.
+/// The JSON of an answer, or an error with the detail of the problem.
 fn read(url: &Url, mut answer: ureq::http::Response<ureq::Body>) -> anyhow::Result<Value> {
     let status = answer.status();
     let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
     let body = body.with_context(|| format!("reading the answer of {url}"))?;
-    let told: Value = serde_json::from_slice(&body).with_context(|| format!("{url} answered {status}, not in JSON"))?;
+    let told: Value = serde_json::from_slice(&body).with_context(|| format!("{url} answered {status} without JSON"))?;
     if status.is_success() {
         return Ok(told);
     }
@@ -146,7 +146,7 @@ fn read(url: &Url, mut answer: ureq::http::Response<ureq::Body>) -> anyhow::Resu
     bail!("{status}: {detail}{hint} (request {})", told["request_id"].as_str().unwrap_or("?"))
 }
 
-/// A row's field as a text; `-` where there is none.
+/// A row's field as text; `-` for null.
 pub(super) fn text(row: &Value, field: &str) -> String {
     match &row[field] {
         Value::Null => "-".to_owned(),
@@ -155,12 +155,12 @@ pub(super) fn text(row: &Value, field: &str) -> String {
     }
 }
 
-/// A row's number with so many decimals.
+/// A row's number with this many decimals; `-` for null.
 pub(super) fn number(row: &Value, field: &str, decimals: usize) -> String {
     row[field].as_f64().map_or_else(|| "-".to_owned(), |number| format!("{number:.decimals$}"))
 }
 
-/// A row's ratio in percent.
+/// A row's ratio in percent; `-` for null.
 pub(super) fn percent(row: &Value, field: &str) -> String {
     row[field].as_f64().map_or_else(|| "-".to_owned(), |ratio| format!("{:.1}", 100.0 * ratio))
 }

@@ -1,4 +1,4 @@
-//! `vibrissa calibrate`: a whisker's own calibration from readings under pressure.
+//! `vibrissa calibrate`: fits a whisker's calibration to readings under pressure.
 
 mod readings;
 
@@ -19,31 +19,31 @@ use vibrissa_supervisor::plot::calibration;
 #[command(after_long_help = "\
 The CSV file has a header. Columns, in any order:
   pressure_mpa              gauge pressure of the chamber
-  strain                    axial strain of the gauge, m/m; or instead of it
-  strain_reading_um_per_m   what the instrument shows in um/m, divided by the gauge factor here; or
-  strain_reading_mm_per_m   the same in mm/m
+  strain                    axial strain of the gauge, m/m; or instead one of
+  strain_reading_um_per_m   instrument reading in um/m, which is divided by the gauge factor
+  strain_reading_mm_per_m   instrument reading in mm/m, likewise
   elongation_mm             elongation of the chamber (optional)
-An empty cell is no reading. Lines that start with # are passed over.")]
+An empty cell means no reading. Lines that start with # are ignored.")]
 pub struct CalibrateArgs {
-    /// The readings: pressure and strain without contact.
+    /// CSV file with the readings: pressure and strain without contact.
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
-    /// Young's modulus of the rubber, MPa: strains alone fix only its product with k2.
+    /// Young's modulus of the rubber, MPa; strains alone determine only its product with k2.
     #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa)]
     youngs_modulus_mpa: f64,
     /// Gauge factor, for instrument readings that were taken with a factor of 1.
     #[arg(long, default_value_t = 2.21, value_parser = positive)]
     gauge_factor: f64,
-    /// Name of the model, for factsheets; the file's name if left out.
+    /// Name of the model in factsheets; default: the name of the file.
     #[arg(long)]
     name: Option<Name>,
-    /// A calibration file whose [geometry] the whisker has, if not the paper's.
+    /// Calibration file with the whisker's [geometry]; default: the paper's.
     #[arg(long, value_name = "FILE.toml")]
     geometry: Option<PathBuf>,
-    /// Write the calibration here.
+    /// Write the calibration to this file.
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
-    /// Draw the readings and the fit here.
+    /// Draw the readings and the fit to this file.
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
 }
@@ -53,10 +53,10 @@ fn positive(text: &str) -> Result<f64, String> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) }
 }
 
-/// Fits, prints, and writes what was asked for.
+/// Fits the readings, prints the result, and writes the requested files.
 ///
 /// # Errors
-/// The readings are refused, with line and column; they determine no calibration; a file cannot be written.
+/// The readings are invalid (with line and column) or determine no calibration, or a file cannot be written.
 pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
     let name = args.model_name()?;
     let geometry = match &args.geometry {
@@ -67,7 +67,7 @@ pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
     let rows: Vec<_> = readings.iter().map(|reading| reading.row).collect();
     let fit = fit_calibration(&geometry, args.youngs_modulus_mpa, &rows)
         .map_err(|error| at_line(&args.file, &readings, error))?;
-    // Files first: they shall be there even if nobody reads the report to its end.
+    // Files first, so that they exist even if the reader of the report closes the pipe.
     if let Some(path) = &args.out {
         write_toml(path, &args.file, &CalibrationFile::new(&name, &geometry, &fit.calibration))?;
     }
@@ -90,20 +90,20 @@ impl CalibrateArgs {
             return Ok(name.clone());
         }
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
-        Name::new(&stem).context("the file's name is no name for a model: give one with --name")
+        Name::new(&stem).context("the file's name is not a valid model name: give one with --name")
     }
 }
 
-/// The fit counts rows, the reader of the file counts lines.
+/// Replaces the fit's row numbers by the file's line numbers.
 fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error {
     let file = path.display();
     let line = |row: usize| readings.get(row - 1).map_or(0, |reading| reading.line);
     match error {
         FitError::StrainNotPositive { row, value } => {
-            anyhow!("{file}, line {}, strain: under pressure it must be above 0, not {value} m/m", line(row))
+            anyhow!("{file}, line {}, strain: must be above 0 under pressure, not {value} m/m", line(row))
         }
         FitError::ElongationNotPositive { row, value_mm } => {
-            anyhow!("{file}, line {}, elongation_mm: under pressure it must be above 0, not {value_mm}", line(row))
+            anyhow!("{file}, line {}, elongation_mm: must be above 0 under pressure, not {value_mm}", line(row))
         }
         FitError::NothingAboveZeroPressure
         | FitError::TooFewStrains { .. }
@@ -128,9 +128,9 @@ fn print_fit(name: &Name, geometry: &Geometry, fit: &Fit, out: &mut dyn Write) -
     match &fit.elongation_gain_mm {
         Some(gain) => {
             line(out, "G, elongation gain (mm)", gain)?;
-            writeln!(out, "{:<28} {by_shape_mm:>11.5}", "  G by the shape (eq. 24)")?;
+            writeln!(out, "{:<28} {by_shape_mm:>11.5}", "  G by geometry (eq. 24)")?;
         }
-        None => writeln!(out, "{:<28} {by_shape_mm:>11.5}   by the shape (eq. 24)", "G, elongation gain (mm)")?,
+        None => writeln!(out, "{:<28} {by_shape_mm:>11.5}   by geometry (eq. 24)", "G, elongation gain (mm)")?,
     }
     writeln!(out, "{:<28} {:>11.5}   given", "E, Young's modulus (MPa)", calibration.youngs_modulus_mpa)?;
     writeln!(out, "\nscatter of one strain reading: {:.2} %", 100.0 * fit.residual_sd)?;
@@ -144,7 +144,7 @@ fn print_readings(readings: &[Reading], fit: &Fit, out: &mut dyn Write) -> Resul
     writeln!(
         out,
         "\n{:>5} {:>15} {:>11}   {:>9}   {:>13}   {:>20}",
-        "line", "pressure (MPa)", "strain", "k2", "off by (%)", "elongation off (%)"
+        "line", "pressure (MPa)", "strain", "k2", "residual (%)", "elongation res. (%)"
     )?;
     let cell = |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |v| format!("{v:.decimals$}"));
     for (reading, residual) in readings.iter().zip(&fit.residuals) {

@@ -1,4 +1,4 @@
-//! `vibrissa check-robot`: does this robot keep the contract?
+//! `vibrissa check-robot`: checks whether a robot conforms to the contract.
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -18,33 +18,34 @@ use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
-It talks to the robot as its supervisor would: no supervisor may own the fleet meanwhile, and none may be merely cut off. Somebody must touch \
-whiskers during the check, or nothing is learned of contacts and receipts. Contacts of that time, and those that the robot \
-kept, are receipted in part, and recorded nowhere.
+The check takes the place of the robot's supervisor: no supervisor may own the fleet meanwhile, not even a \
+disconnected one. Somebody must touch whiskers during the check, otherwise contacts and receipts are not tested. \
+Contacts of that time, and those that the robot had buffered, are partly receipted and not recorded.
 
-Pressures stay within 0.01 MPa of the present setpoint of one whisker, which is put back at the end and on Ctrl-C. One setpoint is 0.001 MPa \
-above the limit of the factsheet, for the robot to refuse; for limits below 0.2 MPa never above 0.2 MPa. It allows 0.002 MPa/s, and is called \
-back at once if the robot takes it.
+Pressures stay within 0.01 MPa of one whisker's present setpoint, which is restored at the end and on Ctrl-C. One \
+setpoint is 0.001 MPa above the limit of the factsheet, and the robot must refuse it; for limits below 0.2 MPa it is \
+never above 0.2 MPa. It allows 0.002 MPa/s, and is withdrawn at once if the robot accepts it.
 
-Epochs: a robot refuses what comes with a lower epoch than it has seen, until it starts again. The check uses the epoch of the last supervisor, \
-which the broker retains, with higher versions; the next supervisor's epoch is higher, so that the robot obeys it at once. With an --epoch above \
-that the robot must be restarted before it is supervised again.
+Epochs: until it restarts, a robot refuses messages with a lower epoch than the highest it has seen. The check uses \
+the epoch of the last supervisor, which the broker retains, with higher versions; the next supervisor's epoch is \
+higher, so that the robot obeys it at once. With a higher --epoch the robot must be restarted before it is supervised \
+again.
 
-The rules are in docs/contract-rules.md. The exit code is 0 only if none was broken.")]
+The rules are in docs/contract-rules.md. The exit code is 0 only if no rule was violated.")]
 pub struct CheckRobotArgs {
-    /// The robot.
+    /// Name of the robot.
     #[arg(long, value_name = "NAME", value_parser = |text: &str| Name::robot(text))]
     robot: Name,
-    /// The whisker to try setpoints on, as ARRAY/NUMBER; the first of its factsheet if left out.
+    /// Whisker to try setpoints on, as ARRAY/NUMBER; default: the first of the factsheet.
     #[arg(long, value_name = "WHISKER", value_parser = whisker)]
     whisker: Option<(Name, u16)>,
-    /// The epoch of those setpoints; the last supervisor's if left out.
+    /// Epoch of these setpoints; default: the last supervisor's.
     #[arg(long, value_name = "NUMBER")]
     epoch: Option<u64>,
-    /// Look at a restart, too: the check says when to take the robot's power away.
+    /// Also check a restart: the check tells when to cut the robot's power.
     #[arg(long)]
     restart: bool,
-    /// The report as one JSON object.
+    /// Print the report as one JSON object.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -57,14 +58,14 @@ fn whisker(text: &str) -> Result<(Name, u16), String> {
     Ok((Name::new(array).map_err(|problem| problem.to_string())?, number.parse().map_err(|_| bad())?))
 }
 
-/// Checks a robot, and prints what was found.
+/// Checks a robot, and prints the report.
 ///
 /// # Errors
-/// It cannot be checked: there is no broker, a supervisor owns the fleet, or the robot is not there.
+/// There is no broker, a supervisor owns the fleet, or the robot is not connected.
 pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCode> {
     let config = args.config.read()?;
-    let Some(broker) = &config.broker else { bail!("say where the robot is: --broker mqtt://HOST:1883, or mqtt.url") };
-    let [fleet] = &config.fleets[..] else { bail!("say which fleet the robot is of, and one only: --fleet") };
+    let Some(broker) = &config.broker else { bail!("a broker is required: --broker mqtt://HOST:1883, or mqtt.url") };
+    let [fleet] = &config.fleets[..] else { bail!("exactly one fleet is required: --fleet NAME") };
     log(&config.log);
     let options = CheckOptions {
         fleet: fleet.clone(),
@@ -92,7 +93,7 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions) -> anyhow::Resul
         broker: broker.clone(),
         prepared: mqtt::prepare(broker)?,
         fleet: options.fleet.clone(),
-        boot_id: BootId::new(&mark).context("a name for the connection")?,
+        boot_id: BootId::new(&mark).context("creating the boot ID of the connection")?,
         epoch: 0,
         link: LinkState::default(),
     };
@@ -102,11 +103,11 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions) -> anyhow::Resul
             _ = tokio::signal::ctrl_c() => {}
             _ = terminate.recv() => {}
         }
-        eprintln!("vibrissa: stopping; the pressure is put back first");
+        eprintln!("vibrissa: stopping; restoring the pressure first");
     };
     let (usual, most) = options.timings.expected(options.restart);
     let robot = &options.robot;
-    eprintln!("vibrissa: checking {robot}: about {} s if all is well, {} s at most", usual.as_secs(), most.as_secs());
+    eprintln!("vibrissa: checking {robot}: takes about {} s, at most {} s", usual.as_secs(), most.as_secs());
     check(&connection, options, &mut |progress| eprintln!("vibrissa: {progress}"), stop).await
 }
 

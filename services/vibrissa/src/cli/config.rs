@@ -16,7 +16,7 @@ pub struct ConfigArgs {
 }
 
 impl std::fmt::Debug for ConfigArgs {
-    /// Without the values: one may be a password.
+    /// Omits the values: one may be a password.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let keys = self.flags.iter().map(|(key, _)| key);
         f.debug_struct("ConfigArgs").field("file", &self.file).field("flags", &keys.collect::<Vec<_>>()).finish()
@@ -41,7 +41,7 @@ fn file() -> Arg {
         .env("VIBRISSA_CONFIG")
         .value_name("FILE")
         .value_parser(clap::value_parser!(PathBuf))
-        .help("The configuration file, TOML; no file is read by itself")
+        .help("Configuration file (TOML); none is read by default")
 }
 
 fn flag(key: Key) -> Arg {
@@ -75,11 +75,11 @@ impl FromArgMatches for ConfigArgs {
     }
 }
 
-/// The part of it that names the database, for commands whose own flags would clash with the rest.
+/// The flags that select the database, for commands whose own flags would clash with the others.
 #[derive(Debug, Clone)]
 pub struct DatabaseArgs(ConfigArgs);
 
-/// Its keys.
+/// The keys of these flags.
 const DATABASE_KEYS: [Key; 2] = [Key::DatabaseUrl, Key::DatabasePasswordFile];
 
 impl Args for DatabaseArgs {
@@ -104,10 +104,10 @@ impl FromArgMatches for DatabaseArgs {
 }
 
 impl DatabaseArgs {
-    /// The configuration; what is odd about it is told on standard error.
+    /// Reads the configuration; warnings go to standard error.
     ///
     /// # Errors
-    /// Everything that is wrong with it.
+    /// Lists all problems of the configuration.
     pub fn read(&self) -> Result<Config, Problems> {
         self.0.read()
     }
@@ -125,10 +125,10 @@ impl ConfigArgs {
         }
     }
 
-    /// The configuration; what is odd about it is told on standard error.
+    /// Reads the configuration; warnings go to standard error.
     ///
     /// # Errors
-    /// Everything that is wrong with it.
+    /// Lists all problems of the configuration.
     pub fn read(&self) -> Result<Config, Problems> {
         check(&self.sources()?)
     }
@@ -182,12 +182,12 @@ fn check(sources: &Sources) -> Result<Config, Problems> {
 /// Prints the configuration in effect.
 ///
 /// # Errors
-/// It is wrong, or standard output is closed.
+/// The configuration is invalid, or standard output is closed.
 pub fn run(args: &ConfigArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let sources = args.sources()?;
     check(&sources)?;
     let rust_log = std::env::var("RUST_LOG").ok();
-    // Not with a context: whoever closes the pipe has seen enough.
+    // Without a context: a closed pipe is not worth an explanation.
     out.write_all(show::effective(&sources, rust_log.as_deref()).as_bytes())?;
     Ok(out.flush()?)
 }

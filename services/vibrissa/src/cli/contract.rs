@@ -1,4 +1,4 @@
-//! `vibrissa contract`: the MQTT contract as documents for other people's tools.
+//! `vibrissa contract`: the MQTT contract as AsyncAPI and JSON Schema documents.
 
 use std::fs;
 use std::io::Write;
@@ -13,7 +13,7 @@ use vibrissa_protocol::document::{self, Channel};
 #[derive(Debug, Args)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
 pub struct ContractArgs {
-    /// Write asyncapi.yaml, and schemas/ with a file for each message, into this folder.
+    /// Write asyncapi.yaml, and a JSON Schema for each message in schemas/, into this folder.
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
     #[command(subcommand)]
@@ -22,13 +22,13 @@ pub struct ContractArgs {
 
 #[derive(Debug, Subcommand)]
 enum Print {
-    /// Print the AsyncAPI 3.0 document, in YAML.
+    /// Print the AsyncAPI 3.0 document as YAML.
     Asyncapi,
-    /// Print the JSON Schemas (draft 2020-12) of all messages, as one object by the messages' names.
+    /// Print the JSON Schemas (draft 2020-12) of all messages as one JSON object, by message name.
     Schemas,
 }
 
-/// Prints or writes.
+/// Prints or writes the documents.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -43,7 +43,7 @@ pub fn run(args: &ContractArgs, out: &mut dyn Write) -> Result<()> {
         None => {}
     }
     let Some(folder) = &args.write else { return Ok(()) };
-    fs::create_dir_all(folder.join("schemas")).with_context(|| format!("making a folder in {}", folder.display()))?;
+    fs::create_dir_all(folder.join("schemas")).with_context(|| format!("creating a folder in {}", folder.display()))?;
     for file in document::files() {
         let path = folder.join(file.path);
         fs::write(&path, file.text).with_context(|| format!("writing {}", path.display()))?;

@@ -1,13 +1,13 @@
-//! `vibrissa metrics`: what `/metrics` has, for people.
+//! `vibrissa metrics`: the reference of all metrics, in Markdown.
 
 use std::io::Write;
 
 use vibrissa_supervisor::metrics;
 
-/// Prints docs/metrics.md.
+/// Prints the text of docs/metrics.md.
 ///
 /// # Errors
-/// It cannot be written.
+/// Standard output cannot be written.
 pub fn run(out: &mut impl Write) -> anyhow::Result<()> {
     write!(out, "{}", metrics::document()?)?;
     Ok(())

@@ -33,46 +33,46 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Supervise a fleet: MQTT in, setpoints out, everything recorded.
+    /// Run the supervisor of one or more fleets.
     Run(config::ConfigArgs),
-    /// The configuration in effect: every key, with where its value came from. Passwords are hidden.
+    /// Print the configuration in effect, each key with its source; passwords are hidden.
     Config(config::ConfigArgs),
-    /// See the whole job in half a minute: broker, supervisor, database and a simulated fleet in one process.
+    /// Run a demonstration of half a minute: broker, supervisor, database and a simulated fleet in one process.
     Demo(serve::DemoArgs),
-    /// Every whisker that a supervisor knows: length, health, pressure, who serves it.
+    /// List the whiskers that a supervisor knows: length, health, pressure, compensator.
     Whiskers(whiskers::WhiskersArgs),
-    /// The compensations that were decided, with predicted and measured error.
+    /// List the compensations with their predicted and measured errors.
     Compensations(whiskers::CompensationsArgs),
-    /// Set a whisker's pressure by hand, or let the supervisor set it again.
+    /// Set a whisker's pressure manually, or release the whisker to the supervisor again.
     Setpoint(whiskers::SetpointArgs),
-    /// Who may use the API: make, list and revoke tokens.
+    /// Create, list and revoke API tokens.
     Token(token::TokenArgs),
-    /// Copy a SQLite database into a file, while a supervisor works with it; the copy is checked.
+    /// Copy a SQLite database to a file while a supervisor uses it, and verify the copy.
     Backup(backup::BackupArgs),
-    /// Write what robots and supervisors say into a file, for `replay`. Says nothing itself.
+    /// Record MQTT traffic of robots and supervisors to a file for `replay`; publishes nothing.
     Record(record::RecordArgs),
-    /// Does this robot keep the contract? Tests it rule by rule, as its supervisor would talk to it.
+    /// Check rule by rule whether a robot conforms to the contract, in the place of its supervisor.
     CheckRobot(check_robot::CheckRobotArgs),
-    /// Recorded traffic through the core once more: every effect as a line of JSON, or two policies compared.
+    /// Replay recorded traffic through the core: print every effect as a line of JSON, or compare two policies.
     Replay(replay::ReplayArgs),
-    /// One question to the model: which pressure makes this whisker feel like that one?
+    /// Solve the model for the pressure at which one whisker feels like another.
     Solve(solve::SolveArgs),
-    /// The paper's table beside ours, and its curves.
+    /// Print the paper's results beside the model's, and draw its curves.
     Paper(paper::PaperArgs),
-    /// How well it does, measured on simulated whiskers whose truth is known.
+    /// Evaluate the core on simulated whiskers whose true state is known.
     Evaluate(evaluate::EvaluateArgs),
-    /// A whisker's own calibration from measurements of its chamber.
+    /// Fit a whisker's calibration to measurements of its chamber.
     Calibrate(calibrate::CalibrateArgs),
-    /// The MQTT contract for robots' engineers: AsyncAPI 3.0 and JSON Schemas.
+    /// Print or write the MQTT contract for robot engineers: AsyncAPI 3.0 and JSON Schemas.
     Contract(contract::ContractArgs),
-    /// What Prometheus is told: every metric with its labels and its meaning, in Markdown.
+    /// Print the reference of all Prometheus metrics with labels and meaning, in Markdown.
     Metrics,
 }
 
 /// Runs a command.
 ///
 /// # Errors
-/// What went wrong, for the person who called it.
+/// The error for the user of the command.
 pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
     match cli.command {
         Command::Run(args) => serve::run(&args).map(|()| ExitCode::SUCCESS),

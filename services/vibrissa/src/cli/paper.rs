@@ -1,4 +1,4 @@
-//! `vibrissa paper`: the paper's compensation experiments beside the model's answers.
+//! `vibrissa paper`: the paper's compensation experiments beside the model's results.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub struct PaperArgs {
     svg: Option<PathBuf>,
 }
 
-/// One of the paper's experiments with what it printed.
+/// One of the paper's experiments with its printed results.
 struct Experiment {
     name: &'static str,
     compensator_mm: f64,
@@ -30,8 +30,8 @@ struct Experiment {
     measured_error_percent: &'static str,
 }
 
-/// Both whiskers start at 0.1 MPa. The model knows no difference between case 1 and self-compensation:
-/// a whisker trimmed to 65 mm is one of 65 mm.
+/// Both whiskers start at 0.1 MPa. For the model, case 1 and self-compensation are the same: a whisker trimmed to 65 mm
+/// is one of 65 mm.
 const EXPERIMENTS: [Experiment; 3] = [
     Experiment {
         name: "case 1: 65 mm for a neighbour of 70 mm",
@@ -61,7 +61,7 @@ const EXPERIMENTS: [Experiment; 3] = [
 
 const START_MPA: f64 = 0.1;
 
-/// Prints the table, and draws the figures if asked to.
+/// Prints the table, and draws the figures on request.
 ///
 /// # Errors
 /// The folder or a figure cannot be written.
@@ -76,7 +76,7 @@ pub fn run(args: &PaperArgs, out: &mut dyn Write) -> Result<()> {
     print_setpoints(&solved, out)?;
     print_errors(&solved, out)?;
     if let Some(folder) = &args.svg {
-        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
         for path in figures::paper::draw(folder)? {
             writeln!(out, "drawn: {}", path.display())?;
         }
@@ -105,7 +105,7 @@ fn print_setpoints(solved: &[Solved<'_>], out: &mut dyn Write) -> Result<()> {
         out,
         "\
 The compensation experiments of \"Mechanics and Morphological Compensation Strategy for Trimmed
-Soft Whisker Sensor\", as printed and as the model answers. Both whiskers start at {START_MPA} MPa; the
+Soft Whisker Sensor\", as printed and as computed by the model. Both whiskers start at {START_MPA} MPa; the
 setpoint makes their tips (a = 1) equally sensitive (eq. 34).
 
 published    eq. 27, 29 and 31 as printed (the default)
@@ -158,7 +158,7 @@ impl Quantity {
     }
 }
 
-/// Self-compensation would repeat case 1.
+/// Omits self-compensation, which would repeat case 1.
 fn print_errors(solved: &[Solved<'_>], out: &mut dyn Write) -> Result<()> {
     let [(_, one, one_consistent), _, (_, two, two_consistent)] = solved else { return Ok(()) };
     writeln!(out, "{:<16} {:>24} {:>24}", "error (%)", "case 1 and self", "case 2")?;

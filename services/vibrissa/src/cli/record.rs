@@ -1,4 +1,4 @@
-//! `vibrissa record`: what is said in fleets into a file.
+//! `vibrissa record`: records the MQTT traffic of fleets to a file.
 
 use std::fs::File;
 use std::io::{Write, stdout};
@@ -16,14 +16,14 @@ use crate::record::{Report, record};
 /// Arguments of `vibrissa record`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
-One message is one line: {\"received_us\":..., \"topic\":\"...\", \"payload\":{...}}. A payload that is no JSON object is
-there as a text, one that is no UTF-8 as payload_base64. Whoever records needs to read whisker/v1/FLEET/# and nothing
-else; births and factsheets, which the broker retains, come first.")]
+Each line is one message: {\"received_us\":..., \"topic\":\"...\", \"payload\":{...}}. A payload that is not a JSON object
+is stored as a text, one that is not UTF-8 as payload_base64. Recording needs only read access to whisker/v1/FLEET/#.
+The retained messages connection and factsheet come first.")]
 pub struct RecordArgs {
-    /// Where it goes; - is standard output. A file that is there already is not touched.
+    /// Output file; - is standard output. An existing file is not overwritten.
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
-    /// How long, such as 500ms, 60s, 5m or 1h; until Ctrl-C or SIGTERM if left out.
+    /// Duration, such as 500ms, 60s, 5m or 1h; default: until Ctrl-C or SIGTERM.
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
     #[command(flatten)]
@@ -45,19 +45,19 @@ fn duration(text: &str) -> Result<Duration, String> {
     number.checked_mul(unit_ms).filter(|&ms| ms > 0).map(Duration::from_millis).ok_or_else(bad)
 }
 
-/// Records until the time is over, Ctrl-C or SIGTERM.
+/// Records until the duration is over, Ctrl-C or SIGTERM.
 ///
 /// # Errors
-/// There is no broker to record from, the file is there already, or some messages could not be written.
+/// No broker is configured, the file exists already, or some messages could not be written.
 pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     let config = args.config.read()?;
-    let Some(broker) = &config.broker else { bail!("say where to record: --broker mqtt://HOST:1883, or mqtt.url") };
+    let Some(broker) = &config.broker else { bail!("a broker is required: --broker mqtt://HOST:1883, or mqtt.url") };
     log(&config.log);
     let mut out: Box<dyn Write> = if args.out.as_os_str() == "-" {
         Box::new(stdout())
     } else {
         let file = File::create_new(&args.out);
-        Box::new(file.with_context(|| format!("the recording {} cannot be begun", args.out.display()))?)
+        Box::new(file.with_context(|| format!("cannot create the recording {}", args.out.display()))?)
     };
     let report = runtime()?.block_on(async {
         let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
@@ -83,7 +83,9 @@ async fn over(limit: Option<Duration>) {
 fn tell(Report { messages, lost, breaks }: Report) -> anyhow::Result<()> {
     eprintln!("vibrissa: {messages} messages recorded");
     if breaks > 0 {
-        eprintln!("vibrissa: the connection broke {breaks} times; what was said until it stood again is not recorded");
+        eprintln!(
+            "vibrissa: the connection broke {breaks} times; messages sent until it was restored are not recorded"
+        );
     }
     if lost > 0 {
         bail!("{lost} messages could not be written");

@@ -1,4 +1,4 @@
-//! `vibrissa replay`: recorded traffic through the core once more.
+//! `vibrissa replay`: replays recorded traffic through the core.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -20,32 +20,32 @@ use crate::replay::{Comparison, Lines, Recorded, Replayer, told};
 /// Arguments of `vibrissa replay`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
-The file is one of `vibrissa record`. Time is the file's: nothing waits. The same file gives the same bytes.
+FILE is a recording of `vibrissa record`. Times come from the file: nothing waits. The same file gives the same bytes.
 
-Setpoints of the replay take the recorded answers to the recorded ones. One that was never recorded is taken to be
-applied (\"assumed\" in what rests on that); contacts at another pressure than the replay's then count as UNSETTLED.
-Of a silence of more than a minute, the first minute and its end are told to the core.")]
+Setpoints of the replay get the recorded answers to the recorded setpoints. One without a recorded answer is assumed
+to be applied (effects that depend on it have \"assumed\"); contacts at another pressure then count as UNSETTLED.
+If the recording is silent for more than a minute, only the first minute and the end of the silence are simulated.")]
 pub struct ReplayArgs {
-    /// The recording; - is standard input.
+    /// Recording; - is standard input.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// A file with other keys of [policy]: both policies are run, and told where they differ.
+    /// TOML file with other keys of [policy]: replay with both policies and print the differences.
     #[arg(long, value_name = "OTHER.toml")]
     policy: Option<PathBuf>,
-    /// Of it the models, the policy, the detection and the fleets count; without --fleet, all fleets are replayed.
+    /// Only its models, policy, detection and fleets are used; without --fleet all fleets are replayed.
     #[command(flatten)]
     config: ConfigArgs,
 }
 
-/// What there is of a replay that was stopped.
-const STOPPED: &str = "what is printed was replayed, the rest was not";
-/// Lines that are told one by one; the rest are counted.
+/// Describes the output of a replay that was stopped.
+const STOPPED: &str = "the output covers only the part that was replayed";
+/// Bad lines reported one by one; further ones are only counted.
 const TOLD_MAX: u64 = 20;
 
-/// Replays.
+/// Replays a recording.
 ///
 /// # Errors
-/// The configuration or the file cannot be read, or nothing in it is a recorded message.
+/// The configuration or the file cannot be read, or the file contains no recorded message.
 pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
     let config = args.config.read()?;
     let params = Arc::new(config.params());
@@ -67,14 +67,14 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
             compared.and_then(|()| Ok(comparison.summary(&mut out)?))
         }
     };
-    // What was replayed is told to the end of its line, whatever came then.
-    // Not with a context: whoever closes the pipe has seen enough.
+    // The output ends with a complete line, whatever happened. Without a context: a closed pipe is not worth an
+    // explanation.
     let flushed = out.flush();
     replayed?;
     Ok(flushed?)
 }
 
-/// The parameters with another policy, and what to call it.
+/// The parameters with another policy, and the name of that policy.
 fn with_policy(params: &Params, path: &Path) -> anyhow::Result<(String, Arc<Params>)> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("the policy {} cannot be read", path.display()))?;
@@ -83,7 +83,7 @@ fn with_policy(params: &Params, path: &Path) -> anyhow::Result<(String, Arc<Para
     Ok((name, Arc::new(Params { policy, ..params.clone() })))
 }
 
-/// A recording that is read.
+/// A recording that is being read.
 struct Input {
     name: String,
     lines: Lines<Box<dyn BufRead>>,
@@ -105,7 +105,7 @@ impl Input {
         Ok(Self { name, lines: Lines::new(Box::new(BufReader::with_capacity(1 << 18, file))), bar })
     }
 
-    /// Gives every message to `take`; bad lines are told with their number, and passed over.
+    /// Passes every message to `take`. Bad lines are reported with their number and skipped.
     fn each(&mut self, mut take: impl FnMut(&Recorded) -> io::Result<()>) -> anyhow::Result<()> {
         let (mut messages, mut bad) = (0_u64, 0_u64);
         loop {
@@ -132,7 +132,7 @@ impl Input {
         self.bar.finish_and_clear();
         eprintln!("vibrissa: {messages} messages replayed, {bad} bad lines");
         if messages == 0 && bad > 0 {
-            bail!("nothing in {} is a recorded message", self.name);
+            bail!("{} contains no recorded message", self.name);
         }
         Ok(())
     }

@@ -14,10 +14,10 @@ use crate::demo::{self, DemoOptions};
 use crate::exposure::exposures;
 use vibrissa_supervisor::service::Service;
 
-/// Supervises until SIGTERM or Ctrl-C.
+/// Runs the service until SIGTERM or Ctrl-C.
 ///
 /// # Errors
-/// Something cannot be started.
+/// A part of the service cannot be started.
 pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
     let config = args.read()?;
     log(&config.log);
@@ -44,29 +44,29 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
 /// Arguments of `vibrissa demo`.
 #[derive(Debug, Args)]
 pub struct DemoArgs {
-    /// Where the database and the picture go.
+    /// Folder for the database and the chart.
     #[arg(long, default_value = "vibrissa-demo")]
     folder: PathBuf,
-    /// Seed of the simulation: the same seed makes the same contacts.
+    /// Seed of the simulation: equal seeds give equal contacts.
     #[arg(long, default_value_t = 2021)]
     seed: u64,
-    /// The embedded broker's port on 127.0.0.1; 0 takes any free one.
+    /// Port of the embedded broker on 127.0.0.1; 0 takes any free port.
     #[arg(long, default_value_t = 0)]
     mqtt_port: u16,
-    /// Where HTTP listens; port 0 takes any free one.
+    /// Address of the HTTP listener; port 0 takes any free port.
     #[arg(long, default_value = "127.0.0.1:0")]
     http: SocketAddr,
-    /// Go on serving after the report.
+    /// Keep serving after the report.
     #[arg(long)]
     serve: bool,
 }
 
-/// Runs the demo; true if it went as expected.
+/// Runs the demo; true if it succeeded.
 ///
 /// # Errors
-/// Something cannot be started.
+/// A part of the demo cannot be started.
 pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
-    // Its broker and its clients end together: who of them goes first is nobody's concern.
+    // Broker and clients stop together, so that their messages about closed connections mean nothing.
     log("error,mqtt5=error,rumqttc=error");
     let options = DemoOptions {
         folder: args.folder,
@@ -78,14 +78,14 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
     runtime()?.block_on(demo::run(&options))
 }
 
-/// Logs to standard error; `RUST_LOG` overrides the filter. The clients' chatter is left out unless it is asked for.
+/// Logs to standard error; `RUST_LOG` overrides the filter. MQTT libraries log only warnings by default.
 pub(super) fn log(filter: &str) {
     let filter = EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours()).init();
 }
 
-/// Colours are for terminals, and for people who have not asked for none (`NO_COLOR`).
+/// Colours only on a terminal, and only without `NO_COLOR`.
 fn has_colours() -> bool {
     stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty())
 }

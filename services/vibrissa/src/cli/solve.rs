@@ -1,4 +1,4 @@
-//! `vibrissa solve`: one question answered, at which pressure one whisker feels like another.
+//! `vibrissa solve`: the pressure at which one whisker feels like another.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -17,28 +17,28 @@ use vibrissa_supervisor::calibration_file;
 /// Arguments of `vibrissa solve`.
 #[derive(Debug, Args)]
 pub struct SolveArgs {
-    /// Length of the whisker to be felt like, mm.
+    /// Length of the target whisker, mm.
     #[arg(long, value_parser = length)]
     target_mm: Millimetre,
-    /// Length of the compensator, mm; what remains of the target for self-compensation.
+    /// Length of the compensator, mm; for self-compensation the remaining length of the target.
     #[arg(long, value_parser = length)]
     length_mm: Millimetre,
     /// Pressure of the target, MPa.
     #[arg(long, value_parser = examined_pressure, default_value = "0.1")]
     pressure_mpa: Megapascal,
-    /// Pressure of the compensator before, MPa; the target's if left out.
+    /// Initial pressure of the compensator, MPa; default: the target's.
     #[arg(long, value_parser = examined_pressure)]
     before_mpa: Option<Megapascal>,
-    /// How the paper's equations are read.
+    /// Interpretation of the paper's equations.
     #[arg(long, value_enum, default_value_t = FormulationArg::Published)]
     formulation: FormulationArg,
-    /// What the setpoint is solved for.
+    /// Objective of the solver.
     #[arg(long, value_enum, default_value_t = ObjectiveArg::Tip)]
     objective: ObjectiveArg,
-    /// A calibration file of `vibrissa calibrate`, instead of the paper's whisker.
+    /// Calibration file of `vibrissa calibrate` to use instead of the paper's whisker.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Print JSON.
+    /// Print the solution as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -52,15 +52,15 @@ fn examined_pressure(text: &str) -> Result<Megapascal, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let pressure = Megapascal::new(value).map_err(|error| error.to_string())?;
     if pressure > Megapascal::EXAMINED_MAX {
-        return Err("pressures were examined up to 0.2 MPa".to_owned());
+        return Err("must be at most 0.2 MPa, the highest pressure examined".to_owned());
     }
     Ok(pressure)
 }
 
-/// Answers the question. Out of range is an answer too.
+/// Solves, and prints the result. Out of range is a result, not an error.
 ///
 /// # Errors
-/// A whisker is cut into its chamber, or the calibration file is refused.
+/// A whisker is cut into its chamber, or the calibration file is invalid.
 pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<()> {
     let answer = Answer::new(args)?;
     if args.json {
@@ -138,11 +138,11 @@ impl Answer {
             Solution::InRange(_) => format!("{length_mm} mm feels like {target_mm} mm at the setpoint below."),
             Solution::NeedsBelow(_) => format!(
                 "OUT OF RANGE: {length_mm} mm stays more sensitive than {target_mm} mm at the lowest pressure. \
-                 The best setpoint and what it leaves:"
+                 The best setpoint and its remaining error:"
             ),
             Solution::NeedsAbove(_) => format!(
                 "OUT OF RANGE: {length_mm} mm stays less sensitive than {target_mm} mm up to the highest pressure. \
-                 The best setpoint and what it leaves:"
+                 The best setpoint and its remaining error:"
             ),
         };
         let (shortest, longest) = self.range;

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM in commands that take long: they end within a second, say so, and leave nothing half-written.
+//! Ctrl-C and SIGTERM in long commands: they end within a second with a message, and leave no half-written file.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,24 +8,25 @@ use std::time::Duration;
 use anyhow::Context;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-/// The exit code of a command that was stopped: what shells have for Ctrl-C.
+/// Exit code of a stopped command: that of shells for Ctrl-C.
 pub const EXIT_CODE: u8 = 130;
-/// How long a command has to end in good order; then it is ended.
+/// Time for a command to end in good order before the process exits.
 const GRACE: Duration = Duration::from_millis(300);
 
-// Signals are the process's, and so is what is known of them.
+// Static, because signals concern the whole process.
 static ASKED: AtomicBool = AtomicBool::new(false);
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// Somebody has stopped the command.
+/// The command was stopped by a signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("stopped: {0}")]
 pub struct Stopped(pub &'static str);
 
-/// From here on Ctrl-C and SIGTERM end the program in good order. `left` says what there is of its work then.
+/// Installs the handlers: from now on Ctrl-C and SIGTERM end the program in good order. `left` describes the state of
+/// its work for the message.
 ///
 /// # Errors
-/// Signals cannot be waited for.
+/// The signal handlers cannot be installed.
 pub fn watch(left: &'static str) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("waiting for Ctrl-C")?;
     let (interrupt, terminate) = {
@@ -37,7 +38,7 @@ pub fn watch(left: &'static str) -> anyhow::Result<()> {
         ASKED.store(true, Ordering::Relaxed);
         std::thread::sleep(GRACE);
         let _written = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-        // After a progress bar, which has no end of its line.
+        // A progress bar does not end its line.
         let line = if stderr().is_terminal() { "\n" } else { "" };
         eprintln!("{line}vibrissa: {}", Stopped(left));
         std::process::exit(i32::from(EXIT_CODE));
@@ -45,23 +46,23 @@ pub fn watch(left: &'static str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns at Ctrl-C or SIGTERM: for commands that wait for something else besides.
+/// Returns at Ctrl-C or SIGTERM, for commands that also wait for something else.
 ///
 /// # Errors
-/// Signals cannot be waited for.
+/// The signal handlers cannot be installed.
 pub async fn asked() -> anyhow::Result<()> {
     let (interrupt, terminate) = both().context("waiting for Ctrl-C")?;
     either(interrupt, terminate).await;
     Ok(())
 }
 
-/// Whether a command that is [`watch`]ed has to end. It has [`GRACE`] to do so.
+/// Whether a command under [`watch`] must end. It has [`GRACE`] to do so.
 #[must_use]
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// Writes files that nobody shall find half-written: the program is not ended meanwhile.
+/// Writes files that must not be left half-written: the process does not exit meanwhile.
 pub fn whole<T>(write: impl FnOnce() -> T) -> T {
     let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     write()

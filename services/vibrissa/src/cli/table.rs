@@ -1,8 +1,8 @@
-//! Tables on the command line.
+//! Text tables for the command line.
 
 use std::fmt;
 
-/// Columns as wide as what is in them; numbers to the right.
+/// A table with columns as wide as their content; numbers are aligned to the right.
 #[derive(Debug)]
 pub struct Table<const N: usize> {
     heads: [&'static str; N],
@@ -10,13 +10,13 @@ pub struct Table<const N: usize> {
 }
 
 impl<const N: usize> Table<N> {
-    /// An empty one.
+    /// A table without rows.
     #[must_use]
     pub fn new(heads: [&'static str; N]) -> Self {
         Self { heads, rows: Vec::new() }
     }
 
-    /// One more row.
+    /// Appends a row.
     pub fn row(&mut self, cells: [String; N]) {
         self.rows.push(cells);
     }

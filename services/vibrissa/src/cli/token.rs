@@ -1,4 +1,4 @@
-//! `vibrissa token`: who may use the API.
+//! `vibrissa token`: creates, lists and revokes API tokens.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -27,11 +27,11 @@ pub struct TokenArgs {
 
 #[derive(Debug, Subcommand)]
 enum TokenCommand {
-    /// Make a token and print it: it is shown this once, only its hash is kept.
+    /// Create a token and print it once; only its hash is stored.
     Create(CreateArgs),
-    /// List the tokens: what they allow and until when, not the tokens themselves.
+    /// List the tokens with role, fleets and expiry, but without their secrets.
     List(ListArgs),
-    /// End a token at once.
+    /// Revoke a token immediately.
     Revoke(RevokeArgs),
 }
 
@@ -43,19 +43,19 @@ fn role() -> impl TypedValueParser<Value = Role> {
 
 #[derive(Debug, Args)]
 struct CreateArgs {
-    /// What it allows; each role has the rights of those before it.
+    /// Role of the token; each role has the rights of those before it.
     #[arg(long, ignore_case = true, value_parser = role())]
     role: Role,
-    /// A fleet that it is bound to; several if given several times.
+    /// Fleet that the token is limited to; may be given several times.
     #[arg(long, value_name = "FLEET", required_unless_present = "all_fleets")]
     fleet: Vec<Name>,
-    /// Not bound to any fleet: for all, also those to come.
+    /// Allow all fleets, including future ones.
     #[arg(long, conflicts_with = "fleet")]
     all_fleets: bool,
-    /// How long it is good: 90d, 12h ...
+    /// Lifetime, such as 90d or 12h.
     #[arg(long, value_parser = lifetime, default_value = "90d")]
     expires: Duration,
-    /// What it is for, for people and the audit log.
+    /// Name of the token for people and for the audit log.
     #[arg(long, value_parser = label)]
     name: Option<String>,
     #[command(flatten)]
@@ -64,7 +64,7 @@ struct CreateArgs {
 
 #[derive(Debug, Args)]
 struct ListArgs {
-    /// As JSON.
+    /// Print the tokens as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -73,18 +73,18 @@ struct ListArgs {
 
 #[derive(Debug, Args)]
 struct RevokeArgs {
-    /// The token's id, as `list` has it.
+    /// Token ID, as printed by `list`.
     token_id: String,
     #[command(flatten)]
     database: DatabaseArgs,
 }
 
-/// Ten years: longer is for ever, and nothing is.
+/// Longest lifetime: ten years. No token is valid for ever.
 const LIFETIME_MAX: Duration = Duration::from_secs(10 * 366 * 86_400);
 
 fn lifetime(text: &str) -> Result<Duration, String> {
     let lifetime =
-        humantime::parse_duration(text).map_err(|problem| format!("{problem}: write 90d, 12h or the like"))?;
+        humantime::parse_duration(text).map_err(|problem| format!("{problem}: use a duration such as 90d or 12h"))?;
     if lifetime.is_zero() || lifetime > LIFETIME_MAX {
         return Err("must be above zero and at most ten years".to_owned());
     }
@@ -93,13 +93,17 @@ fn lifetime(text: &str) -> Result<Duration, String> {
 
 fn label(text: &str) -> Result<String, String> {
     let is_good = (1..=64).contains(&text.chars().count()) && !text.contains(char::is_control);
-    if is_good { Ok(text.to_owned()) } else { Err("must have 1 to 64 characters, none a control character".to_owned()) }
+    if is_good {
+        Ok(text.to_owned())
+    } else {
+        Err("must have 1 to 64 characters, and no control characters".to_owned())
+    }
 }
 
-/// Makes, lists or revokes.
+/// Creates, lists or revokes tokens.
 ///
 /// # Errors
-/// The database cannot be used, or there is no such token.
+/// The database cannot be used, or the token does not exist.
 pub fn run(args: &TokenArgs, out: &mut impl Write) -> anyhow::Result<()> {
     runtime()?.block_on(async {
         match &args.command {
@@ -129,7 +133,7 @@ async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let (token, row) = token::create(&store, &new, now_us).await?;
     store.close().await;
     eprintln!(
-        "vibrissa: token {} ({}) for {}, good until {}. It is shown this once:",
+        "vibrissa: token {} ({}) for {}, valid until {}. It is shown only once:",
         row.token_id,
         row.role,
         row.fleets.as_deref().unwrap_or("all fleets"),
@@ -164,7 +168,7 @@ async fn list(args: &ListArgs, out: &mut impl Write) -> anyhow::Result<()> {
         let state = match row.revoked_us {
             Some(revoked_us) => format!("revoked {}", Time(revoked_us)),
             None if row.expires_us <= now_us => format!("expired {}", Time(row.expires_us)),
-            None => format!("good until {}", Time(row.expires_us)),
+            None => format!("valid until {}", Time(row.expires_us)),
         };
         let fleets = row.fleets.unwrap_or_else(|| "all".to_owned());
         table.row([row.token_id, row.name, row.role, fleets, Time(row.created_us).to_string(), state]);
@@ -178,7 +182,7 @@ async fn revoke(args: &RevokeArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let is_revoked = store.revoke_token(&args.token_id, wall_clock().0 as i64).await?;
     store.close().await;
     if !is_revoked {
-        bail!("there is no token {:?} that is still good: see `vibrissa token list`", args.token_id);
+        bail!("there is no valid token {:?}: see `vibrissa token list`", args.token_id);
     }
     writeln!(out, "revoked: {}", args.token_id)?;
     Ok(())

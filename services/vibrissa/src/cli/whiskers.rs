@@ -1,4 +1,4 @@
-//! `vibrissa whiskers`, `vibrissa compensations` and `vibrissa setpoint`: what operators look at and do, over the API.
+//! `vibrissa whiskers`, `vibrissa compensations` and `vibrissa setpoint`: commands that use the API.
 
 use std::io::Write;
 
@@ -13,23 +13,23 @@ use super::table::Table;
 /// Arguments of `vibrissa whiskers`.
 #[derive(Debug, Args)]
 pub struct WhiskersArgs {
-    /// Of this fleet.
+    /// Only this fleet.
     #[arg(long)]
     fleet: Option<Name>,
-    /// Of this robot.
+    /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,
-    /// In this condition: LEARNING, HEALTHY, SUSPECTED, TRIMMED, ERODING or SENSITIVITY_LOSS.
+    /// Only this condition: LEARNING, HEALTHY, SUSPECTED, TRIMMED, ERODING or SENSITIVITY_LOSS.
     #[arg(long)]
     condition: Option<String>,
     #[command(flatten)]
     api: ApiArgs,
 }
 
-/// Lists whiskers.
+/// Prints the list of whiskers.
 ///
 /// # Errors
-/// Nobody answers, or with a problem.
+/// The supervisor does not answer, or refuses the request.
 pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
@@ -77,23 +77,23 @@ pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()>
 /// Arguments of `vibrissa compensations`.
 #[derive(Debug, Args)]
 pub struct CompensationsArgs {
-    /// Of this fleet.
+    /// Only this fleet.
     #[arg(long)]
     fleet: Option<Name>,
-    /// Of this robot.
+    /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,
-    /// Only those in force.
+    /// Only active compensations.
     #[arg(long)]
     active: bool,
     #[command(flatten)]
     api: ApiArgs,
 }
 
-/// Lists compensations.
+/// Prints the list of compensations.
 ///
 /// # Errors
-/// Nobody answers, or with a problem.
+/// The supervisor does not answer, or refuses the request.
 pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
@@ -142,23 +142,23 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
 /// Arguments of `vibrissa setpoint`.
 #[derive(Debug, Args)]
 pub struct SetpointArgs {
-    /// The whisker: FLEET/ROBOT/ARRAY/NUMBER.
+    /// Whisker, as FLEET/ROBOT/ARRAY/NUMBER.
     #[arg(value_parser = whisker)]
     whisker: Place,
-    /// The pressure to hold, MPa: 0 to the whisker's highest, at most 0.2.
+    /// Pressure to hold, MPa: 0 to the whisker's maximum, at most 0.2.
     #[arg(long, value_name = "MPA", required_unless_present = "release", conflicts_with = "release")]
     pressure_mpa: Option<f64>,
-    /// Let it be moved by the supervisor again, instead.
+    /// Release the whisker instead, so that the supervisor sets its pressure again.
     #[arg(long)]
     release: bool,
-    /// Why, for the audit log.
+    /// Reason, for the audit log.
     #[arg(long)]
     reason: Option<String>,
     #[command(flatten)]
     api: ApiArgs,
 }
 
-/// Where a whisker is.
+/// Location of a whisker.
 #[derive(Debug, Clone)]
 struct Place {
     fleet: Name,
@@ -173,14 +173,14 @@ fn whisker(text: &str) -> Result<Place, String> {
         return Err("must be FLEET/ROBOT/ARRAY/NUMBER".to_owned());
     };
     let name = |text: &str| Name::new(text).map_err(|bad| bad.to_string());
-    let whisker = whisker.parse().map_err(|_| format!("{whisker:?} is no whisker's number"))?;
+    let whisker = whisker.parse().map_err(|_| format!("{whisker:?} is not a whisker number"))?;
     Ok(Place { fleet: name(fleet)?, robot: name(robot)?, array: name(array)?, whisker })
 }
 
-/// Sets a pressure, or lets the supervisor set it again; prints the action.
+/// Sets a whisker's pressure or releases the whisker, and prints the action.
 ///
 /// # Errors
-/// Nobody answers, or with a problem; or nobody has carried it out in time.
+/// The supervisor does not answer or refuses the request, or the action was not executed in time.
 pub fn setpoint(args: &SetpointArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let Place { fleet, robot, array, whisker } = &args.whisker;
     let base = format!("/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}");
@@ -206,7 +206,7 @@ pub fn setpoint(args: &SetpointArgs, out: &mut impl Write) -> anyhow::Result<()>
         )?;
     }
     if action["state"] != "DONE" {
-        bail!("it is not done yet: look at /v1/actions/{}", text(&action, "action_id"));
+        bail!("not done yet: poll /v1/actions/{}", text(&action, "action_id"));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Words that can be chosen, in the configuration and in commands.
+//! Enumerated values of the configuration and of commands.
 
 use clap::ValueEnum;
 use vibrissa_core::mechanics::{Formulation, Objective};
@@ -6,12 +6,12 @@ use vibrissa_core::policy::{LongerForShorter, Mode};
 
 use vibrissa_supervisor::engine::Keep;
 
-/// How the paper's factor of eq. 27, 29 and 31 is read.
+/// Interpretation of the paper's factor in eq. 27, 29 and 31.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum FormulationArg {
     /// As printed; gives the paper's setpoints.
     Published,
-    /// As Table 2 would have it.
+    /// Consistent with Table 2.
     Consistent,
 }
 
@@ -24,12 +24,12 @@ impl From<FormulationArg> for Formulation {
     }
 }
 
-/// Who says that a compensation begins.
+/// Whether compensations need approval.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum ModeArg {
-    /// The program.
+    /// Compensations start without approval.
     Automatic,
-    /// An operator, of each that is proposed.
+    /// An operator approves each compensation.
     Advise,
 }
 
@@ -42,14 +42,14 @@ impl From<ModeArg> for Mode {
     }
 }
 
-/// Which contacts are kept one by one.
+/// Single contacts that are stored.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum KeepArg {
-    /// All.
+    /// All contacts are stored.
     All,
-    /// Those before something is found or decided, and those of whiskers that serve.
+    /// Contacts before a detection or a decision, and those of compensators.
     Decisions,
-    /// None.
+    /// No single contact is stored.
     None,
 }
 
@@ -63,16 +63,16 @@ impl From<KeepArg> for Keep {
     }
 }
 
-/// What is shown to Prometheus.
+/// Detail of the Prometheus metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SeriesArg {
-    /// Fleets as wholes.
+    /// Totals of each fleet.
     Fleets,
-    /// Each robot and whisker, too.
+    /// Also each robot and whisker.
     Whiskers,
 }
 
-/// What a setpoint is solved for.
+/// Objective of the setpoint solver.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum ObjectiveArg {
     /// Equal sensitivity at the tip, as in the paper.
@@ -90,14 +90,14 @@ impl From<ObjectiveArg> for Objective {
     }
 }
 
-/// Whether a longer whisker may stand in for a shorter one.
+/// Whether a longer whisker may compensate for a shorter one.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum LongerForShorterArg {
-    /// Never.
+    /// A longer whisker is never used.
     Never,
-    /// Only where nothing else serves.
+    /// Only if no other candidate is suitable.
     LastResort,
-    /// Like the others.
+    /// Like any other candidate.
     Allowed,
 }
 

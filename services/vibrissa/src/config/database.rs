@@ -1,4 +1,4 @@
-//! The database, and its password from a file.
+//! The database's address, and its password from a file.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::problem::Origin;
 use super::reader::{MASK, Reader};
 use vibrissa_store::DatabaseAddress;
 
-/// The database.
+/// Reads the database's address.
 pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
     let url = reader.text(Key::DatabaseUrl);
     let filed = reader.secret_file(Key::DatabasePasswordFile);
@@ -17,7 +17,7 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
     let written = url.as_deref().and_then(password);
     if written.as_deref() == Some(MASK) {
         let what = format!(
-            "{MASK} is what stands for a hidden password: write the password itself, or leave it out \
+            "{MASK} is only the mask of a hidden password: write the password itself, or leave it out \
                             and set database.password_file"
         );
         reader.refuse(Key::DatabaseUrl, what);
@@ -45,7 +45,7 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
     match reader.parsed(Key::DatabaseUrl, str::parse::<DatabaseAddress>)? {
         DatabaseAddress::Sqlite(path) => {
             if is_filed {
-                let what = "is of no use with SQLite: leave it out, or set database.url to postgres://...";
+                let what = "has no effect with SQLite: leave it out, or set database.url to postgres://...";
                 reader.refuse(Key::DatabasePasswordFile, what);
             }
             Some(DatabaseAddress::Sqlite(path))
@@ -57,21 +57,21 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
     }
 }
 
-/// The password in a database's URL, where libpq's convention lets it be.
+/// The password in a database URL, in either place that libpq allows.
 fn password(text: &str) -> Option<String> {
     let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
     let asked = url.query_pairs().find(|(name, _)| name == "password").map(|(_, value)| value.into_owned());
     url.password().map(str::to_owned).or(asked)
 }
 
-/// The file with our own private key that a database's URL names.
+/// The file with the client's private key that a database URL names.
 fn private_key(text: &str) -> Option<PathBuf> {
     let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
     let key = url.query_pairs().find(|(name, _)| matches!(&**name, "sslkey" | "ssl-key"));
     key.map(|(_, file)| PathBuf::from(file.into_owned()))
 }
 
-/// A good database's URL with its password hidden.
+/// A valid database URL with its password masked.
 pub(super) fn masked(text: &str) -> String {
     let Ok(mut url) = Url::parse(text) else { return text.to_owned() };
     if password(text).is_none() {

@@ -1,4 +1,4 @@
-//! Where HTTP listens, how many connections it takes, and who is let in besides those whose tokens the database has.
+//! HTTP: listeners, connection limits and access.
 
 use std::net::SocketAddr;
 
@@ -11,10 +11,10 @@ use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::oidc::OidcOptions;
 use vibrissa_supervisor::http::server::Limits;
 
-/// Characters of a token in a file at the least.
+/// Minimum length of a token in a file, in characters.
 const TOKEN_CHARS_MIN: usize = 32;
 
-/// Where it listens, and how many connections it takes.
+/// The listeners and their connection limits.
 pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
     let listen = reader.parsed(Key::HttpListen, |text| address(text, "127.0.0.1:8080"));
     let is_monitored = reader.is_explicit(Key::HttpMonitoringListen);
@@ -34,7 +34,7 @@ fn address(text: &str, example: &str) -> Result<SocketAddr, String> {
     text.parse().map_err(|_| format!("must be an address and a port such as {example}, not {text:?}"))
 }
 
-/// Who is let in.
+/// The configured credentials.
 pub(super) fn access(reader: &mut Reader) -> Option<AccessOptions> {
     let is_filed = reader.is_explicit(Key::HttpTokenFile);
     let token = reader.secret_file(Key::HttpTokenFile);
@@ -46,8 +46,8 @@ pub(super) fn access(reader: &mut Reader) -> Option<AccessOptions> {
     (token.is_some() == is_filed).then_some(AccessOptions { token, oidc })
 }
 
-/// An identity provider, if there is one; nothing after a refusal.
-#[expect(clippy::option_option, reason = "outer: nothing was refused; inner: there is one")]
+/// The identity provider, if configured; outer `None` after a refusal.
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
 fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     let [issuer, jwks_url] = [Key::HttpOidcIssuer, Key::HttpOidcJwksUrl].map(|key| {
         let is_set = reader.is_explicit(key);
@@ -58,7 +58,7 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     if !issuer.0 {
         for key in [Key::HttpOidcAudience, Key::HttpOidcJwksUrl] {
             if reader.is_explicit(key) {
-                reader.refuse(key, "is of no use without http.oidc_issuer");
+                reader.refuse(key, "has no effect without http.oidc_issuer");
             }
         }
         return Some(None);
@@ -66,7 +66,7 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     if !reader.is_explicit(Key::HttpOidcAudience) {
         reader.refuse(
             Key::HttpOidcIssuer,
-            "needs an audience, or every token of this issuer would do: set http.oidc_audience",
+            "needs an audience, otherwise every token of this issuer is accepted: set http.oidc_audience",
         );
     }
     if jwks_url.0 && jwks_url.1.is_none() {
@@ -75,9 +75,9 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     Some(Some(OidcOptions { issuer: issuer.1?, audience: audience?, jwks_url: jwks_url.1, role_claim, fleets_claim }))
 }
 
-/// A URL that nobody between here and there can answer for: HTTPS, or this machine.
+/// A URL whose answers nobody can forge: HTTPS, or this machine.
 fn secure_url(text: &str) -> Result<String, String> {
-    let url = Url::parse(text).map_err(|problem| format!("is no URL: {problem}"))?;
+    let url = Url::parse(text).map_err(|problem| format!("is not a URL: {problem}"))?;
     let is_here = match url.host() {
         Some(url::Host::Ipv4(ip)) => ip.is_loopback(),
         Some(url::Host::Ipv6(ip)) => ip.is_loopback(),
@@ -85,9 +85,9 @@ fn secure_url(text: &str) -> Result<String, String> {
         None => false,
     };
     if url.scheme() == "https" || (url.scheme() == "http" && is_here) {
-        // As it was written: an issuer is compared letter by letter.
+        // Unchanged, because an issuer is compared exactly.
         Ok(text.to_owned())
     } else {
-        Err("must begin with https://: keys that come in plain text could be anybody's".to_owned())
+        Err("must begin with https://: keys sent in plain text could be forged".to_owned())
     }
 }

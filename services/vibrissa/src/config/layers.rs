@@ -1,4 +1,4 @@
-//! The four layers over each other: defaults, the file, the environment, flags. Each value keeps where it came from.
+//! The four layers of the configuration: defaults, file, environment, flags. Each value remembers its origin.
 
 use std::path::{Path, PathBuf};
 
@@ -9,12 +9,12 @@ use figment::{Figment, Metadata, Profile, Provider};
 use super::keys::{ENVIRONMENT_PREFIX, Key, Kind};
 use super::problem::{Origin, Problem, did_you_mean};
 
-/// The largest configuration file, bytes: far above any real one.
+/// Size limit of a configuration file, in bytes: far above any real one.
 pub const FILE_MAX_BYTES: usize = 64 * 1024;
-/// The longest list: far above any real one.
+/// Size limit of a list, in entries: far above any real one.
 pub(super) const LIST_MAX: usize = 256;
 
-/// Variables that others read: the file's name, the simulator's scenario, the tests' faults.
+/// Variables with our prefix that are used elsewhere: by `--config`, the simulator, the tests, and the API's client.
 const KNOWN_ELSEWHERE: [&str; 6] = [
     "VIBRISSA_CONFIG",
     "VIBRISSA_SCENARIO",
@@ -24,24 +24,24 @@ const KNOWN_ELSEWHERE: [&str; 6] = [
     "VIBRISSA_URL",
 ];
 
-/// What people have set, as they wrote it.
+/// Settings as users wrote them.
 #[derive(Clone, Default)]
 pub struct Sources {
     /// The configuration file and its text.
     pub file: Option<(PathBuf, String)>,
-    /// Environment variables; those of others may be among them.
+    /// Environment variables, also those of other programs.
     pub environment: Vec<(String, String)>,
-    /// Flags; a list's may be there several times.
+    /// Flags; the flag of a list may have several values.
     pub flags: Vec<(Key, Vec<String>)>,
 }
 
-/// The layers put over each other, and what was wrong already.
+/// The merged layers, and the problems found so far.
 pub(super) struct Layers {
     /// In the order of [`Key::ALL`].
     settings: Vec<(Option<Value>, Origin)>,
-    /// Unknown keys of the file, or why the file cannot be read.
+    /// Unknown keys of the file, or its syntax error.
     pub(super) problems: Vec<Problem>,
-    /// Environment variables that look like ours and are not.
+    /// Warnings about unknown environment variables with our prefix.
     pub(super) warnings: Vec<String>,
 }
 
@@ -62,14 +62,14 @@ impl Layers {
         Self { settings: settings(&figment), problems, warnings: unknown_variables(&sources.environment) }
     }
 
-    /// A key's value, if it is set, and where it came from.
+    /// A key's value, if it is set, and its origin.
     pub(super) fn find(&self, key: Key) -> (Option<&Value>, &Origin) {
         let (value, origin) = &self.settings[key as usize];
         (value.as_ref(), origin)
     }
 }
 
-/// Every key's value in the layers together. Taken out once: each look into the layers copies what is there.
+/// The merged value of every key. Extracted once, because each look-up in the layers copies their content.
 fn settings(figment: &Figment) -> Vec<(Option<Value>, Origin)> {
     let merged = figment.data().ok().and_then(|mut profiles| profiles.remove(&Profile::Default));
     let merged = Value::from(merged.unwrap_or_default());
@@ -97,7 +97,7 @@ const FILE: &str = "file";
 const ENVIRONMENT: &str = "environment";
 const FLAG: &str = "flag";
 
-/// Values with what to call their source.
+/// Values with the description of their source.
 struct Layer {
     metadata: Metadata,
     values: Dict,
@@ -152,14 +152,14 @@ fn host_name() -> Option<String> {
     Some(name.trim().to_owned()).filter(|name| !name.is_empty())
 }
 
-/// The file's values. The parser's own message would show the line, and with it a password.
+/// The file's values. The parser's own message would show the line, possibly with a password.
 fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Dict {
     let mut whole = |what: String| {
         problems.push(Problem { key: String::new(), origin: Origin::File(path.to_owned()), what });
         Dict::new()
     };
     if text.len() > FILE_MAX_BYTES {
-        return whole(format!("is larger than {} KiB: name the configuration file", FILE_MAX_BYTES / 1024));
+        return whole(format!("is larger than {} KiB: is it the configuration file?", FILE_MAX_BYTES / 1024));
     }
     match Toml::from_str::<Dict>(text) {
         Ok(values) => {
@@ -205,7 +205,7 @@ fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Pro
     }
 }
 
-/// A variable that is set to nothing is not set.
+/// An empty variable counts as unset.
 fn environment(variables: &[(String, String)]) -> Dict {
     let mut values = Dict::new();
     for &key in Key::ALL {
@@ -225,14 +225,14 @@ fn flags(flags: &[(Key, Vec<String>)]) -> Dict {
     values
 }
 
-/// The value that a text stands for. One that stands for none stays a text, and is refused as such.
+/// The value that a text stands for. An invalid one stays a text, and is refused as such.
 fn written(kind: Kind, texts: &[String]) -> Value {
     let text = texts.last().map(String::as_str).unwrap_or_default();
     match kind {
         Kind::Text | Kind::Secret | Kind::DatabaseUrl | Kind::File => text.into(),
         Kind::Texts | Kind::Files => {
             let items = texts.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|text| !text.is_empty());
-            // One too many is refused as a whole: the rest need not go through the layers.
+            // One entry too many refuses the whole list, so the rest can be dropped.
             items.take(LIST_MAX + 1).map(str::to_owned).collect::<Vec<String>>().into()
         }
         Kind::Number { .. } => text.parse::<f64>().map_or_else(|_| text.into(), Into::into),
@@ -240,14 +240,14 @@ fn written(kind: Kind, texts: &[String]) -> Value {
     }
 }
 
-/// They are only told: Kubernetes sets some for every service of a namespace.
+/// Unknown variables cause only warnings: Kubernetes sets some for every service of a namespace.
 fn unknown_variables(variables: &[(String, String)]) -> Vec<String> {
     let is_known = |name: &str| Key::ALL.iter().any(|key| key.environment() == name) || KNOWN_ELSEWHERE.contains(&name);
     let foreign = variables.iter().map(|(name, _)| name.as_str());
     let foreign = foreign.filter(|name| name.starts_with(ENVIRONMENT_PREFIX) && !is_known(name));
     let told = foreign.map(|name| {
         let meant = did_you_mean(name, Key::ALL.iter().map(|key| key.environment()));
-        format!("the environment variable {} is not known and ignored{meant}", name.escape_debug())
+        format!("the environment variable {} is unknown and ignored{meant}", name.escape_debug())
     });
     told.collect()
 }

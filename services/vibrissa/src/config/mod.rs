@@ -1,8 +1,8 @@
-//! The configuration: one TOML file, the environment over it, flags over both.
+//! The configuration: a TOML file, overridden by the environment, overridden by flags.
 //!
-//! Everything that can be set is a [`Key`] of one table, under one name in all three places. It is checked as a
-//! whole before anything connects, and everything that is wrong is told at once ([`Problems`]). Read in this
-//! order: [`keys`], [`layers`], [`problem`]; then [`show`], which tells what is in effect and why.
+//! Every setting is a [`Key`] of one table, under one name in all three places. The whole configuration is checked
+//! before anything connects, and all problems are reported at once ([`Problems`]). Read in this order: [`keys`],
+//! [`layers`], [`problem`]; then [`show`], which prints the values in effect with their origins.
 
 pub mod choices;
 pub mod keys;
@@ -50,65 +50,65 @@ use vibrissa_supervisor::trace::TraceOptions;
 /// A configuration that was checked as a whole. `Debug` shows no secret.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// What this supervisor is called.
+    /// Name of this supervisor.
     pub name: String,
-    /// At least one, none twice.
+    /// Fleets to supervise: at least one, without duplicates.
     pub fleets: Vec<Name>,
-    /// Whisker models beyond the paper's, by the names that factsheets use.
+    /// Whisker models in addition to the paper's, by their names in factsheets.
     pub models: Vec<(String, Model)>,
-    /// What is logged, as a filter of `tracing`.
+    /// Log filter of `tracing`.
     pub log: String,
-    /// The database.
+    /// Address of the database.
     pub database: DatabaseAddress,
-    /// How long a fleet stays this supervisor's without a word from it.
+    /// Time without renewal after which another supervisor may take over a fleet.
     pub lease_time_to_live: Duration,
-    /// What of contacts is kept, and for how long.
+    /// Retention of contacts: the stored ones, and their lifetime.
     pub history: HistoryOptions,
     /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
-    /// The external broker; none starts the embedded one.
+    /// External broker; `None` starts the embedded one.
     pub broker: Option<BrokerAddress>,
-    /// The embedded broker's port; 0 takes any free one.
+    /// Port of the embedded broker; 0 takes any free port.
     pub mqtt_port: u16,
-    /// Where HTTP listens, and how many connections it takes.
+    /// HTTP listeners and connection limits.
     pub http: HttpOptions,
-    /// Who is let in there, besides those whose tokens the database has.
+    /// Configured credentials, in addition to the tokens in the database.
     pub access: AccessOptions,
-    /// Whether each robot and whisker is shown to Prometheus.
+    /// Whether metrics include each robot and whisker.
     pub metrics_per_whisker: bool,
-    /// Where traces go; nowhere if there is no collector.
+    /// Export of traces; `None` without a collector.
     pub traces: Option<TraceOptions>,
-    /// How the paper's equations are read.
+    /// Interpretation of the paper's equations.
     pub formulation: Formulation,
-    /// Who says that a compensation begins.
+    /// Whether compensations need approval.
     pub mode: Mode,
-    /// What a setpoint is solved for.
+    /// Objective of the setpoint solver.
     pub objective: Objective,
-    /// Whether a longer whisker may stand in for a shorter one.
+    /// Whether a longer whisker may compensate for a shorter one.
     pub longer_for_shorter: LongerForShorter,
-    /// Highest mean predicted error of a compensation, as a ratio.
+    /// Maximum mean predicted error of a compensation, as a ratio.
     pub predicted_error_max: f64,
-    /// What it costs that a neighbour gives up its own role, in units of mean error.
+    /// Cost of a neighbour that gives up its own role, in units of mean error.
     pub own_role_cost: f64,
-    /// What a change of an assignment in force must gain, in units of mean error.
+    /// Minimum gain for changing an active assignment, in units of mean error.
     pub change_margin: f64,
     /// Mean number of contacts of a healthy whisker between false alarms.
     pub contacts_between_false_alarms: f64,
-    /// Contacts in which a whisker is learned.
+    /// Number of contacts of a whisker's cold start.
     pub cold_start_contacts: u32,
-    /// Files that hold passwords, tokens and private keys, each with the key that names it or whose value it has.
+    /// Files that contain passwords, tokens or private keys, each with the key of the configuration that leads there.
     pub secret_files: Vec<(Key, PathBuf)>,
 }
 
-/// What came of reading a configuration.
+/// Result of reading a configuration.
 pub struct Reading {
-    /// The configuration, or everything that is wrong with it.
+    /// The configuration, or all its problems.
     pub config: Result<Config, Problems>,
-    /// What is odd and does not stop anything, for standard error.
+    /// Warnings for standard error.
     pub warnings: Vec<String>,
 }
 
-/// Puts the layers over each other and checks the whole. Reads the files that are named, connects to nothing.
+/// Merges the layers and checks the result. Reads the files that keys name; connects to nothing.
 #[must_use]
 pub fn read(sources: &Sources) -> Reading {
     let mut layers = Layers::new(sources);
@@ -122,7 +122,7 @@ pub fn read(sources: &Sources) -> Reading {
     Reading { config, warnings }
 }
 
-/// Looks at every key before it gives up, so that all problems are told.
+/// Reads every key before it gives up, so that all problems are reported.
 fn config(reader: &mut Reader) -> Option<Config> {
     let name = reader.parsed(Key::Name, supervisor_name);
     let fleets = fleets(reader);
@@ -199,7 +199,7 @@ fn limits(reader: &mut Reader) -> Option<LimitOptions> {
 
 fn supervisor_name(text: &str) -> Result<String, &'static str> {
     let good = text.chars().count() <= 255 && !text.contains(char::is_control);
-    good.then(|| text.to_owned()).ok_or("must have at most 255 characters, none of them a control character")
+    good.then(|| text.to_owned()).ok_or("must have at most 255 characters, and no control characters")
 }
 
 fn fleets(reader: &mut Reader) -> Option<Vec<Name>> {
@@ -224,7 +224,7 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
     let mut models: Vec<(String, Model)> = Vec::new();
     for text in reader.texts(Key::Calibrations)? {
         let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
-            // The whole would show a line of a file that may be another than was meant.
+            // The full error would show a line of the file, which may be the wrong file.
             CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {}", reason.message()),
             problem @ (CalibrationFileError::Read { .. }
             | CalibrationFileError::Name { .. }
@@ -247,7 +247,7 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
 }
 
 impl Config {
-    /// The core's parameters.
+    /// Parameters of the core.
     #[must_use]
     pub fn params(&self) -> Params {
         let mut params = Params::nguyen_2021(self.formulation);

@@ -1,4 +1,4 @@
-//! The broker: where it is, and how to know it and be known.
+//! The broker: address, TLS and credentials.
 
 use std::str::FromStr;
 use std::time::Duration;
@@ -7,12 +7,12 @@ use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate, Credentials, TlsOptions};
 
-/// What only an encrypted connection has a use for.
+/// Keys that have an effect only on an encrypted connection.
 const TLS_KEYS: [Key; 3] = [Key::MqttCaFile, Key::MqttClientCertificateFile, Key::MqttClientKeyFile];
-/// What only a broker that asks has a use for.
+/// Keys that have an effect only with an external broker.
 const CREDENTIAL_KEYS: [Key; 3] = [Key::MqttUsername, Key::MqttPassword, Key::MqttPasswordFile];
 
-/// The external broker, if there is one.
+/// The external broker, if configured.
 pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
     let is_external = reader.is_explicit(Key::MqttUrl);
     let found = reader.parsed(Key::MqttUrl, |text| BrokerAddress::from_str(text).map_err(|bad| bad.to_string()));
@@ -22,7 +22,7 @@ pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
     if !is_external {
         for key in CREDENTIAL_KEYS.into_iter().chain(TLS_KEYS) {
             if reader.is_explicit(key) {
-                reader.refuse(key, "is of no use without mqtt.url: only an external broker asks for it");
+                reader.refuse(key, "has no effect without mqtt.url: only an external broker requires it");
             }
         }
     }
@@ -35,7 +35,7 @@ pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
     if broker.tls.is_none() {
         for key in TLS_KEYS {
             if reader.is_explicit(key) {
-                reader.refuse(key, "is of no use on a connection in plain text: write mqtt.url with mqtts://");
+                reader.refuse(key, "has no effect on a plain-text connection: write mqtt.url with mqtts://");
             }
         }
     }
@@ -67,7 +67,7 @@ fn client(reader: &mut Reader) -> Option<ClientCertificate> {
     let (certificate_file, key_file) = (reader.file(keys[0]), reader.private_file(keys[1]));
     for (key, other) in [(keys[0], keys[1]), (keys[1], keys[0])] {
         if reader.is_explicit(key) && !reader.is_explicit(other) {
-            reader.refuse(key, format!("is of no use alone: set {other} too"));
+            reader.refuse(key, format!("has no effect alone: set {other} too"));
         }
     }
     Some(ClientCertificate { certificate_file: certificate_file?, key_file: key_file? })

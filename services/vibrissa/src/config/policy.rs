@@ -1,4 +1,4 @@
-//! Another policy, for comparisons: a file with some keys of `[policy]`.
+//! Another policy for comparisons: a file with some keys of `[policy]`.
 
 use std::path::PathBuf;
 
@@ -10,19 +10,19 @@ use super::layers::{Layers, Sources};
 use super::problem::Problems;
 use super::reader::Reader;
 
-/// The section that such a file has.
+/// Section of such a file.
 const SECTION: &str = "policy";
 
-/// A policy with what a file says of it; what the file does not say stays.
+/// The policy `base`, overridden by the keys in the file.
 ///
 /// # Errors
-/// Everything that is wrong with the file; keys of other sections are.
+/// All problems of the file. Keys of other sections are refused.
 pub fn policy_over(base: PolicyParams, path: PathBuf, text: String) -> Result<PolicyParams, Problems> {
     let sources = Sources { file: Some((path, text)), ..Sources::default() };
     let mut reader = Reader::new(Layers::new(&sources));
     let others = Key::ALL.iter().copied().filter(|key| key.section().0 != Some(SECTION));
     for key in others.filter(|&key| reader.is_explicit(key)).collect::<Vec<_>>() {
-        reader.refuse(key, "is not of the policy: only keys of [policy] are compared");
+        reader.refuse(key, "is not a policy key: only keys of [policy] are compared");
     }
     let mut policy = base;
     if reader.is_explicit(Key::PolicyObjective)
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn keys_of_other_sections_and_wrong_values_are_refused_with_their_names() {
         let problems = over("fleets = [\"f\"]\n[policy]\nobjective = \"best\"\nmargin = 1").unwrap_err().to_string();
-        for part in ["fleets (file other.toml): is not of the policy", "policy.objective", "policy.margin"] {
+        for part in ["fleets (file other.toml): is not a policy key", "policy.objective", "policy.margin"] {
             assert!(problems.contains(part), "{problems}");
         }
     }

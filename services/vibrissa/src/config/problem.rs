@@ -1,14 +1,14 @@
-//! What is wrong with a configuration, for the person who wrote it.
+//! Problems of a configuration, for the person who wrote it.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use super::keys::Key;
 
-/// Where a value came from.
+/// Origin of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
-    /// Nobody set it.
+    /// The value is the built-in default.
     Default,
     /// The configuration file.
     File(PathBuf),
@@ -19,7 +19,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// Whether somebody set it.
+    /// Whether the value was set explicitly.
     #[must_use]
     pub fn is_explicit(&self) -> bool {
         *self != Self::Default
@@ -37,19 +37,19 @@ impl fmt::Display for Origin {
     }
 }
 
-/// One thing that is wrong, and what to do.
+/// A problem, and what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// The key's path, or what stands in its place; empty for a file as a whole.
+    /// Path of the key, or the text in its place; empty for a file as a whole.
     pub key: String,
-    /// Where the value came from.
+    /// Origin of the value.
     pub origin: Origin,
-    /// What is wrong and what to do. Shows no secret.
+    /// Description of the problem and its remedy. Contains no secret.
     pub what: String,
 }
 
 impl Problem {
-    /// Of a key.
+    /// A problem of a key's value.
     #[must_use]
     pub fn new(key: Key, origin: Origin, what: impl Into<String>) -> Self {
         Self { key: key.path().to_owned(), origin, what: what.into() }
@@ -68,7 +68,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Everything that is wrong; never empty.
+/// All problems of a configuration; never empty.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problems(pub Vec<Problem>);
 
@@ -90,10 +90,10 @@ impl From<Problem> for Problems {
     }
 }
 
-/// "; did you mean this?" if one of the names is close to it, otherwise nothing.
+/// "; did you mean NAME?" if a name is similar, otherwise an empty text.
 #[must_use]
 pub fn did_you_mean<'a>(text: &str, names: impl Iterator<Item = &'a str>) -> String {
-    // Long foreign names are no slips of the finger, and the measure takes the product of both lengths.
+    // Long foreign names are not typing errors, and the cost is the product of both lengths.
     if text.len() > 100 {
         return String::new();
     }

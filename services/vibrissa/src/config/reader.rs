@@ -1,4 +1,4 @@
-//! Reads keys as what they should be, and remembers everything that is not.
+//! Reads and checks the values of keys, and collects the problems.
 
 use std::path::{Path, PathBuf};
 
@@ -10,21 +10,21 @@ use super::layers::{LIST_MAX, Layers};
 use super::problem::{Origin, Problem};
 use vibrissa_store::secret::Secret;
 
-/// What stands for a secret when it is shown, and is therefore none.
+/// Mask shown in place of a secret; refused as a secret.
 pub(super) const MASK: &str = "***";
 
-/// The longest text, bytes: far above any real one.
+/// Size limit of a text, in bytes: far above any real one.
 const TEXT_MAX_BYTES: usize = 4096;
 
-/// Reads values; what is wrong is collected.
+/// Reads values and collects problems.
 pub(super) struct Reader {
     layers: Layers,
     pub(super) problems: Vec<Problem>,
-    /// Files that hold secrets, each with the key that led there.
+    /// Files that contain secrets, each with the key that led there.
     pub(super) secret_files: Vec<(Key, PathBuf)>,
 }
 
-/// The problem is remembered already.
+/// Marks a value whose problem is already recorded.
 type Refused = ();
 
 impl Reader {
@@ -33,17 +33,17 @@ impl Reader {
         Self { layers, problems, secret_files: Vec::new() }
     }
 
-    /// Where the value comes from.
+    /// Origin of the key's value.
     pub(super) fn origin(&self, key: Key) -> Origin {
         self.layers.find(key).1.clone()
     }
 
-    /// Whether somebody set it.
+    /// Whether the key is set explicitly.
     pub(super) fn is_explicit(&self, key: Key) -> bool {
         self.layers.find(key).1.is_explicit()
     }
 
-    /// Remembers what is wrong with a key's value.
+    /// Records a problem of a key's value.
     pub(super) fn refuse(&mut self, key: Key, what: impl Into<String>) {
         let origin = self.origin(key);
         self.problems.push(Problem::new(key, origin, what));
@@ -66,7 +66,7 @@ impl Reader {
         })
     }
 
-    /// A text that is something.
+    /// A text that `parse` accepts.
     pub(super) fn parsed<T, E: std::fmt::Display>(
         &mut self,
         key: Key,
@@ -76,7 +76,7 @@ impl Reader {
         parse(&text).map_err(|problem| self.refuse(key, problem.to_string())).ok()
     }
 
-    /// One of some words.
+    /// A word of an enumeration.
     pub(super) fn word<T: ValueEnum>(&mut self, key: Key) -> Option<T> {
         self.parsed(key, |text| {
             T::from_str(text, false).map_err(|_| {
@@ -87,7 +87,7 @@ impl Reader {
         })
     }
 
-    /// Several texts.
+    /// A list of texts.
     pub(super) fn texts(&mut self, key: Key) -> Option<Vec<String>> {
         self.read(key, |value| {
             let items = value.as_array().ok_or_else(|| wrong_type(key, value))?;
@@ -133,14 +133,14 @@ impl Reader {
         Some(path)
     }
 
-    /// The same for a file that only this user should read.
+    /// A file that only this user should be able to read.
     pub(super) fn private_file(&mut self, key: Key) -> Option<PathBuf> {
         let path = self.file(key)?;
         self.secret_files.push((key, path.clone()));
         Some(path)
     }
 
-    /// Remembers that the configuration file holds a secret, if the key's value comes from there.
+    /// Records that the configuration file contains a secret, if the key's value comes from there.
     pub(super) fn holds_secret(&mut self, key: Key) {
         if let Origin::File(path) = self.origin(key) {
             self.secret_files.push((key, path));
@@ -161,13 +161,13 @@ impl Reader {
         })
     }
 
-    /// A password as it was written, in the configuration file or the environment.
+    /// A secret given directly, in the configuration file or the environment.
     pub(super) fn secret(&mut self, key: Key) -> Option<Secret> {
         if matches!(self.origin(key), Origin::Flag(_)) {
             let file = format!("{key}_file");
             let flag = Key::at(&file).map_or(file, |key| format!("{key} (--{} FILE)", key.flag()));
             let what = format!(
-                "is not taken from the command line, which everyone on this machine can read (ps): set {flag}, or the \
+                "is refused on the command line, which everyone on this machine can read (ps): set {flag}, or the \
                  environment variable {}",
                 key.environment()
             );
@@ -177,13 +177,13 @@ impl Reader {
         let text = self.text(key)?;
         self.holds_secret(key);
         if text == MASK {
-            self.refuse(key, format!("{MASK} is what stands for a hidden password: write the password itself"));
+            self.refuse(key, format!("{MASK} is only the mask of a hidden password: write the password itself"));
             return None;
         }
         Some(Secret::new(text))
     }
 
-    /// The password in a file, without the end of its line.
+    /// The secret in a file, without the line end.
     pub(super) fn secret_file(&mut self, key: Key) -> Option<Secret> {
         let path = PathBuf::from(self.text(key)?);
         self.opens(key, &path).ok()?;
@@ -192,7 +192,7 @@ impl Reader {
     }
 }
 
-/// What should be there, and what is there instead. A secret's value is not told.
+/// Message about a wrong type: the expected and the given one. It does not show a secret's value.
 fn wrong_type(key: Key, value: &Value) -> String {
     let (should, example) = match key.kind() {
         Kind::Text | Kind::Secret | Kind::DatabaseUrl => ("a text", "\"...\""),

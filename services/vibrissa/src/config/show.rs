@@ -1,4 +1,4 @@
-//! What is in effect and where each value came from, as a configuration file; and the example of one.
+//! Prints the configuration in effect with the origin of each value, as a configuration file; and an example file.
 
 use std::fmt::Write;
 
@@ -9,9 +9,9 @@ use super::keys::{Key, Kind};
 use super::layers::{Layers, Sources};
 use super::reader::MASK;
 
-/// The configuration in effect, in TOML. Secrets are hidden; a comment at each line tells where it came from.
+/// The configuration in effect, in TOML. Secrets are masked; a comment on each line names the origin.
 ///
-/// `rust_log` is what the variable `RUST_LOG` says, which wins over the key `log`.
+/// `rust_log` is the value of the variable `RUST_LOG`, which overrides the key `log`.
 #[must_use]
 pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
     let layers = Layers::new(sources);
@@ -21,30 +21,31 @@ pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
         let name = key.section().1;
         let line = match (value, key.kind()) {
             (None, _) => format!("# {name} is not set"),
-            // A file that is made of this must not have a password of asterisks.
+            // Commented out, so that a file made from this output does not use the mask as password.
             (Some(_), Kind::Secret) => format!("# {name} = \"{MASK}\"  # {origin}"),
-            // Written out beside mqtt.url, it would contradict it.
+            // With mqtt.url, an explicit port would be refused.
             (Some(_), _) if key == Key::MqttPort && !origin.is_explicit() && is_external => {
-                format!("# {name} is of no use with mqtt.url")
+                format!("# {name} has no effect with mqtt.url")
             }
             (Some(value), kind) => format!("{name} = {}  # {origin}", toml_value(value, kind)),
         };
-        // A file's name may hold a line's end.
+        // A file name may contain line breaks.
         let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let _ = writeln!(text, "{line}");
         if let (Key::Log, Some(rust_log)) = (key, rust_log) {
-            let _ = writeln!(text, "# RUST_LOG wins over it: {}", rust_log.escape_debug());
+            let _ = writeln!(text, "# RUST_LOG overrides it: {}", rust_log.escape_debug());
         }
     })
 }
 
-/// A file with every key, its meaning and its default, all of it commented out.
+/// An example file with every key, its description and its default, all commented out.
 #[must_use]
 pub fn example() -> String {
-    let head = "# Every key of vibrissa with its default. `vibrissa config` shows what is in effect and why.\n#\n\
-                # Each can also be set by the environment and by a flag, which win in this order: mqtt.ca_file is\n\
-                # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. Files are looked for from where the program is started.\n\
-                # Passwords are not taken from the command line.\n\n";
+    let head = "# Every key of vibrissa with its default. `vibrissa config` shows the values in effect and their origins.\n\
+                #\n\
+                # An environment variable overrides the file, and a flag overrides both: mqtt.ca_file is also\n\
+                # VIBRISSA_MQTT_CA_FILE and --mqtt-ca-file. File names are relative to the working directory.\n\
+                # Passwords are refused on the command line.\n\n";
     let keys = document(|text, key| {
         let name = key.section().1;
         let _ = match key.default() {
@@ -55,7 +56,7 @@ pub fn example() -> String {
     format!("{head}{keys}")
 }
 
-/// Every key under its section.
+/// Writes every key under its section.
 fn document(write: impl Fn(&mut String, Key)) -> String {
     let mut text = String::new();
     let mut open = None;
@@ -71,7 +72,7 @@ fn document(write: impl Fn(&mut String, Key)) -> String {
 }
 
 fn toml_value(value: &Value, kind: Kind) -> String {
-    // JSON's escapes are TOML's, but for one character.
+    // JSON's escapes are valid in TOML, except for one character.
     let quoted = |text: &str| serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F");
     match value {
         Value::String(_, text) if kind == Kind::DatabaseUrl => quoted(&masked(text)),
@@ -86,7 +87,7 @@ fn toml_value(value: &Value, kind: Kind) -> String {
         },
         Value::Char(_, character) => quoted(&character.to_string()),
         Value::Bool(_, truth) => truth.to_string(),
-        // No key of a good configuration has such a value.
+        // A valid configuration has no such value.
         Value::Empty(..) | Value::Dict(..) => "\"\"".to_owned(),
     }
 }

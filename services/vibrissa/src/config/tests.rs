@@ -10,10 +10,10 @@ fn from_environment(variables: &[(&str, &str)]) -> Sources {
     Sources { environment, ..Sources::default() }
 }
 
-/// What is wrong, a line each.
+/// All problems, one line each.
 fn wrong(sources: &Sources) -> Vec<String> {
     match read(sources).config {
-        Ok(config) => panic!("nothing is wrong with {config:?}"),
+        Ok(config) => panic!("no problem in {config:?}"),
         Err(problems) => problems.0.iter().map(ToString::to_string).collect(),
     }
 }
@@ -180,7 +180,7 @@ fn everything_is_told_at_once_and_one_problem_is_one_line() {
 
 #[test]
 fn the_example_uncommented_is_the_defaults() {
-    // What is unset has no value to write: its line stays a comment.
+    // An unset key has no value, so its line stays a comment.
     let example = show::example();
     let lines = example.lines().map(|line| match line.strip_prefix('#') {
         Some(setting) if !setting.starts_with(' ') && !setting.ends_with("\"\"") => setting.to_owned(),

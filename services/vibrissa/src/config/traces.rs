@@ -1,4 +1,4 @@
-//! Where traces go.
+//! Export of traces.
 
 use url::Url;
 
@@ -6,11 +6,11 @@ use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::trace::TraceOptions;
 
-/// Where the collectors of OTLP take traces, after their address.
+/// Path of an OTLP collector for traces.
 const PATH: &str = "v1/traces";
 
-/// A collector, if there is one; nothing after a refusal.
-#[expect(clippy::option_option, reason = "outer: nothing was refused; inner: there is one")]
+/// The collector, if configured; outer `None` after a refusal.
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
 pub(super) fn traces(reader: &mut Reader) -> Option<Option<TraceOptions>> {
     let is_set = reader.is_explicit(Key::TracesOtlpEndpoint);
     let url = reader.parsed(Key::TracesOtlpEndpoint, endpoint);
@@ -21,10 +21,10 @@ pub(super) fn traces(reader: &mut Reader) -> Option<Option<TraceOptions>> {
     Some(Some(TraceOptions { url: url?, sample_ratio }))
 }
 
-/// The URL for traces of a collector at an address.
+/// The URL for traces of the collector at an address.
 fn endpoint(text: &str) -> Result<String, String> {
     let example = "write http://HOST:4318";
-    let mut url = Url::parse(text).map_err(|problem| format!("is no URL ({problem}): {example}"))?;
+    let mut url = Url::parse(text).map_err(|problem| format!("is not a URL ({problem}): {example}"))?;
     if !matches!(url.scheme(), "http" | "https") || url.host().is_none() {
         return Err(format!("must begin with http:// or https://: {example}, the port for OTLP over HTTP"));
     }
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn what_is_no_collectors_address_is_refused_with_what_to_write() {
         for (text, told) in [
-            ("collector", "is no URL (relative URL without a base): write http://HOST:4318"),
+            ("collector", "is not a URL (relative URL without a base): write http://HOST:4318"),
             ("localhost:4318", "must begin with http:// or https://"),
             ("grpc://h:4317", "must begin with http:// or https://"),
             ("http://u:hunter2@h:4318", "OTEL_EXPORTER_OTLP_HEADERS"),

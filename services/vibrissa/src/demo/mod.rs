@@ -1,4 +1,4 @@
-//! The whole job in one process: broker, supervisor, database and a simulated fleet, over real MQTT.
+//! The demonstration: broker, supervisor, database and a simulated fleet in one process, over real MQTT.
 
 mod picture;
 mod report;
@@ -22,30 +22,30 @@ use vibrissa_store::Store;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 
-/// The demo gives up waiting after this.
+/// Longest time to wait for the expected events.
 const PATIENCE: Duration = Duration::from_secs(50);
-/// Contacts of a compensator after which its error is well known: 12 bins of about 100.
+/// Contacts of a compensator after which its error is known well: 12 bins of about 100.
 const CONTACTS_TO_MEASURE: i64 = 1200;
 
-/// What the demo is told.
+/// Options of the demo.
 #[derive(Debug, Clone)]
 pub struct DemoOptions {
-    /// Where the database and the picture go.
+    /// Folder for the database and the chart.
     pub folder: PathBuf,
     /// Seed of the simulation.
     pub seed: u64,
-    /// The embedded broker's port.
+    /// Port of the embedded broker.
     pub mqtt_port: u16,
-    /// Where HTTP listens.
+    /// Address of the HTTP listener.
     pub http: SocketAddr,
-    /// Whether to go on after the report.
+    /// Whether to keep serving after the report.
     pub serve: bool,
 }
 
-/// Runs the demo; true if everything that was expected has happened.
+/// Runs the demo; true if all expected events happened.
 ///
 /// # Errors
-/// Something cannot be started or written.
+/// A part cannot be started, or a file cannot be written.
 pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let database = fresh_database(&options.folder)?;
     let service = Service::start(ServiceOptions {
@@ -67,7 +67,8 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
     println!("vibrissa demo: two robots with nine whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
     println!(
-        "Each whisker is touched {CONTACTS_PER_SECOND} times a second: a time-lapse. Three are cut, one erodes, one is cut too short.\n"
+        "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Three are cut, one erodes, one is cut \
+         too short.\n"
     );
     let fleet = Fleet::start(&scenario::scenario(options.seed)?, &broker)?;
     watch(&service.store).await?;
@@ -77,7 +78,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
 
     let picture = options.folder.join("demo.svg");
     picture::draw(&service.store, &picture).await.with_context(|| format!("drawing {}", picture.display()))?;
-    println!("\nDatabase: {}\nPicture:  {}", database.display(), picture.display());
+    println!("\nDatabase: {}\nChart:    {}", database.display(), picture.display());
     if options.serve {
         println!(
             "\nServing until Ctrl-C: the console on http://{}/, the API in /docs, /metrics; MQTT on {broker:?}",
@@ -90,9 +91,9 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     Ok(outcome.passed)
 }
 
-/// An empty folder for this run's files; those of an earlier run are replaced.
+/// Creates the folder for this run's files, and removes the database of an earlier run.
 fn fresh_database(folder: &Path) -> anyhow::Result<PathBuf> {
-    std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
     let database = folder.join("demo.sqlite3");
     for ending in ["", "-wal", "-shm"] {
         let file = folder.join(format!("demo.sqlite3{ending}"));
@@ -103,7 +104,7 @@ fn fresh_database(folder: &Path) -> anyhow::Result<PathBuf> {
     Ok(database)
 }
 
-/// Shows what the supervisor does until it has done everything, or [`PATIENCE`] is over.
+/// Prints what the supervisor does until it has done everything, or [`PATIENCE`] is over.
 async fn watch(store: &Store) -> anyhow::Result<()> {
     let compensations = INCIDENTS.iter().filter(|one| matches!(one.what, What::Trim { .. })).count();
     let bar = ProgressBar::new(compensations as u64 * CONTACTS_TO_MEASURE as u64);
@@ -133,7 +134,7 @@ async fn watch(store: &Store) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Lets the robots rest until every contact is receipted; true if that came about.
+/// Stops the contacts and waits until every contact is receipted; true if that succeeded.
 async fn settle(fleet: &Fleet, store: &Store) -> anyhow::Result<bool> {
     fleet.rest();
     let made = fleet.contacts_made();

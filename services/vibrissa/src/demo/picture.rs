@@ -1,4 +1,4 @@
-//! A picture of the demo from its database: what became of the lengths, the pressures and the errors.
+//! Chart of the demo from its database: lengths, pressures and errors.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::compensations::{COMPENSATIONS, CompensationSummary, RATIO_ERRORS, RatioError};
 use vibrissa_store::readings::LengthPoint;
 
-/// Every so many contacts one point of a curve.
+/// Contacts per point of a curve.
 const EVERY: i64 = 15;
 /// The paper's measured mean error of case 1 and self-compensation.
 const PAPER_ERROR_PERCENT: f64 = 20.385;
@@ -23,7 +23,7 @@ struct Curve {
     points: Vec<LengthPoint>,
 }
 
-/// Draws it.
+/// Draws the chart.
 ///
 /// # Errors
 /// The database cannot be read, or the file cannot be written.
@@ -108,7 +108,7 @@ fn error_panel(panel: &Panel<'_>, curves: &[Curve], errors: &[(String, Vec<Ratio
     let mut chart = chart(panel, &axes, 0)?;
     let paper = LineSeries::new([(0.42, PAPER_ERROR_PERCENT), (1.03, PAPER_ERROR_PERCENT)], BLACK.stroke_width(1));
     let named = chart.draw_series(paper).map_err(drawing)?;
-    named.label(format!("mean that the paper measured, {PAPER_ERROR_PERCENT} %")).legend(|at| stroke(at, BLACK));
+    named.label(format!("mean measured in the paper, {PAPER_ERROR_PERCENT} %")).legend(|at| stroke(at, BLACK));
     for (index, (label, bins)) in errors.iter().enumerate() {
         // A whisker has one colour in all panels.
         let curve = curves.iter().position(|curve| curve.label == *label).unwrap_or(index);

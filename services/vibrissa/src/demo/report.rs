@@ -1,4 +1,5 @@
-//! What the demo tells: the story as it happens, and at the end a table against the truth, with a verdict.
+//! Output of the demo: events as they happen, then a table of estimates beside the simulation's true values, and a
+//! verdict.
 
 use std::fmt::Write as _;
 
@@ -15,20 +16,20 @@ use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
 /// The paper's measured mean error of case 1 and self-compensation.
 const PAPER_ERROR: f64 = 0.203_85;
-/// Contacts within which a trim shall be found.
+/// Maximum number of contacts until a trim must be detected.
 const CONTACTS_MAX: i64 = 40;
-/// How far the estimated length may be off, mm.
+/// Maximum error of an estimated length, mm.
 const OFF_MAX_MM: f64 = 1.0;
 
-/// The end of the demo.
+/// Result of the demo.
 pub(super) struct Outcome {
-    /// For people.
+    /// Text of the report.
     pub(super) text: String,
-    /// Whether everything expected has happened.
+    /// Whether all expected events happened.
     pub(super) passed: bool,
 }
 
-/// What has happened so far, a line each, oldest first.
+/// Events so far, one line each, oldest first.
 pub(super) async fn story(store: &Store) -> anyhow::Result<Vec<String>> {
     let mut lines: Vec<(i64, String)> = Vec::new();
     for change in store.health_changes().await? {
@@ -47,7 +48,7 @@ pub(super) async fn story(store: &Store) -> anyhow::Result<Vec<String>> {
     Ok(lines.into_iter().map(|(_, line)| line).collect())
 }
 
-/// Whether everything that shall be found is found.
+/// Whether all incidents are detected.
 pub(super) async fn is_all_found(store: &Store) -> anyhow::Result<bool> {
     let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
     Ok(INCIDENTS.iter().all(|incident| {
@@ -64,7 +65,7 @@ fn reading<'a>(whiskers: &'a [Whisker], incident: &Incident) -> Option<&'a Whisk
     })
 }
 
-/// Holds what the database says against what was done to the robots.
+/// Compares the database with the incidents and true values of the simulation.
 pub(super) async fn report(store: &Store, fleet: &Fleet, settled: bool) -> anyhow::Result<Outcome> {
     let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
     let mut trims: Vec<Trim> = store.all(&TRIMS, Vec::new()).await?;
@@ -110,11 +111,11 @@ async fn contacts_to_detect(store: &Store, incident: &Incident, trim: &Trim, cha
     Ok(store.contacts_between(whisker, changed_us as i64, trim.detected_at.0).await?)
 }
 
-/// What the simulation knows.
+/// True values of the simulation.
 struct Truth {
     length_mm: f64,
     changed_us: u64,
-    /// Eq. 35 with the true sensitivities.
+    /// Error by Eq. 35 with the true sensitivities.
     error: Option<f64>,
 }
 
@@ -178,7 +179,7 @@ impl Report {
         let served = compensation.filter(|one| one.compensator_whisker.is_some());
         let case = match (compensation, served) {
             (_, Some(one)) => one.compensation_case.clone().unwrap_or_default(),
-            (Some(_), None) => "NONE CAN SERVE".to_owned(),
+            (Some(_), None) => "NO COMPENSATOR".to_owned(),
             (None, None) => "-".to_owned(),
         };
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
@@ -225,15 +226,15 @@ impl Report {
         }
         if let What::Erosion { .. } = incident.what {
             if whisker.condition != "ERODING" {
-                self.problem(incident, &format!("should be found ERODING, is {}", whisker.condition));
+                self.problem(incident, &format!("should be detected as ERODING, is {}", whisker.condition));
             }
             return;
         }
         if trims.len() != 1 {
-            self.problem(incident, &format!("should be found trimmed once, was {} times", trims.len()));
+            self.problem(incident, &format!("should be detected as trimmed once, was detected {} times", trims.len()));
         }
         if contacts.is_some_and(|contacts| contacts > CONTACTS_MAX) {
-            self.problem(incident, &format!("found after {} contacts", contacts.unwrap_or_default()));
+            self.problem(incident, &format!("detected only after {} contacts", contacts.unwrap_or_default()));
         }
         let by = compensation.and_then(|one| one.compensator_whisker);
         match incident.what {
@@ -249,7 +250,7 @@ impl Report {
                 }
             }
             What::TooShort { .. } if compensation.is_none() || by.is_some() => {
-                self.problem(incident, "should be decided as one that no one can serve");
+                self.problem(incident, "should have no compensator");
             }
             What::TooShort { .. } | What::Erosion { .. } => {}
         }
@@ -298,7 +299,7 @@ impl Report {
     fn verdict(mut self) -> Outcome {
         let passed = self.problems.is_empty();
         let _ = match passed {
-            true => writeln!(self.text, "Everything that was expected has happened."),
+            true => writeln!(self.text, "All expected events happened."),
             false => writeln!(self.text, "\nNOT as expected:\n  {}", self.problems.join("\n  ")),
         };
         Outcome { text: self.text, passed }

@@ -1,4 +1,4 @@
-//! The demo's fleet and what is expected of its supervision, in one list, so that neither drifts from the other.
+//! The demo's fleet, its incidents and the expected reactions in one list, so that they stay consistent.
 
 use vibrissa_core::policy::Case;
 use vibrissa_protocol::{ArrayType, BadName, Name, OnSupervisorLoss};
@@ -10,48 +10,48 @@ pub const CONTACTS_PER_SECOND: f64 = 60.0;
 /// The fleet's name.
 pub const FLEET: &str = "demo";
 
-/// Something that happens to a whisker, and what the supervisor is to make of it.
+/// An incident of a whisker, and the expected reaction of the supervisor.
 #[derive(Debug, Clone, Copy)]
 pub struct Incident {
-    /// Robot.
+    /// Name of the robot.
     pub robot: &'static str,
-    /// Array.
+    /// Name of the array.
     pub array: &'static str,
-    /// Whisker.
+    /// Number of the whisker in its array.
     pub whisker: u16,
-    /// After how many of its contacts.
+    /// Number of its contacts after which the incident happens.
     pub at_contact: u64,
-    /// What happens.
+    /// Kind of the incident.
     pub what: What,
 }
 
-/// What happens.
+/// Kind of an incident.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum What {
-    /// A cut that shall be compensated in this way, by that whisker of the array.
+    /// A cut that must be compensated in this case, by one of these whiskers of the array.
     Trim {
-        /// What is left.
+        /// Remaining length, mm.
         length_mm: f64,
-        /// How.
+        /// Expected case of the compensation.
         case: Case,
-        /// By one of these.
+        /// Numbers of the acceptable compensators.
         by: &'static [u16],
     },
-    /// A cut that nobody can compensate.
+    /// A cut that no whisker can compensate.
     TooShort {
-        /// What is left.
+        /// Remaining length, mm.
         length_mm: f64,
     },
-    /// Erosion.
+    /// Gradual shortening by wear.
     Erosion {
-        /// How fast.
+        /// Rate, mm per contact.
         rate_mm_per_contact: f64,
-        /// Where it ends.
+        /// Length at which it ends, mm.
         until_length_mm: f64,
     },
 }
 
-/// Everything that happens in the demo.
+/// All incidents of the demo.
 pub const INCIDENTS: [Incident; 5] = [
     Incident {
         robot: "crawler-1",
@@ -93,7 +93,7 @@ pub const INCIDENTS: [Incident; 5] = [
 /// A Type 1 array of six and three single whiskers (Type 2).
 ///
 /// # Errors
-/// Never: the names are good ones.
+/// Never: the names are valid.
 pub fn scenario(seed: u64) -> Result<Scenario, BadName> {
     let left = array("left", ArrayType::Type1, &[70.0, 68.0, 70.0, 65.0, 70.0, 68.0])?;
     let nose = array("nose", ArrayType::Type2, &[70.0, 70.0, 70.0])?;

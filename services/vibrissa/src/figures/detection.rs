@@ -1,4 +1,4 @@
-//! Detection delay by size of the cut, beside the oracle's.
+//! Detection delay over the size of the cut, beside the oracle's.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use vibrissa_evaluation::detection::{Delay, Evaluation};
 
 use super::{Axes, BLUE, Chart, INK, Panel, VERMILION, chart, drawing, legend};
 
-/// Draws the delays into a folder; the file's path.
+/// Draws the delays into a folder; returns the path of the file.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -27,7 +27,7 @@ pub fn draw(found: &Evaluation, folder: &Path) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Both axes in powers of ten: delays reach from one contact to thousands.
+/// Both axes are logarithmic, because delays range from one contact to thousands.
 fn one(panel: &Panel<'_>, at: u32, delays: &[&Delay]) -> Result<()> {
     let most = delays.iter().map(|delay| delay.alarm.max(delay.lorden)).fold(10.0, f64::max);
     let (least_mm, most_mm) =
@@ -42,7 +42,7 @@ fn one(panel: &Panel<'_>, at: u32, delays: &[&Delay]) -> Result<()> {
         delays.iter().map(|delay| (delay.size_mm.log10(), value(delay).max(0.5).log10())).collect()
     };
     curve(&mut chart, "this detector", of(|delay| delay.alarm), BLUE)?;
-    curve(&mut chart, "oracle: told the size", of(|delay| delay.oracle), VERMILION)?;
+    curve(&mut chart, "oracle: knows the size", of(|delay| delay.oracle), VERMILION)?;
     curve(&mut chart, "Lorden: log(ARL0) / KL", of(|delay| delay.lorden), INK)?;
     legend(&mut chart, SeriesLabelPosition::UpperRight)
 }

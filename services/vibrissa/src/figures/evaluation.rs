@@ -1,4 +1,4 @@
-//! The evaluation of compensations in the manner of the paper's Fig. 9 and 10.
+//! The evaluation of compensations, in figures like the paper's Fig. 9 and 10.
 
 use std::path::{Path, PathBuf};
 
@@ -10,12 +10,12 @@ use vibrissa_evaluation::compensation::{CASES, Case, Outcome, Served, Truth, exa
 use super::paper::{Mark, marked};
 use super::{Axes, BLUE, GREEN, INK, PURPLE, Panel, VERMILION, chart, drawing, legend};
 
-/// The paper's greatest deflection.
+/// Largest deflection in the paper.
 const DEFLECTION_MM: f64 = 6.0;
 /// Strains are drawn in mm/m.
 const MM_PER_M: f64 = 1e3;
 
-/// Draws Fig. 9 for each case, on the first plant, and Fig. 10 over all; their paths.
+/// Draws Fig. 9 for each case, on the first plant, and Fig. 10 over all plants; returns their paths.
 ///
 /// # Errors
 /// A file cannot be written.

@@ -13,7 +13,7 @@ const CELL: (i32, i32) = (78, 40);
 const LEFT: i32 = 170;
 const TOP: i32 = 150;
 
-/// Draws it into a folder, and says where.
+/// Draws the matrix into a folder; returns the path of the file.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -24,13 +24,13 @@ pub(crate) fn draw(report: &Report, folder: &Path) -> Result<PathBuf> {
     let root = SVGBackend::new(&path, (size.0 as u32, size.1 as u32)).into_drawing_area();
     root.fill(&WHITE).map_err(drawing)?;
     let title = format!(
-        "What whiskers are (rows) and what they were called first (columns), in % of the cases: {:.1} % right",
+        "True class (rows) and first reported class (columns), in % of the cases: {:.1} % right",
         100.0 * report.right()
     );
     root.draw(&Text::new(title, (14, 12), (FONT, 17).into_font().color(&INK))).map_err(drawing)?;
     for (column, name) in (0..).zip(&columns) {
         let at = (LEFT + CELL.0 * column + CELL.0 / 2, TOP - 10);
-        // Turned, so that long names have room; anchored at their ends.
+        // Rotated, so that long names fit; anchored at their ends.
         let style = (FONT, 13).into_font().transform(FontTransform::Rotate270).color(&INK);
         let style = style.pos(Pos::new(HPos::Left, VPos::Center));
         root.draw(&Text::new(*name, at, style)).map_err(drawing)?;
@@ -46,14 +46,14 @@ pub(crate) fn draw(report: &Report, folder: &Path) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Right calls in blue, wrong ones in vermilion, the more the darker.
+/// Correct reports in blue, wrong ones in vermilion, darker for more cases.
 fn draw_row(root: &Panel<'_>, row: i32, class: &ClassReport) -> Result<()> {
     for (column, &count) in (0..).zip(&class.called) {
         let part = f64::from(count) / f64::from(class.cases.max(1));
         let colour = if column == class.truth as i32 { BLUE } else { VERMILION };
         let (left, top) = (LEFT + CELL.0 * column, TOP + CELL.1 * row);
         let corners = [(left, top), (left + CELL.0 - 2, top + CELL.1 - 2)];
-        // A single wrong case must be seen, too.
+        // A single wrong case must be visible.
         let shade = if count == 0 { 0.03 } else { 0.15 + 0.85 * part };
         root.draw(&Rectangle::new(corners, colour.mix(shade).filled())).map_err(drawing)?;
         if count > 0 {

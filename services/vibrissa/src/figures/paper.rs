@@ -13,13 +13,13 @@ use super::{Axes, BLUE, Chart, INK, Panel, VERMILION, along_palette, chart, draw
 
 /// The paper's intact whisker.
 const LENGTH_MM: f64 = 70.0;
-/// The paper's greatest deflection.
+/// Largest deflection in the paper.
 const DEFLECTION_MM: f64 = 6.0;
 const PRESSURES_MPA: [f64; 6] = [0.0, 0.002, 0.05, 0.1, 0.15, 0.2];
 /// Strains are drawn in mm/m.
 const MM_PER_M: f64 = 1e3;
 
-/// Draws the three figures into a folder; their paths.
+/// Draws the figures into a folder; returns their paths.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -86,7 +86,7 @@ fn pressures(root: &Panel<'_>, model: &Model) -> Result<()> {
         let mut ends = Vec::new();
         for (k, (slope, pressure_mpa)) in slopes.into_iter().zip(PRESSURES_MPA).enumerate() {
             let colour = along_palette(k, PRESSURES_MPA.len());
-            // 0 and 0.002 MPa nearly coincide: the second is dashed, so that both are seen.
+            // 0 and 0.002 MPa nearly coincide: the second is dashed, so that both are visible.
             straight(&mut chart, slope, colour, if k == 1 { 8 } else { 0 })?;
             ends.push((slope * DEFLECTION_MM, format!("{pressure_mpa} MPa"), colour));
         }
@@ -107,10 +107,10 @@ const CASES: [Case; 3] = [
     Case { title: "Self: trimmed from 70 to 65 mm", length_mm: 65.0, target_mm: 70.0 },
     Case { title: "Case 2: 70 mm for a neighbour of 65 mm", length_mm: 70.0, target_mm: 65.0 },
 ];
-/// Both whiskers start there.
+/// Initial pressure of both whiskers.
 const START_MPA: f64 = 0.1;
 
-/// A response that a case compares.
+/// A response that is compared in a case.
 struct Compared {
     name: String,
     length_mm: f64,
@@ -146,7 +146,7 @@ impl Case {
     }
 }
 
-/// Fig. 9 at a glance: before, target and after, by contact ratio, at the greatest deflection.
+/// Fig. 9 in summary: before, target and after, by contact ratio, at the largest deflection.
 fn compensation(root: &Panel<'_>, model: &Model) -> Result<()> {
     for (panel, case) in root.split_evenly((1, 3)).iter().zip(&CASES) {
         let axes = Axes {
@@ -199,7 +199,7 @@ fn sensitivity_per_mm(model: &Model, a: f64, length_mm: f64, pressure_mpa: f64) 
     Ok(model.sensitivity_per_mm(ContactRatio::new(a)?, Millimetre::new(length_mm)?, &morphology)?)
 }
 
-/// A line through the origin up to the greatest deflection; `dash_px` above 0 dashes it.
+/// A line through the origin up to the largest deflection; `dash_px` above 0 dashes it.
 fn straight(chart: &mut Chart<'_>, slope: f64, colour: RGBColor, dash_px: i32) -> Result<()> {
     let points = [(0.0, 0.0), (DEFLECTION_MM, slope * DEFLECTION_MM)];
     let style = colour.stroke_width(2);
@@ -211,7 +211,7 @@ fn straight(chart: &mut Chart<'_>, slope: f64, colour: RGBColor, dash_px: i32) -
     Ok(())
 }
 
-/// The paper's marks.
+/// Markers as in the paper.
 #[derive(Clone, Copy)]
 pub(super) enum Mark {
     Circle,

@@ -1,10 +1,10 @@
-//! What robots say to setpoints that nobody sent them.
+//! Robots' answers to setpoints that were never sent to them.
 //!
-//! A recording holds the setpoints of the supervisor of that time, under its names, and the robots' answers to
-//! them. A setpoint of the replay takes the answers of the recorded one for the same whisker that is seen while it is
-//! under way. One that was never recorded, as with another policy, is taken to be applied once the robot has
-//! had the time for it; from then on the robot's `status` is corrected by the difference. What its whiskers would have
-//! felt at that pressure nobody knows: their recorded contacts are at another one, and count as UNSETTLED.
+//! A recording contains the original supervisor's setpoints, with its own command IDs, and the robots' answers to them.
+//! A setpoint of the replay gets the answers of the recorded setpoint for the same whisker that appears while it is
+//! under way. If no such setpoint was recorded, for example because of another policy, it is assumed to be applied once
+//! the robot has had time for it; from then on the robot's `status` is corrected by the difference. Nobody knows the
+//! strains at that pressure: the recorded contacts are at another one, and count as UNSETTLED.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -13,15 +13,15 @@ use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::{Setpoint, SetpointOutcome, SetpointState};
 
-/// Pressures closer than this are the same, MPa.
+/// Pressures closer than this are equal, MPa.
 const SAME_MPA: f64 = 1e-4;
-/// Recorded setpoints of one whisker that are remembered.
+/// Number of recorded setpoints remembered per whisker.
 const REMEMBERED: usize = 4;
 
 /// A whisker by array and number.
 pub(super) type Place = (String, u16);
 
-/// The answers of one boot of one robot.
+/// Answers of one boot of one robot.
 #[derive(Debug, Default)]
 pub(super) struct Answers {
     places: BTreeMap<Place, Chamber>,
@@ -30,15 +30,15 @@ pub(super) struct Answers {
 #[derive(Debug, Default)]
 struct Chamber {
     recorded: VecDeque<Link>,
-    /// Where the replay's setpoints have brought it; none for its nominal pressure.
+    /// Pressure set by the replay; `None` for the nominal pressure.
     own: Option<Megapascal>,
-    /// Where the recorded ones have.
+    /// Pressure set by the recorded setpoints; `None` for the nominal pressure.
     told: Option<Megapascal>,
-    /// The replay's setpoint that no recorded one stands for, and when it is taken to be applied.
+    /// The replay's setpoint without a recorded counterpart, and the time at which it is assumed to be applied.
     assumed: Option<(Command, Micros)>,
 }
 
-/// A recorded setpoint, and the replay's that takes its answers.
+/// A recorded setpoint, and the replay's setpoint that gets its answers.
 #[derive(Debug)]
 struct Link {
     command_id: String,
@@ -49,12 +49,12 @@ struct Link {
 /// An answer to a setpoint of the replay.
 pub(super) struct Answer {
     pub key: CommandKey,
-    /// The replay's pressure, if it is not the recorded one.
+    /// The replay's pressure, if it differs from the recorded one.
     pub instead: Option<Megapascal>,
 }
 
 impl Answers {
-    /// The recording supervisor has sent this.
+    /// Notes a setpoint of the recorded supervisor.
     pub(super) fn recorded(&mut self, setpoint: &Setpoint, robot: &Robot) {
         let index = robot.find(setpoint.array.as_str(), setpoint.whisker);
         let under_way = robot.commands_under_way().find(|command| Some(command.whisker) == index);
@@ -74,20 +74,20 @@ impl Answers {
         chamber.recorded.push_back(Link { command_id, pressure_mpa, key });
     }
 
-    /// The replay has sent this. It is taken to be applied when the robot has had the time, unless a recorded one
-    /// turns up meanwhile.
+    /// Notes a setpoint of the replay. It is assumed to be applied once the robot has had time for it, unless a
+    /// recorded setpoint appears meanwhile.
     pub(super) fn commanded(&mut self, place: Place, command: &Command, from: Megapascal, patience: Micros) {
         let way_mpa = (command.pressure.mpa() - from.mpa()).abs();
         let slewing = Micros::from_s(way_mpa / command.slew_mpa_per_s);
         let chamber = self.places.entry(place).or_default();
-        // One that came before, and whose answers may still come.
+        // An earlier recorded setpoint, whose answers may still come.
         if let Some(link) = chamber.recorded.back_mut().filter(|link| link.key.is_none()) {
             link.key = Some(command.key);
         }
         chamber.assumed = Some((command.clone(), command.issued.after(slewing.max(patience))));
     }
 
-    /// What a recorded answer says to the replay's setpoint, if there is one under way.
+    /// The recorded answer for the replay's setpoint, if one is under way.
     pub(super) fn answer(&mut self, state: &SetpointState, robot: &Robot) -> Option<Answer> {
         let mut found = self.places.values_mut().filter_map(|chamber| {
             let at = chamber.recorded.iter().position(|link| link.command_id == state.command_id)?;
@@ -112,7 +112,7 @@ impl Answers {
         Some(Answer { key: command.key, instead: (!is_same).then_some(command.pressure) })
     }
 
-    /// The setpoints that are taken to be applied by now.
+    /// Setpoints that are assumed to be applied by now.
     pub(super) fn due(&mut self, now: Micros, robot: &Robot) -> Vec<(CommandKey, Megapascal)> {
         let mut due = Vec::new();
         for chamber in self.places.values_mut() {
@@ -125,14 +125,14 @@ impl Answers {
         due
     }
 
-    /// Where the replay has a chamber that the recorded supervisor has elsewhere: (there, here).
+    /// Pressures of a chamber that differ between recording and replay: (recorded, replayed).
     pub(super) fn moved(&self, place: &Place, nominal: Megapascal) -> Option<(Megapascal, Megapascal)> {
         let chamber = self.places.get(place)?;
         let (told, own) = (chamber.told.unwrap_or(nominal), chamber.own.unwrap_or(nominal));
         ((told.mpa() - own.mpa()).abs() >= SAME_MPA).then_some((told, own))
     }
 
-    /// The robot has started anew: its chambers are where it says.
+    /// Forgets all chambers after a restart of the robot: they are where its status says.
     pub(super) fn forget(&mut self) {
         self.places.clear();
     }

@@ -1,4 +1,4 @@
-//! Two policies on the same traffic: where they decide otherwise, and what that comes to.
+//! Compares two policies on the same traffic: differing decisions and totals.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ use vibrissa_protocol::Name;
 use super::line::Recorded;
 use super::replayer::{Happened, Replayer, What};
 
-/// Two replays in step.
+/// Two replays that run in step.
 pub struct Comparison {
     sides: [Side; 2],
     differing: u64,
@@ -25,33 +25,33 @@ struct Side {
     sums: Sums,
 }
 
-/// What a policy comes to.
+/// Totals of a policy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sums {
-    /// Decisions with somebody who serves.
+    /// Number of decisions with a compensator.
     pub served: u64,
-    /// Decisions without.
+    /// Number of decisions without a compensator.
     pub unserved: u64,
-    /// Compensations that ended.
+    /// Number of compensations that ended.
     pub ended: u64,
-    /// Setpoints that were sent.
+    /// Number of setpoints that were sent.
     pub setpoints: u64,
     predicted_error: f64,
 }
 
 impl Sums {
-    /// Mean predicted error of those that were served, as a ratio; none if nobody was.
+    /// Mean predicted error of the decisions with a compensator, as a ratio; `None` without such decisions.
     #[must_use]
     pub fn mean_predicted_error(&self) -> Option<f64> {
         (self.served > 0).then(|| self.predicted_error / self.served as f64)
     }
 }
 
-/// One decision as it is compared.
+/// One decision, for the comparison.
 #[derive(Debug, Clone, PartialEq)]
 struct Decided {
     at: Micros,
-    /// The broken whisker: `fleet/robot/array/3`.
+    /// The target whisker: `fleet/robot/array/3`.
     target: String,
     target_length_mm: f64,
     chosen: Option<Chosen>,
@@ -66,7 +66,7 @@ struct Chosen {
 }
 
 impl Comparison {
-    /// Two names, each with its parameters.
+    /// A comparison of two policies, each with a name and parameters.
     #[must_use]
     pub fn new(sides: [(String, Arc<Params>); 2], fleets: Option<&std::collections::BTreeSet<Name>>) -> Self {
         let side =
@@ -74,10 +74,10 @@ impl Comparison {
         Self { sides: sides.map(side), differing: 0 }
     }
 
-    /// Gives a message to both, and writes the decisions in which they differ.
+    /// Passes a message to both replays, and writes the decisions in which they differ.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// The output cannot be written.
     pub fn take(&mut self, recorded: &Recorded, out: &mut dyn Write) -> io::Result<()> {
         let [first, second] = &mut self.sides;
         let (mut ours, mut theirs) = (first.take(recorded)?, second.take(recorded)?);
@@ -98,23 +98,23 @@ impl Comparison {
         for (side, decided) in self.sides.iter().zip([one, other]) {
             match decided {
                 None => writeln!(out, "  {}: no decision", side.name)?,
-                Some(Decided { chosen: None, .. }) => writeln!(out, "  {}: nobody", side.name)?,
+                Some(Decided { chosen: None, .. }) => writeln!(out, "  {}: no compensator", side.name)?,
                 Some(Decided { chosen: Some(chosen), .. }) => writeln!(out, "  {}: {chosen}", side.name)?,
             }
         }
         Ok(())
     }
 
-    /// The table at the end.
+    /// Writes the final table.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The output cannot be written.
     pub fn summary(&self, out: &mut dyn Write) -> io::Result<()> {
         let width = self.sides.iter().map(|side| side.name.chars().count()).max().unwrap_or_default().max(6);
         writeln!(
             out,
             "\n{:<width$} {:>7} {:>8} {:>6} {:>15} {:>9} {:>10}",
-            "policy", "served", "unserved", "ended", "mean error (%)", "setpoints", "in force"
+            "policy", "served", "unserved", "ended", "mean error (%)", "setpoints", "active"
         )?;
         for side in &self.sides {
             let Sums { served, unserved, ended, setpoints, .. } = side.sums;
@@ -133,14 +133,14 @@ impl Comparison {
         )
     }
 
-    /// What each policy comes to so far.
+    /// Totals of both policies so far.
     #[must_use]
     pub fn sums(&self) -> [Sums; 2] {
         [self.sides[0].sums, self.sides[1].sums]
     }
 }
 
-/// The next decision of each side about the same whisker at the same time; none on a side that has no such.
+/// The next decision of each side about the same whisker at the same time; `None` for a side without one.
 fn next_pair(ours: &mut Vec<Decided>, theirs: &mut Vec<Decided>) -> (Option<Decided>, Option<Decided>) {
     if ours.is_empty() {
         return (None, Some(theirs.remove(0)));
@@ -169,7 +169,7 @@ impl Side {
 }
 
 impl Sums {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "of many effects it counts a few")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "counts a few of many effects")]
     fn count(&mut self, effect: &Effect) {
         match effect {
             Effect::Decided(decision) => match decision.chosen.and_then(|at| decision.candidates[at].predicted_error) {

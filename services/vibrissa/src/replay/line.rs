@@ -1,8 +1,8 @@
-//! One recorded message as a line of JSON.
+//! A recorded message as a line of JSON.
 //!
-//! `{"received_us":1795248000123456,"topic":"whisker/v1/f/r/contacts","payload":{...}}`. `payload` is the message
-//! itself if it is a JSON object, byte for byte but for its line ends; another text is there as a JSON string; what
-//! is no UTF-8 is in `payload_base64` instead.
+//! `{"received_us":1795248000123456,"topic":"whisker/v1/f/r/contacts","payload":{...}}`. A payload that is a JSON
+//! object is `payload` itself, byte for byte except for its line ends. Any other text is `payload` as a JSON string. A
+//! payload that is not UTF-8 is in `payload_base64` instead.
 
 use std::borrow::Cow;
 
@@ -17,33 +17,33 @@ use vibrissa_protocol::INTEGER_LIMIT;
 /// A message as it was received.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recorded {
-    /// When, by the recorder's clock.
+    /// Time of reception by the recorder's clock.
     pub received: Micros,
-    /// Its topic.
+    /// MQTT topic of the message.
     pub topic: String,
-    /// Its bytes.
+    /// Payload of the message.
     pub payload: Vec<u8>,
 }
 
-/// Why a line is no recorded message.
+/// Reason why a line is not a recorded message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LineError {
-    /// It is not an object with these fields.
+    /// Not an object with these fields.
     #[error("not a recorded message: {0}")]
     Malformed(String),
     /// Neither `payload` nor `payload_base64`, or both.
     #[error("a recorded message has either payload or payload_base64")]
     NotOnePayload,
-    /// `payload` is something else.
-    #[error("payload must be an object, or a text for what is no JSON object")]
+    /// `payload` is neither an object nor a text.
+    #[error("payload must be an object, or a text if the payload is not a JSON object")]
     BadPayload,
-    /// `payload_base64` cannot be read.
+    /// `payload_base64` is not valid base64.
     #[error("payload_base64 is not base64: {0}")]
     BadBase64(String),
-    /// No time since 1970 that anybody means.
+    /// The time is too large to be plausible.
     #[error("received_us must be below 2^53")]
     BadTime,
-    /// Longer than anything that is recorded.
+    /// The line is longer than any recorded message.
     #[error("longer than {0} bytes")]
     TooLong(usize),
 }
@@ -63,7 +63,7 @@ impl Recorded {
     /// Reads a line.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The reason why the line is not a recorded message.
     pub fn read(line: &[u8]) -> Result<Self, LineError> {
         let fields: Fields<'_> = serde_json::from_slice(line).map_err(|problem| malformed(&problem))?;
         if fields.received_us >= INTEGER_LIMIT {
@@ -86,7 +86,7 @@ impl Recorded {
         Ok(Self { received: Micros(fields.received_us), topic: fields.topic.into_owned(), payload })
     }
 
-    /// Appends it as a line, with its end.
+    /// Appends the message as a line, with a line end.
     pub fn write(&self, out: &mut Vec<u8>) {
         let quoted = |text: &str| serde_json::Value::from(text).to_string();
         let head = format!("{{\"received_us\":{},\"topic\":{},", self.received.0, quoted(&self.topic));
@@ -94,7 +94,7 @@ impl Recorded {
         match std::str::from_utf8(&self.payload) {
             Ok(text) if is_object(text) => {
                 out.extend_from_slice(b"\"payload\":");
-                // Within JSON a line's end is only space.
+                // Outside of texts, JSON treats a line end as a space.
                 let flat = text.trim().bytes().map(|byte| if matches!(byte, b'\n' | b'\r') { b' ' } else { byte });
                 out.extend(flat);
             }
@@ -111,7 +111,7 @@ fn is_object(text: &str) -> bool {
     text.trim_start().starts_with('{') && serde_json::from_str::<IgnoredAny>(text).is_ok()
 }
 
-/// The parser counts lines from its own start.
+/// Removes the parser's line number, which counts from the start of this line.
 fn malformed(problem: &serde_json::Error) -> LineError {
     let text = problem.to_string();
     LineError::Malformed(text.replace("at line 1 column", "at column"))

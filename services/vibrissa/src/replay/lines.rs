@@ -1,13 +1,13 @@
-//! A recording of any size, a line at a time.
+//! Reads a recording of any size, line by line.
 
 use std::io::{self, BufRead, Read};
 
 use super::line::{LineError, Recorded};
 
-/// The longest line, bytes: the largest packet of a broker, every byte of it escaped.
+/// Size limit of a line, in bytes: the largest packet of a broker with every byte escaped.
 pub const LINE_MAX_BYTES: usize = 16 * 1024 * 1024;
 
-/// Reads a recording; keeps one line in memory.
+/// Reader of a recording; keeps one line in memory.
 pub struct Lines<R> {
     reader: R,
     line: Vec<u8>,
@@ -16,24 +16,24 @@ pub struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// From its start.
+    /// Reads from the start.
     pub fn new(reader: R) -> Self {
         Self { reader, line: Vec::new(), number: 0, bytes: 0 }
     }
 
-    /// The number of the line that was read last, from 1.
+    /// Number of the last line read, from 1.
     #[must_use]
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// How much has been read.
+    /// Number of bytes read.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// The next line that is not empty, or what is wrong with it; none at the end.
+    /// The next line that is not empty, or its error; `None` at the end.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(lines.number(), 2);
         assert_eq!(lines.next_line().unwrap(), Some(Err(LineError::TooLong(LINE_MAX_BYTES))));
         assert_eq!(lines.number(), 3);
-        assert!(matches!(lines.next_line().unwrap(), Some(Ok(_))), "the last line needs no end");
+        assert!(matches!(lines.next_line().unwrap(), Some(Ok(_))), "the last line needs no line end");
         assert_eq!(lines.number(), 4);
         assert_eq!(lines.next_line().unwrap(), None);
         assert_eq!(lines.bytes(), text.len() as u64);

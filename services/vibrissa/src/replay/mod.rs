@@ -1,9 +1,9 @@
-//! Recorded traffic through the core once more: what would have been decided, and why, without a broker or a
-//! database.
+//! Replays recorded traffic through the core, without a broker or a database: shows the decisions that would have been
+//! made, and their reasons.
 //!
-//! Read in this order: [`line`](mod@line) (what a recording looks like), [`lines`] (reading one of any size),
-//! [`replayer`] (messages and time into the core), `answers` (what robots say to setpoints that nobody sent them),
-//! [`told`] (effects as JSON lines), [`comparison`] (two policies on the same traffic).
+//! Read in this order: [`line`](mod@line) (format of a recording), [`lines`] (reading one of any size), [`replayer`]
+//! (messages and time for the core), `answers` (robots' answers to setpoints that were never sent to them), [`told`]
+//! (effects as JSON lines), [`comparison`] (two policies on the same traffic).
 
 pub mod line;
 pub mod lines;

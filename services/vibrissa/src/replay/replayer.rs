@@ -1,4 +1,4 @@
-//! Recorded messages and the time between them, given to the core as the service would.
+//! Passes recorded messages, and the time between them, to the core as the service would.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -15,51 +15,51 @@ use super::answers::{Answer, Answers};
 use super::line::Recorded;
 use super::status;
 
-/// How often time is told to the core, as in the service.
+/// Interval of the core's ticks, as in the service.
 const TICK: Micros = Micros(250_000);
-/// Of a silence only a minute is told tick by tick, and then its end.
+/// Maximum number of ticks in a silence: its first minute; then follows its end.
 const TICKS_MAX: u32 = 240;
-/// The replay's own.
+/// Epoch of the replay.
 const EPOCH: u64 = 1;
 
-/// One thing that came of the traffic.
+/// Something that followed from the traffic.
 #[derive(Debug)]
 pub struct Happened<'a> {
-    /// When, by the recorder's clock.
+    /// Time by the recorder's clock.
     pub at: Micros,
-    /// Whose: fleet, name and the robot as it is then; none for a message of no robot.
+    /// Fleet, name and present state of the robot; `None` for a message of no known robot.
     pub robot: Option<(&'a Name, &'a Name, &'a Robot)>,
-    /// What.
+    /// The event itself.
     pub what: What<'a>,
 }
 
-/// What came of it.
+/// Kind of an event of the replay.
 #[derive(Debug)]
 pub enum What<'a> {
-    /// The core wants this done.
+    /// An effect that the core requests.
     Effect {
-        /// The effect.
+        /// The effect requested by the core.
         effect: &'a Effect,
-        /// The message whose contacts it is about.
+        /// The message with the contacts that the effect is about.
         source: Option<&'a protocol::Contacts>,
-        /// It rests on a setpoint that is taken to be applied.
+        /// Whether it depends on a setpoint that is assumed to be applied.
         assumed: bool,
     },
-    /// A message, or a part of it, was not taken.
+    /// A message, or a part of it, was refused.
     Refused {
-        /// The metric's label.
+        /// Label of the reason, as in the metrics.
         reason: &'static str,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
-        /// Where it came.
+        /// Topic of the message.
         topic: &'a str,
     },
 }
 
-/// Where everything goes that happens.
+/// Receiver of all events of the replay.
 pub type Sink<'a> = dyn FnMut(&Happened<'_>) -> io::Result<()> + 'a;
 
-/// Fleets under supervision, with no broker and no database.
+/// Supervises the fleets of a recording, without a broker or a database.
 pub struct Replayer {
     params: Arc<Params>,
     fleets: Option<BTreeSet<Name>>,
@@ -72,7 +72,7 @@ struct Known {
     answers: Answers,
 }
 
-/// One message on its way.
+/// A message that is being processed.
 struct Step<'a> {
     at: Micros,
     fleet: &'a Name,
@@ -81,21 +81,21 @@ struct Step<'a> {
 }
 
 impl Replayer {
-    /// Nothing is known yet. Only these fleets are looked at; all, if none are named.
+    /// Starts without known robots. Only `fleets` are replayed; all of them if `None`.
     #[must_use]
     pub fn new(params: Arc<Params>, fleets: Option<BTreeSet<Name>>) -> Self {
         Self { params, fleets, robots: BTreeMap::new(), next_tick: None }
     }
 
-    /// The robots that were heard of.
+    /// All robots that appeared so far.
     pub fn robots(&self) -> impl Iterator<Item = (&Name, &Name, &Robot)> {
         self.robots.iter().map(|((fleet, name), known)| (fleet, name, &known.robot))
     }
 
-    /// Lets time pass up to a message, and takes it.
+    /// Lets time pass until a message, and processes it.
     ///
     /// # Errors
-    /// What `sink` says.
+    /// Errors of `sink`.
     pub fn take(&mut self, recorded: &Recorded, sink: &mut Sink<'_>) -> io::Result<()> {
         let topic = match Topic::parse(&recorded.topic) {
             Ok(topic) => topic,
@@ -114,14 +114,15 @@ impl Replayer {
         let step = Step { at: recorded.received, fleet, name, topic: &recorded.topic };
         match protocol::decode(&topic, &recorded.payload) {
             Ok(message) => self.message(&step, &message, sink),
-            // What the supervisor said is no input.
+            // The supervisor's own messages are not an input.
             Err(_) if !kind.is_from_robot() => Ok(()),
             Err(refusal) => {
                 self.refuse(&step, refusal.label(), &refusal, sink)?;
                 if *kind == RobotTopic::Contacts
                     && let Some(envelope) = protocol::envelope(&recorded.payload)
                 {
-                    // As the service does: it is accounted for, or its robot would send it again for ever.
+                    // As in the service, the number is accounted for; otherwise the robot would send the message again
+                    // for ever.
                     let (boot_id, seq) = (envelope.boot_id, envelope.seq);
                     let contacts = protocol::Contacts { boot_id, seq, contacts: Vec::new() };
                     return self.message(&step, &Message::Contacts(contacts), sink);
@@ -131,9 +132,9 @@ impl Replayer {
         }
     }
 
-    /// Tells the time up to a moment, in the service's steps.
+    /// Advances the time in the service's steps.
     fn advance(&mut self, to: Micros, sink: &mut Sink<'_>) -> io::Result<()> {
-        // At the start, and where the recorder's clock was set back.
+        // At the start, and after the recorder's clock was set back.
         let Some(mut due) = self.next_tick.filter(|next| *next <= to.after(TICK)) else {
             self.next_tick = Some(to.after(TICK));
             return Ok(());
@@ -157,7 +158,7 @@ impl Replayer {
             for (command, pressure) in known.answers.due(at, &known.robot) {
                 let Some(boot_id) = known.robot.connection_state().0.map(str::to_owned) else { continue };
                 let report = SetpointReport::Applied(pressure);
-                // No time of the robot's is known for what it did not say.
+                // The robot did not report this, so its time is unknown.
                 let event = Event::Setpoint { boot_id: &boot_id, command, report, robot_time: Micros::default() };
                 known.step(&self.params, &step, &event, (None, true), sink)?;
             }
@@ -191,7 +192,7 @@ impl Replayer {
                     return Ok(());
                 }
                 Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) => {
-                    let problem = "neither birth nor factsheet was recorded of this robot";
+                    let problem = "the recording has neither a birth nor a factsheet of this robot";
                     return self.refuse(step, "unknown_robot", &problem, sink);
                 }
             }
@@ -209,11 +210,11 @@ impl Replayer {
     }
 }
 
-/// A label and what is wrong.
+/// Label and description of a refusal.
 type Refused = (&'static str, String);
 
 impl Known {
-    /// Gives a message to the core; what of it is not taken.
+    /// Passes a message to the core; returns the refused parts.
     fn message(
         &mut self,
         params: &Params,
@@ -253,7 +254,7 @@ impl Known {
                 let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
                 let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
                 if self.step(params, step, &event, (None, false), sink)? == Outcome::BadTime {
-                    return Ok(vec![("bad_time", "a status with a time that cannot be right".to_owned())]);
+                    return Ok(vec![("bad_time", "a status with an implausible time".to_owned())]);
                 }
             }
             Message::SetpointState(told) => return self.setpoint_state(params, step, told, sink),
@@ -281,13 +282,13 @@ impl Known {
         let event = Event::Contacts { boot_id: told.boot_id.as_str(), seq: told.seq, contacts: &contacts };
         match self.step(params, step, &event, (Some(told), false), sink)? {
             Outcome::NotYet(Admission::TooManyGaps) => {
-                refused.push(("too_many_gaps", "contacts that cannot be taken yet".to_owned()));
+                refused.push(("too_many_gaps", "contacts cannot be accepted yet".to_owned()));
             }
             Outcome::NotYet(Admission::UnknownBoot | Admission::New | Admission::Duplicate) => {
-                refused.push(("unknown_boot", "contacts that cannot be taken yet".to_owned()));
+                refused.push(("unknown_boot", "contacts cannot be accepted yet".to_owned()));
             }
-            Outcome::Duplicate => refused.push(("duplicate", "contacts that were taken already".to_owned())),
-            // What is refused are operators' actions, and nobody records these.
+            Outcome::Duplicate => refused.push(("duplicate", "contacts were accepted already".to_owned())),
+            // Only operators' actions are refused here, and they are not recorded.
             Outcome::Taken | Outcome::OldBoot | Outcome::BadTime | Outcome::Refused(_) => {}
         }
         Ok(refused)
@@ -314,7 +315,7 @@ impl Known {
         Ok(Vec::new())
     }
 
-    /// The core's step; what it wants done goes to `sink`.
+    /// Steps the core and passes its effects to `sink`.
     fn step(
         &mut self,
         params: &Params,

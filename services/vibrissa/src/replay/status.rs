@@ -1,4 +1,4 @@
-//! A recorded `status` as it would be had the robot followed the replay's setpoints.
+//! Corrects a recorded `status` as if the robot had followed the replay's setpoints.
 
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::event::WhiskerStatus;
@@ -6,10 +6,10 @@ use vibrissa_core::units::Megapascal;
 
 use super::answers::Answers;
 
-/// A status that speaks of the recorded setpoint, within this, MPa.
+/// Tolerance for recognising the recorded setpoint in a status, MPa.
 const OF_RECORDED_MPA: f64 = 1e-3;
 
-/// Puts the replay's pressure in the place of the recorded one; how well it is held stays as it was.
+/// Replaces the recorded pressure by the replay's; the control deviation stays as recorded.
 pub(super) fn correct(entry: &mut WhiskerStatus<'_>, robot: &Robot, answers: &Answers) {
     let view = robot.find(entry.array, entry.whisker).and_then(|index| robot.whisker(index));
     let Some(nominal) = view.map(|view| view.sheet.pressure) else { return };

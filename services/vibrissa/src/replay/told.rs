@@ -1,4 +1,4 @@
-//! What happened as lines of JSON: the names of the database and the contract, units last.
+//! Events of the replay as lines of JSON, with the names of the database and the contract, units last.
 
 use std::io::{self, Write};
 
@@ -15,10 +15,10 @@ use vibrissa_protocol as protocol;
 
 use super::replayer::{Happened, What};
 
-/// Writes what happened as one line.
+/// Writes an event as one line.
 ///
 /// # Errors
-/// It cannot be written.
+/// The output cannot be written.
 pub fn write(happened: &Happened<'_>, out: &mut dyn Write) -> io::Result<()> {
     let what = match &happened.what {
         What::Effect { effect, source, .. } => told(effect, *source, happened.robot.map(|(_, _, robot)| robot)),
@@ -43,21 +43,21 @@ struct Line<'a> {
     fleet: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     robot: Option<&'a str>,
-    /// It rests on a setpoint that is taken to be applied.
+    /// Whether it depends on a setpoint that is assumed to be applied.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     assumed: bool,
     #[serde(flatten)]
     what: Told<'a>,
 }
 
-/// A whisker as people name it.
+/// A whisker by its array and number.
 #[derive(Serialize)]
 struct Place<'a> {
     array: &'a str,
     whisker: u16,
 }
 
-/// An effect. The words are those of the tables that the service writes it into.
+/// An effect, in the words of the tables that the service writes.
 #[derive(Serialize)]
 #[serde(tag = "effect", rename_all = "SCREAMING_SNAKE_CASE")]
 enum Told<'a> {
@@ -247,7 +247,7 @@ struct BinLine {
     error_high: f64,
 }
 
-/// None for an effect on a whisker that the robot does not have, which no step gives.
+/// `None` for an effect on a whisker that the robot does not have, which no step produces.
 fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: Option<&'a Robot>) -> Option<Told<'a>> {
     let robot = robot?;
     let place = |index: usize| robot.whisker(index).map(|view| Place { array: view.array, whisker: view.sheet.number });
@@ -428,7 +428,7 @@ fn bin_line(bin: &ErrorBin) -> BinLine {
     }
 }
 
-/// 95 %, as in the database.
+/// The 95 % interval, as in the database.
 fn interval(mean: f64, sd: f64) -> (f64, f64) {
     ((mean - Z95 * sd).max(0.0), mean + Z95 * sd)
 }

@@ -1,5 +1,5 @@
-//! The keys of an OpenID provider. One task at a time fetches them, outside the lock: a caller whose key is known does
-//! not wait for the provider, and callers with unknown keys share a fetch, which is not repeated at their will.
+//! The signing keys of an OpenID provider. One task at a time fetches them, outside the lock: a caller whose key is
+//! known does not wait for the provider. Callers with unknown keys share a fetch, and cannot repeat it at will.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -11,16 +11,16 @@ use tokio::sync::watch;
 
 use crate::http::problem::{Kind, Problem};
 
-/// When keys are fetched.
+/// Timing of fetches.
 #[derive(Debug, Clone, Copy)]
 struct Pace {
-    /// Keys older than this are fetched again, while callers go on using them: one may have been withdrawn.
+    /// Keys older than this are fetched again in the background, because one may have been withdrawn.
     fresh_for: Duration,
-    /// Keys older than this are not used before a fetch was tried.
+    /// Keys older than this are not used before another fetch was tried.
     trusted_for: Duration,
-    /// Between two fetches at least, whatever keys tokens name.
+    /// Shortest interval between two fetches, whatever keys tokens name.
     fetch_every: Duration,
-    /// The same while there are no keys at all.
+    /// The same while no keys are known.
     retry_every: Duration,
 }
 
@@ -31,7 +31,7 @@ const PACE: Pace = Pace {
     retry_every: Duration::from_secs(1),
 };
 
-/// How long the provider is waited for, in each of two requests.
+/// Time limit of each of the two requests to the provider.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Size limit of a provider's answer, in bytes.
 const ANSWER_BYTES_MAX: u64 = 1024 * 1024;
@@ -40,14 +40,14 @@ const ANSWER_BYTES_MAX: u64 = 1024 * 1024;
 const OF_RSA: [Algorithm; 6] =
     [Algorithm::RS256, Algorithm::RS384, Algorithm::RS512, Algorithm::PS256, Algorithm::PS384, Algorithm::PS512];
 
-/// Where a provider's keys are.
+/// Location of a provider's keys.
 #[derive(Debug, Clone)]
 struct Source {
     issuer: String,
     jwks_url: Option<String>,
 }
 
-/// A provider's keys as they were fetched last.
+/// A provider's keys as of the last fetch.
 #[derive(Debug, Clone)]
 pub(super) struct Keys {
     source: Source,
@@ -71,9 +71,9 @@ struct State {
 /// Why there is no key for a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Lack {
-    /// The set has no key of that name, or there is no set.
+    /// The set has no key with this ID, or no set is known.
     Unknown,
-    /// The key of that name is not for this.
+    /// The key with this ID is not meant for this use.
     Unfit(&'static str),
 }
 
@@ -84,7 +84,7 @@ impl Keys {
         Self { source, pace: PACE, state: Arc::default() }
     }
 
-    /// The key of that name, for signatures by that algorithm.
+    /// The key with this ID, for signatures by this algorithm.
     ///
     /// # Errors
     /// The provider has no such key, the key is for something else, or no keys could be fetched.
@@ -96,7 +96,7 @@ impl Keys {
             let age = state.fetched.map(|fetched| now.saturating_duration_since(fetched));
             let is_wanted = matches!(found, Err(Lack::Unknown)) || age.is_none_or(|age| age > self.pace.fresh_for);
             let fetching = if is_wanted { self.fetching(&mut state, now) } else { None };
-            // Keys that are there stay good while the provider is away.
+            // Known keys stay valid while the provider is unreachable.
             let is_trusted = state.failure.is_some() || age.is_some_and(|age| age <= self.pace.trusted_for);
             match (found, fetching) {
                 (Ok(key), _) if is_trusted => return Ok(key),
@@ -104,13 +104,13 @@ impl Keys {
                 (found, None) => return state.verdict(found, kid),
             }
         };
-        // Nothing is sent: the sender goes away at the end of the fetch.
+        // No value is ever sent: `changed` returns when the sender is dropped at the end of the fetch.
         let _ = fetching.changed().await;
         let state = lock(&self.state);
         state.verdict(state.find(kid, algorithm), kid)
     }
 
-    /// The fetch that is under way, or a new one; none if the last one is too recent.
+    /// The fetch that is under way, or a new one; `None` if the last one is too recent.
     fn fetching(&self, state: &mut State, now: Instant) -> Option<watch::Receiver<()>> {
         let under_way = state.fetching.as_ref().filter(|fetching| fetching.has_changed().is_ok());
         if let Some(fetching) = under_way {
@@ -124,7 +124,7 @@ impl Keys {
         let (done, fetching) = watch::channel(());
         state.fetching = Some(fetching.clone());
         let (source, state) = (self.source.clone(), self.state.clone());
-        // A task of its own: callers who go away do not end it.
+        // A separate task, so that callers who disconnect do not cancel the fetch.
         tokio::spawn(async move {
             let fetched = tokio::task::spawn_blocking(move || source.fetch()).await;
             let fetched = fetched.unwrap_or_else(|problem| Err(problem.to_string()));
@@ -136,7 +136,7 @@ impl Keys {
                     state.failure = None;
                 }
                 Err(problem) => {
-                    tracing::warn!(problem, "the identity provider's keys cannot be fetched");
+                    tracing::warn!(problem, "cannot fetch the identity provider's keys");
                     state.failure = Some(problem);
                 }
             }
@@ -165,14 +165,14 @@ impl State {
                 refused(format!("the identity provider has no key {kid:?} for this token"))
             }
             Err(Lack::Unknown) => {
-                let why = self.failure.as_deref().unwrap_or("they are being fetched");
-                Err(Problem::new(Kind::Unavailable, format!("the identity provider's keys are not known: {why}")))
+                let why = self.failure.as_deref().unwrap_or("the fetch is not complete");
+                Err(Problem::new(Kind::Unavailable, format!("the identity provider's keys are not available: {why}")))
             }
         }
     }
 }
 
-/// The key of that name that checks signatures by that algorithm. A token may leave the name out if only one key does.
+/// The key with this ID that verifies signatures by this algorithm. A token may omit the ID if one key fits.
 fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<DecodingKey, Lack> {
     let mut unfit = None;
     let mut fit = Vec::new();
@@ -183,15 +183,13 @@ fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<Decod
         }
     }
     match (fit.as_slice(), kid) {
-        ([key], _) | ([key, ..], Some(_)) => {
-            DecodingKey::from_jwk(key).map_err(|_| Lack::Unfit("is not a key that can be read"))
-        }
+        ([key], _) | ([key, ..], Some(_)) => DecodingKey::from_jwk(key).map_err(|_| Lack::Unfit("cannot be parsed")),
         ([], Some(_)) => Err(unfit.map_or(Lack::Unknown, Lack::Unfit)),
         ([] | [_, _, ..], None) => Err(Lack::Unknown),
     }
 }
 
-/// Whether the provider means the key for signatures by that algorithm.
+/// Whether the provider allows the key for signatures by this algorithm.
 fn fitness(key: &Jwk, algorithm: Algorithm) -> Result<(), &'static str> {
     if key.common.public_key_use.as_ref().is_some_and(|usage| *usage != PublicKeyUse::Signature) {
         return Err("is not for signatures (use)");
@@ -205,12 +203,12 @@ fn fitness(key: &Jwk, algorithm: Algorithm) -> Result<(), &'static str> {
     let is_on = |curve| matches!(&key.algorithm, AlgorithmParameters::EllipticCurve(point) if point.curve == curve);
     let is_ed25519 =
         matches!(&key.algorithm, AlgorithmParameters::OctetKeyPair(pair) if pair.curve == EllipticCurve::Ed25519);
-    // Never HS256 and the like: their secret would be public here.
+    // HS256 and the like are never accepted: their secret would be public here.
     let is_of_its_kind = (OF_RSA.contains(&algorithm) && matches!(key.algorithm, AlgorithmParameters::RSA(_)))
         || (algorithm == Algorithm::ES256 && is_on(EllipticCurve::P256))
         || (algorithm == Algorithm::ES384 && is_on(EllipticCurve::P384))
         || (algorithm == Algorithm::EdDSA && is_ed25519);
-    if is_of_its_kind { Ok(()) } else { Err("is of another kind than the token's algorithm needs (kty, crv)") }
+    if is_of_its_kind { Ok(()) } else { Err("does not fit the token's algorithm (kty, crv)") }
 }
 
 impl Source {
@@ -221,7 +219,7 @@ impl Source {
                 let issuer = self.issuer.trim_end_matches('/');
                 let told: Value = get(&format!("{issuer}/.well-known/openid-configuration"))?;
                 let url = told.get("jwks_uri").and_then(Value::as_str);
-                url.ok_or_else(|| format!("{issuer} does not say where its keys are (jwks_uri)"))?.to_owned()
+                url.ok_or_else(|| format!("{issuer} publishes no jwks_uri"))?.to_owned()
             }
         };
         get(&url)
@@ -233,7 +231,7 @@ fn get<T: serde::de::DeserializeOwned>(url: &str) -> Result<T, String> {
     let mut answer = agent.get(url).call().map_err(|problem| format!("{url}: {problem}"))?;
     let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
     let body = body.map_err(|problem| format!("{url}: {problem}"))?;
-    serde_json::from_slice(&body).map_err(|problem| format!("{url}: not the JSON that is expected: {problem}"))
+    serde_json::from_slice(&body).map_err(|problem| format!("{url}: unexpected JSON: {problem}"))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Who asks, and whether they may: tokens of our own, an identity provider's, or nobody needed on loopback.
+//! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
 mod keys;
 pub mod monitoring;
@@ -29,25 +29,25 @@ use vibrissa_store::Store;
 use vibrissa_store::list::Filter;
 use vibrissa_store::secret::Secret;
 
-/// What somebody may do: each role has the rights of those before it.
+/// Role of a caller; each role includes the rights of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Role {
-    /// Looks.
+    /// Reads all data of its fleets.
     Viewer,
     /// Acts on whiskers and alarms: approves, holds, sets pressures.
     Operator,
-    /// Changes what decisions rest on: policy and calibrations.
+    /// Changes policies, calibrations and allow lists.
     Engineer,
-    /// Makes and revokes tokens.
+    /// Has every right.
     Admin,
 }
 
 impl Role {
-    /// All of them, the least first.
+    /// All roles, in ascending order of rights.
     pub const ALL: [Self; 4] = [Self::Viewer, Self::Operator, Self::Engineer, Self::Admin];
 
-    /// In the words of the database and of JSON.
+    /// Name of the role in the database and in JSON.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -58,24 +58,24 @@ impl Role {
         }
     }
 
-    /// The role of that word.
+    /// The role with this name; `None` if the name is unknown.
     #[must_use]
     pub fn of_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|role| role.word() == word)
     }
 }
 
-/// The fleets that somebody may see.
+/// Fleets that a caller may access.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scope {
-    /// Every one.
+    /// Every fleet, including future ones.
     All,
-    /// These.
+    /// These fleets only.
     Only(BTreeSet<Name>),
 }
 
 impl Scope {
-    /// Whether it has the fleet.
+    /// Whether the scope includes the fleet.
     #[must_use]
     pub fn covers(&self, fleet: &str) -> bool {
         match self {
@@ -84,7 +84,7 @@ impl Scope {
         }
     }
 
-    /// Keeps to its fleets a list that has a column of that name.
+    /// Limits a list to these fleets by the column of that name; `None` for all fleets.
     #[must_use]
     pub fn filter(&self, column: &'static str) -> Option<Filter> {
         match self {
@@ -96,36 +96,36 @@ impl Scope {
     }
 }
 
-/// Somebody who was let in.
+/// An authenticated caller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Caller {
-    /// As the audit log names them: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`. No two callers share
-    /// it: idempotency keys, the rate limit and the limit on streams go by it.
+    /// Name in the audit log: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`. It is unique, because
+    /// idempotency keys, the rate limit and the limit of event streams are per actor.
     pub actor: String,
-    /// What they may do.
+    /// Rights of the caller.
     pub role: Role,
-    /// Where.
+    /// Fleets that the caller may access.
     pub scope: Scope,
 }
 
 impl Caller {
-    /// Who asks on loopback where no token is asked for: whoever is on this machine.
+    /// The caller of a request without a token on loopback: any user of this machine.
     #[must_use]
     pub fn local() -> Self {
         Self { actor: "local".to_owned(), role: Role::Admin, scope: Scope::All }
     }
 }
 
-/// Who is let in, besides those whose tokens the database has.
+/// Configured credentials, in addition to the tokens in the database.
 #[derive(Debug, Clone, Default)]
 pub struct AccessOptions {
-    /// A token with every right.
+    /// Static token with every right.
     pub token: Option<Secret>,
-    /// An identity provider.
+    /// Identity provider whose tokens are accepted.
     pub oidc: Option<OidcOptions>,
 }
 
-/// A caller's credential. A stream keeps it, to identify the caller again.
+/// A caller's credential. An event stream keeps it to identify the caller again.
 #[derive(Debug, Clone)]
 pub enum Credential {
     /// No credential: a direct request on loopback, where no token is required.
@@ -134,7 +134,7 @@ pub enum Credential {
     Bearer(Secret),
 }
 
-/// The right to be let in.
+/// Decides who is let in.
 #[derive(Debug, Clone)]
 pub struct Access {
     /// Whether a request without a token is let in, as [`Caller::local`].
@@ -147,13 +147,13 @@ pub struct Access {
     limiter: Arc<DefaultKeyedRateLimiter<String>>,
 }
 
-/// Requests of one caller a second, on average.
+/// Average request rate allowed per caller, in requests per second.
 pub const REQUESTS_PER_S: NonZeroU32 = NonZeroU32::new(200).unwrap();
-/// Requests of one caller at once.
+/// Burst size allowed per caller, in requests.
 pub const REQUESTS_BURST: NonZeroU32 = NonZeroU32::new(1000).unwrap();
 
 impl Access {
-    /// Access to a service that listens there: on loopback nobody is asked for a token, unless options name one.
+    /// Access to a service on that address. On loopback no token is required, unless the options configure one.
     #[must_use]
     pub fn new(options: &AccessOptions, listens: IpAddr) -> Self {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
@@ -166,7 +166,7 @@ impl Access {
         }
     }
 
-    /// Whether anybody can be let in at all; a database that does not answer now may know somebody.
+    /// Whether any caller can be let in. A database that does not answer now may hold a valid token.
     pub async fn admits_anybody(&self, store: &Store, now_us: i64) -> bool {
         self.is_open
             || self.token.is_some()
@@ -193,10 +193,10 @@ impl Access {
         Ok(Credential::Bearer(Secret::new(bearer)))
     }
 
-    /// The caller that currently belongs to this credential.
+    /// The caller that this credential identifies now.
     ///
     /// # Errors
-    /// The token is not known, has expired or was revoked; or the database or the identity provider does not answer.
+    /// The token is unknown, expired or revoked; or the database or the identity provider does not answer.
     pub async fn identify(&self, store: &Store, credential: &Credential) -> Result<Caller, Problem> {
         let bearer = match credential {
             Credential::Nothing => return Ok(Caller::local()),
@@ -211,31 +211,31 @@ impl Access {
         }
         token::caller(store, bearer, wall_clock().0 as i64)
             .await?
-            .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is not known, has expired, or was revoked"))
+            .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is unknown, expired or revoked"))
     }
 
     fn limit(&self, actor: &str) -> Result<(), Problem> {
         self.limiter.check_key(&actor.to_owned()).map_err(|_| {
             Problem::new(
                 Kind::TooManyRequests,
-                format!("more than {REQUESTS_PER_S} requests a second: wait a second, and ask less often"),
+                format!("more than {REQUESTS_PER_S} requests per second: wait a second, then send fewer"),
             )
         })
     }
 }
 
-/// What the check of a request needs.
+/// State of the access check.
 #[derive(Debug, Clone)]
 pub struct Gate {
-    /// Where tokens are.
+    /// Database of the tokens.
     pub store: Store,
-    /// Whether they are asked for.
+    /// Decides who is let in.
     pub access: Access,
-    /// Which role each route asks for.
+    /// Role that each route requires.
     pub roles: Arc<super::document::Roles>,
 }
 
-/// Lets a request in whose caller may do what the route does, in the fleet that its path names.
+/// Lets a request pass if the caller's role allows the route and the caller's scope covers the fleet in the path.
 pub async fn check(State(gate): State<Gate>, params: RawPathParams, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
     let path = parts.extensions.get::<MatchedPath>().cloned();
@@ -270,24 +270,24 @@ async fn admit(
     };
     let (caller, credential) = match identified.await {
         Ok(identified) => identified,
-        // Nor may anybody guess without end.
+        // Failed attempts share one rate limit, so that nobody can guess tokens quickly.
         Err(problem) => return Err(gate.access.limit("nobody").err().unwrap_or(problem)),
     };
     gate.access.limit(&caller.actor)?;
     let needed = match gate.roles.needed(&request.method, path) {
         Need::Role(role) => role,
         Need::NoSuchMethod => {
-            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not know the method; see /docs"));
+            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /docs"));
         }
         Need::Undeclared => {
-            tracing::error!(path, "the route does not declare a role, so that nobody may use it");
-            return Err(Problem::new(Kind::Forbidden, "nobody may use this route: it does not declare a role"));
+            tracing::error!(path, "refusing a request: the route declares no role");
+            return Err(Problem::new(Kind::Forbidden, "this route is closed because it declares no role"));
         }
     };
     if caller.role < needed {
         return Err(Problem::new(
             Kind::Forbidden,
-            format!("this needs the role {}; your token has {}", needed.word(), caller.role.word()),
+            format!("this requires the role {}; your token has {}", needed.word(), caller.role.word()),
         ));
     }
     let fleet = params.iter().find(|(name, _)| *name == "fleet").map(|(_, fleet)| fleet);

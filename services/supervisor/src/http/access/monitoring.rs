@@ -11,7 +11,7 @@ use super::{Access, Gate, Scope};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_store::Store;
 
-/// Lets a request in that comes from this machine to a listener on loopback, or with a token for all fleets.
+/// Lets a request pass that comes from this machine to a loopback listener, or has a token for all fleets.
 pub(in crate::http) async fn check(State(gate): State<Gate>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     match admit(&gate.access, &gate.store, &parts).await {
@@ -36,7 +36,7 @@ async fn admit(access: &Access, store: &Store, request: &Parts) -> Result<(), Pr
     }
     Err(Problem::new(
         Kind::Forbidden,
-        "this tells of every fleet: it needs a token for all of them (vibrissa token create --role viewer --all-fleets), or ask \
-         the listener of http.monitoring_listen",
+        "this covers every fleet: use a token for all fleets (vibrissa token create --role viewer --all-fleets), or \
+         the listener http.monitoring_listen",
     ))
 }

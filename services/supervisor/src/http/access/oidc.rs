@@ -1,4 +1,4 @@
-//! Tokens of an OpenID provider: JWTs, checked against its keys, its name, our audience and the time.
+//! Tokens of an OpenID provider: JWTs, whose signature, issuer, audience and validity period are checked.
 
 use std::sync::Arc;
 
@@ -10,29 +10,29 @@ use super::keys::Keys;
 use super::{Caller, Role, Scope};
 use crate::http::problem::{Kind, Problem};
 
-/// An OpenID provider whose tokens are taken.
+/// An accepted OpenID provider.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OidcOptions {
-    /// Its name, `iss` of its tokens, letter by letter.
+    /// Issuer: `iss` of its tokens, compared exactly.
     pub issuer: String,
-    /// Ours, `aud` of its tokens.
+    /// Audience: `aud` of its tokens.
     pub audience: String,
-    /// Where its keys are; asked of the issuer if there is none.
+    /// URL of its keys; by default discovered from the issuer.
     pub jwks_url: Option<String>,
-    /// The claim with the role.
+    /// Claim that holds the role.
     pub role_claim: String,
-    /// The claim with the fleets.
+    /// Claim that holds the fleets; `*` means all.
     pub fleets_claim: String,
 }
 
-/// A provider with its keys, as they were last.
+/// A provider with its keys as of the last fetch.
 #[derive(Debug, Clone)]
 pub struct Oidc {
     options: Arc<OidcOptions>,
     keys: Keys,
 }
 
-/// Whose signature anybody can check without being able to make one.
+/// Accepted algorithms: asymmetric ones, whose signatures anybody can verify but only the provider can make.
 const ALGORITHMS: [Algorithm; 9] = [
     Algorithm::RS256,
     Algorithm::RS384,
@@ -46,27 +46,27 @@ const ALGORITHMS: [Algorithm; 9] = [
 ];
 
 impl Oidc {
-    /// A provider; nothing is asked of it yet.
+    /// A provider; no request is sent to it yet.
     #[must_use]
     pub fn new(options: OidcOptions) -> Self {
         let keys = Keys::new(&options.issuer, options.jwks_url.as_deref());
         Self { options: Arc::new(options), keys }
     }
 
-    /// Whom a token lets in.
+    /// The caller that a token identifies.
     ///
     /// # Errors
-    /// The token is not good, gives no role or no fleet, or the provider does not answer.
+    /// The token is invalid or carries no role, or the provider does not answer.
     pub async fn caller(&self, token: &str) -> Result<Caller, Problem> {
         let refused = |what: String| Problem::new(Kind::Unauthenticated, what);
-        let header = decode_header(token).map_err(|problem| refused(format!("the token is no JWT: {problem}")))?;
+        let header = decode_header(token).map_err(|problem| refused(format!("the token is not a JWT: {problem}")))?;
         if !ALGORITHMS.contains(&header.alg) {
-            return Err(refused(format!("tokens signed with {:?} are not taken", header.alg)));
+            return Err(refused(format!("tokens signed with {:?} are not accepted", header.alg)));
         }
-        // Whoever does not understand an extension that is critical must refuse the token (RFC 7515, 4.1.11); none is
-        // understood here.
+        // A token with a critical extension must be refused by whoever does not support it (RFC 7515, 4.1.11). No
+        // extension is supported here.
         if let Some(critical) = &header.crit {
-            return Err(refused(format!("the token needs extensions that are not known here: {critical:?}")));
+            return Err(refused(format!("the token requires unsupported extensions: {critical:?}")));
         }
         let key = self.keys.key(header.kid.as_deref(), header.alg).await?;
         let mut validation = Validation::new(header.alg);
@@ -75,12 +75,12 @@ impl Oidc {
         validation.set_required_spec_claims(&["exp", "iss", "aud", "sub"]);
         validation.validate_nbf = true;
         let claims = decode::<Map<String, Value>>(token, &key, &validation)
-            .map_err(|problem| refused(format!("the token is not taken: {problem}")))?
+            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))?
             .claims;
         self.allowed(&claims)
     }
 
-    /// What the claims allow.
+    /// The caller described by the claims.
     fn allowed(&self, claims: &Map<String, Value>) -> Result<Caller, Problem> {
         let texts = |claim: &str| -> Vec<&str> {
             match claims.get(claim) {
@@ -94,7 +94,7 @@ impl Oidc {
         let role = roles.max().ok_or_else(|| {
             Problem::new(
                 Kind::Forbidden,
-                format!("the token's claim {role_claim:?} names no role: viewer, operator ..."),
+                format!("the token's claim {role_claim:?} contains no role (viewer, operator, engineer or admin)"),
             )
         })?;
         let fleets = texts(fleets_claim);

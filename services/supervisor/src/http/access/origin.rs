@@ -1,4 +1,4 @@
-//! The origin of a request: refuses requests through a proxy where no token is required, and from pages of other sites.
+//! The origin of a request: refuses requests through a proxy where no token is required, and requests from other sites.
 
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, Method, Version, header};
@@ -10,12 +10,11 @@ use crate::http::problem::{Kind, Problem};
 /// Headers that proxies add; so are all that begin with `x-forwarded-`.
 const PROXY_HEADERS: [&str; 3] = ["via", "forwarded", "x-real-ip"];
 
-/// HTML pages. A link on another site may open them: they hold no data, and load their own from here.
+/// HTML pages. Links on other sites may open them: they contain no data, and read their data from this origin.
 const PAGES: [&str; 4] = ["/", "/docs", "/docs/", "/docs/index.html"];
 
-/// Without a token, only a browser or program that reaches this machine directly and under its own name is admitted:
-/// a proxy would admit everyone who reaches the proxy, and a foreign host name may be another site's that resolves
-/// to loopback.
+/// Without a token, only a client on this machine that uses a local host name is admitted. A proxy would admit everyone
+/// who reaches it, and a foreign host name may belong to another site whose name resolves to loopback.
 pub(super) fn require_direct(version: Version, headers: &HeaderMap) -> Result<(), Problem> {
     let is_proxys =
         |name: &HeaderName| PROXY_HEADERS.contains(&name.as_str()) || name.as_str().starts_with("x-forwarded-");
@@ -36,13 +35,13 @@ pub(super) fn require_direct(version: Version, headers: &HeaderMap) -> Result<()
     }
     Err(Problem::new(
         Kind::CrossSite,
-        format!("without a token only localhost and loopback addresses are answered, not {name:?}: make a token"),
+        format!("without a token only localhost and loopback addresses are accepted, not {name:?}: create a token"),
     ))
 }
 
-/// Refuses what a page of another site asks for, before it is counted for the rate limit of the person whose browser
-/// it uses. Reading is refused like acting: a page that cannot see an answer can still use up the limit, or learn
-/// from how long an answer takes.
+/// Refuses requests from pages of other sites, before they count for the rate limit of the user whose browser sends
+/// them. Read requests are refused too: a page that cannot see an answer could still use up the limit, or learn from
+/// the response time.
 pub async fn refuse_other_sites(request: Request, next: Next) -> Response {
     match require_same_site(request.method(), request.uri().path(), request.headers()) {
         Ok(()) => next.run(request).await,

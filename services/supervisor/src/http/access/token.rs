@@ -1,4 +1,4 @@
-//! Tokens of the API: two halves, `vbr_ID_SECRET`. The database has the first, and a hash of the second.
+//! Tokens of the API, `vbr_ID_SECRET`. The database stores the ID and a hash of the secret.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -10,34 +10,34 @@ use vibrissa_store::tokens::TokenRow;
 use vibrissa_store::{Store, StoreError};
 
 const PREFIX: &str = "vbr_";
-/// Bytes of the half that names it.
+/// Length of the ID, in bytes.
 const ID_BYTES: usize = 6;
-/// Bytes of the half that is secret.
+/// Length of the secret half, in bytes.
 const SECRET_BYTES: usize = 32;
 
-/// What a new token shall be.
+/// Properties of a new token.
 #[derive(Debug, Clone)]
 pub struct NewToken {
-    /// What it is for, for people.
+    /// Name for people, for example its purpose.
     pub name: String,
-    /// What it allows.
+    /// Rights of its holder.
     pub role: Role,
-    /// Where.
+    /// Fleets that its holder may access.
     pub scope: Scope,
-    /// Until when, microseconds since 1970 UTC.
+    /// Expiry, µs since 1970 UTC.
     pub expires_us: i64,
-    /// Who makes it.
+    /// Actor who creates it.
     pub created_by: String,
 }
 
-/// Makes a token and returns it: nobody can see it again.
+/// Creates a token and returns it. Only its hash is stored, so it cannot be shown again.
 ///
 /// # Errors
-/// The system has no randomness, or the database cannot be written.
+/// The system provides no randomness, or the database cannot be written.
 pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Result<(String, TokenRow)> {
     let (mut id, mut secret) = ([0; ID_BYTES], [0; SECRET_BYTES]);
-    getrandom::fill(&mut id).map_err(|problem| anyhow::anyhow!("no randomness from the system: {problem}"))?;
-    getrandom::fill(&mut secret).map_err(|problem| anyhow::anyhow!("no randomness from the system: {problem}"))?;
+    getrandom::fill(&mut id).map_err(|problem| anyhow::anyhow!("the system provides no randomness: {problem}"))?;
+    getrandom::fill(&mut secret).map_err(|problem| anyhow::anyhow!("the system provides no randomness: {problem}"))?;
     let fleets = match &new.scope {
         Scope::All => None,
         Scope::Only(fleets) => Some(fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",")),
@@ -57,19 +57,19 @@ pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Resul
     Ok((format!("{PREFIX}{}_{}", row.token_id, URL_SAFE_NO_PAD.encode(secret)), row))
 }
 
-/// Whether it looks like one of our tokens.
+/// Whether the token has the format of this service's own tokens.
 #[must_use]
 pub fn is_ours(token: &str) -> bool {
     token.starts_with(PREFIX)
 }
 
-/// As the audit log names whoever has the token: `token:NAME#ID`. The name is for people, and several tokens may have
-/// it; the identifier makes each token an actor of its own. It follows the last `#`: a name may have others.
+/// Name of the token's holder in the audit log: `token:NAME#ID`. Several tokens may share a name; the ID makes each one
+/// an actor of its own. It follows the last `#`, because a name may contain others.
 fn actor(row: &TokenRow) -> String {
     format!("token:{}#{}", row.name, row.token_id)
 }
 
-/// Whom a token lets in; nobody if it is not known, has expired, or was revoked.
+/// The caller that a token identifies; `None` if the token is unknown, expired or revoked.
 ///
 /// # Errors
 /// The database cannot be read.

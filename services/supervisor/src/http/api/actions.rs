@@ -1,4 +1,4 @@
-//! What operators do to whiskers, robots and proposed compensations.
+//! Operators' actions on whiskers, robots and proposed compensations.
 
 use axum::extract::State;
 use axum::response::Response;
@@ -31,20 +31,20 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(refuse))
 }
 
-/// A pressure to hold.
+/// A manual setpoint.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = ManualSetpoint)]
 pub struct SetpointBody {
-    /// Pressure, 0 to the whisker's highest and at most 0.2.
+    /// Pressure in MPa: 0 to the whisker's maximum, at most 0.2.
     #[schema(minimum = 0.0, maximum = 0.2)]
     pub pressure_mpa: f64,
-    /// Why, in your words.
+    /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
     pub reason: Option<String>,
 }
 
-/// What is asked about a whisker that is there.
+/// Requests an action on an existing whisker.
 async fn of_whisker(
     app: &App,
     at: &WhiskerPath,
@@ -75,22 +75,22 @@ async fn of_robot(
     ask(app, &at.fleet, &action).await
 }
 
-/// Nobody waits for an answer about what is not there.
+/// Checks that the whisker or robot exists, because no engine would answer an action on an unknown one.
 async fn exists(app: &App, filters: Vec<Filter>, what: impl std::fmt::Display) -> Result<(), Problem> {
     let found: Option<Whisker> = app.store.first(&WHISKERS, filters).await?;
     found.map(drop).ok_or_else(|| Problem::not_found(what))
 }
 
-/// Set a whisker's pressure by hand.
+/// Set a whisker's pressure manually.
 ///
-/// The whisker is held from then on, so that nothing moves it away; a compensation that it serves in ends.
+/// The whisker is held from then on: no automatic setpoint changes its pressure. A compensation that it serves ends.
 #[utoipa::path(
     post, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/setpoint", tag = "actions",
     params(WhiskerPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = SetpointBody,
     responses(
-        (status = 200, description = "Done: the setpoint is on its way", body = ActionRow),
-        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+        (status = 200, description = "Done: the setpoint is being sent", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
     ),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
@@ -104,7 +104,7 @@ async fn set_pressure(
     of_whisker(&app, &at, asker, ("SETPOINT", parameters), body.reason).await
 }
 
-/// Spells out the actions on a whisker that have no parameters.
+/// Defines the actions on a whisker that have no parameters.
 macro_rules! whisker_actions {
     ($($(#[$meta:meta])* $name:ident = $path:literal, $kind:literal, $done:literal;)+) => {
         $($(#[$meta])*
@@ -114,7 +114,7 @@ macro_rules! whisker_actions {
             request_body = Option<Why>,
             responses(
                 (status = 200, description = $done, body = ActionRow),
-                (status = 202, description = "Asked; look at the action later", body = ActionRow)
+                (status = 202, description = "Pending; poll the action", body = ActionRow)
             ),
             extensions(("x-required-role" = json!("OPERATOR")))
         )]
@@ -130,17 +130,21 @@ macro_rules! whisker_actions {
 }
 
 whisker_actions! {
-    /// Send no automatic setpoint to a whisker any more.
-    hold_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/hold", "HOLD", "It is held";
-    /// Let a held whisker be moved again.
-    release_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/release", "RELEASE", "It is released";
-    /// Say that a new whisker is in the place of the old one: it is learned anew.
-    whisker_replaced = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/replaced", "REPLACED", "It is learned anew";
-    /// Learn a whisker's readings anew, at the length that is estimated now: after work on its gauge, say.
-    rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline", "REBASELINE", "It is learned anew";
+    /// Hold a whisker: send it no automatic setpoints.
+    hold_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/hold",
+        "HOLD", "The whisker is held";
+    /// Release a held whisker: allow automatic setpoints again.
+    release_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/release",
+        "RELEASE", "The whisker is released";
+    /// Mark a whisker as replaced by a new one, and learn its baseline from scratch.
+    whisker_replaced = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/replaced",
+        "REPLACED", "The whisker is being relearned";
+    /// Relearn a whisker's baseline at its currently estimated length, for example after work on its gauge.
+    rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline",
+        "REBASELINE", "The baseline is being relearned";
 }
 
-/// Spells out the actions on a robot.
+/// Defines the actions on a robot.
 macro_rules! robot_actions {
     ($($(#[$meta:meta])* $name:ident = $path:literal, $kind:literal, $done:literal;)+) => {
         $($(#[$meta])*
@@ -150,7 +154,7 @@ macro_rules! robot_actions {
             request_body = Option<Why>,
             responses(
                 (status = 200, description = $done, body = ActionRow),
-                (status = 202, description = "Asked; look at the action later", body = ActionRow)
+                (status = 202, description = "Pending; poll the action", body = ActionRow)
             ),
             extensions(("x-required-role" = json!("OPERATOR")))
         )]
@@ -166,17 +170,17 @@ macro_rules! robot_actions {
 }
 
 robot_actions! {
-    /// Send no automatic setpoint to any whisker of a robot any more, nor to those that it gets.
-    hold_robot = "/v1/fleets/{fleet}/robots/{robot}/hold", "HOLD", "It is held";
-    /// Let a held robot's whiskers be moved again.
-    release_robot = "/v1/fleets/{fleet}/robots/{robot}/release", "RELEASE", "It is released";
+    /// Hold a robot: send no automatic setpoints to its whiskers, including those that are added later.
+    hold_robot = "/v1/fleets/{fleet}/robots/{robot}/hold", "HOLD", "The robot is held";
+    /// Release a held robot: allow automatic setpoints again.
+    release_robot = "/v1/fleets/{fleet}/robots/{robot}/release", "RELEASE", "The robot is released";
 }
 
-/// A compensation.
+/// Path parameters of a compensation.
 #[derive(Debug, Clone, Deserialize, utoipa::IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct CompensationPath {
-    /// Number.
+    /// Number of the compensation.
     #[param(minimum = 0)]
     pub compensation_id: i64,
 }
@@ -199,14 +203,14 @@ async fn of_compensation(
     ask(app, &owned, &action).await
 }
 
-/// Let a proposed compensation begin.
+/// Approve a proposed compensation, which then starts.
 #[utoipa::path(
     post, path = "/v1/compensations/{compensation_id}/approve", tag = "actions",
     params(CompensationPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Option<Why>,
     responses(
-        (status = 200, description = "It begins", body = ActionRow),
-        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+        (status = 200, description = "The compensation starts", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
     ),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
@@ -219,14 +223,14 @@ async fn approve(
     of_compensation(&app, at.compensation_id, asker, "APPROVE", why.reason).await
 }
 
-/// Do not let a proposed compensation begin: the next best is looked for.
+/// Refuse a proposed compensation. The next best candidate is evaluated.
 #[utoipa::path(
     post, path = "/v1/compensations/{compensation_id}/refuse", tag = "actions",
     params(CompensationPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Option<Why>,
     responses(
-        (status = 200, description = "It does not begin", body = ActionRow),
-        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+        (status = 200, description = "The compensation does not start", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
     ),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]

@@ -1,4 +1,4 @@
-//! What people say to alarms.
+//! Operators' actions on alarms.
 
 use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
@@ -22,27 +22,27 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(acknowledge)).routes(routes!(shelve)).routes(routes!(unshelve))
 }
 
-/// An alarm is quiet this long at the most, microseconds: what is quiet for ever is forgotten.
+/// Longest time for which an alarm can be shelved, in µs (30 days), so that no alarm is forgotten.
 const SHELF_US_MAX: i64 = 30 * 86_400 * 1_000_000;
 
-/// An alarm.
+/// Path parameters of an alarm.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct AlarmPath {
-    /// Number.
+    /// Number of the alarm.
     #[param(minimum = 0)]
     pub alarm_id: i64,
 }
 
-/// Until when, and why.
+/// End and reason of the shelving.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = Shelf)]
 pub struct ShelfBody {
-    /// RFC 3339; at most 30 days from now.
+    /// End of the shelving (RFC 3339), at most 30 days from now.
     #[schema(value_type = String, format = DateTime, example = "2026-11-22T08:00:00Z")]
     pub until: Moment,
-    /// Why, in your words.
+    /// Reason in free text, 1 to 1000 characters.
     #[schema(min_length = 1, max_length = 1000)]
     pub reason: String,
 }
@@ -76,12 +76,12 @@ async fn say(
     answered(app, action_id, StatusCode::OK).await
 }
 
-/// Say that an alarm was seen.
+/// Acknowledge an alarm.
 #[utoipa::path(
     post, path = "/v1/alarms/{alarm_id}/acknowledge", tag = "alarms",
     params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Option<Why>,
-    responses((status = 200, description = "It is acknowledged", body = ActionRow)),
+    responses((status = 200, description = "The alarm is acknowledged", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
 async fn acknowledge(
@@ -92,17 +92,17 @@ async fn acknowledge(
 ) -> Result<Response, Problem> {
     let subject = subject(&app, &at, &asker).await?;
     if let (Some(by), None) = (&subject.acknowledged_by, &asker.idempotency_key) {
-        return Err(Problem::new(Kind::Refused, format!("{by} has acknowledged it already")));
+        return Err(Problem::new(Kind::Refused, format!("{by} has already acknowledged the alarm")));
     }
     say(&app, &at, (asker, subject), Said::Acknowledged, why.reason).await
 }
 
-/// Let an alarm, and others of its kind about the same whisker, be quiet until a time.
+/// Shelve an alarm: silence it, and others of its kind about the same whisker, until a time.
 #[utoipa::path(
     post, path = "/v1/alarms/{alarm_id}/shelve", tag = "alarms",
     params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = ShelfBody,
-    responses((status = 200, description = "It is shelved", body = ActionRow)),
+    responses((status = 200, description = "The alarm is shelved", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
 async fn shelve(
@@ -115,20 +115,20 @@ async fn shelve(
     let now_us = wall_clock().0 as i64;
     let Moment(Time(until_us)) = shelf.until;
     if until_us <= now_us || until_us.saturating_sub(now_us) > SHELF_US_MAX {
-        return Err(Problem::invalid("until", "must lie ahead, at most 30 days from now"));
+        return Err(Problem::invalid("until", "must be in the future, at most 30 days from now"));
     }
     if shelf.reason.trim().is_empty() {
-        return Err(Problem::invalid("reason", "must say why: whoever comes next wants to know"));
+        return Err(Problem::invalid("reason", "must not be empty: state why the alarm is shelved"));
     }
     say(&app, &at, (asker, subject), Said::Shelved { until_us }, Some(shelf.reason)).await
 }
 
-/// Let shelved alarms be loud again.
+/// Unshelve an alarm, and others of its kind about the same whisker.
 #[utoipa::path(
     post, path = "/v1/alarms/{alarm_id}/unshelve", tag = "alarms",
     params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Option<Why>,
-    responses((status = 200, description = "It is not shelved any more", body = ActionRow)),
+    responses((status = 200, description = "The alarm is no longer shelved", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
 async fn unshelve(
@@ -140,7 +140,7 @@ async fn unshelve(
     let subject = subject(&app, &at, &asker).await?;
     let is_shelved = subject.shelved_until_us.is_some_and(|until_us| until_us > wall_clock().0 as i64);
     if !is_shelved && asker.idempotency_key.is_none() {
-        return Err(Problem::new(Kind::Refused, "it is not shelved"));
+        return Err(Problem::new(Kind::Refused, "the alarm is not shelved"));
     }
     say(&app, &at, (asker, subject), Said::Unshelved, why.reason).await
 }

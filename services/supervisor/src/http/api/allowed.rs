@@ -1,4 +1,4 @@
-//! Allow lists of robots, and the robots that they turned away.
+//! Allow lists of robots, and the robots that they refused.
 
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -20,7 +20,7 @@ use vibrissa_store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::time::Time;
 
-/// Robots in a list at most.
+/// Maximum number of robots in a list.
 const ROBOTS_MAX: usize = 10_000;
 /// Size limit of a list in bytes: enough for `ROBOTS_MAX` names of full length.
 const BODY_BYTES_MAX: usize = 1024 * 1024;
@@ -31,17 +31,17 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
 }
 
-/// A robot that is not allowed, and has tried.
+/// A robot that is on no list and has sent messages.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TurnedAway {
     /// The robot's name.
     pub robot: String,
-    /// Messages of it that were refused.
+    /// Number of its messages that were refused.
     #[schema(minimum = 1)]
     pub tries: i64,
-    /// When it tried first.
+    /// Time of its first refused message.
     pub first_at: Time,
-    /// When it tried last.
+    /// Time of its last refused message.
     pub last_at: Time,
 }
 
@@ -56,20 +56,20 @@ impl From<TurnedAwayReading> for TurnedAway {
 pub struct AllowedRobots {
     /// The fleet's name.
     pub fleet: String,
-    /// Rises with each change; 0 before the first.
+    /// Version of the list: rises with each change, 0 before the first.
     #[schema(minimum = 0)]
     pub version: i64,
     /// The list set over HTTP; null if no list is set.
     pub robots: Option<Vec<String>>,
     /// The list in this supervisor's file (`limits.robots_file`); null if it has none.
     pub in_file: Option<Vec<String>>,
-    /// When the list was set or removed; null if never.
+    /// Time at which the list was set or removed; null if never.
     pub changed_at: Option<Time>,
-    /// The actor who set or removed it; null if never.
+    /// Actor who set or removed the list; null if never.
     pub changed_by: Option<String>,
-    /// The reason given; null if none was given.
+    /// Reason for the change; null if none was given.
     pub reason: Option<String>,
-    /// Robots in no list whose messages were refused, at most some hundreds, the last first; a few seconds old.
+    /// Refused robots, the newest first, at most some hundreds; a few seconds old.
     pub turned_away: Vec<TurnedAway>,
 }
 
@@ -78,10 +78,10 @@ pub struct AllowedRobots {
 #[serde(deny_unknown_fields)]
 #[schema(as = NewAllowedRobots)]
 pub struct AllowedBody {
-    /// Names; an empty list allows nobody.
+    /// Names of the robots; an empty list allows no robot.
     #[schema(value_type = Vec<String>, max_items = 10_000)]
     pub robots: Vec<Name>,
-    /// Why, in your words.
+    /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
     pub reason: Option<String>,
 }
@@ -97,12 +97,12 @@ fn etag(version: i64) -> String {
     format!("\"{version}\"")
 }
 
-/// The fleet's allow list, and the robots that it turned away. A change must name the `ETag` of this answer.
+/// The fleet's allow list, and the robots that it refused. A change must send the `ETag` of this answer as `If-Match`.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots", params(FleetPath),
     responses((
         status = 200, description = "The lists", body = AllowedRobots,
-        headers(("ETag" = String, description = "The version of the list that was set"))
+        headers(("ETag" = String, description = "Version of the list"))
     ))
 )]
 async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Response, Problem> {
@@ -136,7 +136,7 @@ async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Resul
     Ok(response)
 }
 
-/// The version that the caller has read.
+/// The version in the caller's `If-Match`, if it is still current.
 async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64, Problem> {
     let now = in_force(app, at).await?.map_or(0, |reading| reading.version);
     let Some(told) = headers.get(header::IF_MATCH) else {
@@ -186,19 +186,19 @@ async fn set(
     answered(app, action_id, StatusCode::OK).await
 }
 
-/// Allow these robots and no others, in place of the list that was read.
+/// Allow only these robots, in place of the list that was read.
 ///
-/// The fleet's owner applies it within five seconds. Messages of other robots are refused as `not_allowed`; what they have
-/// recorded stays. Robots in the file of a supervisor (`limits.robots_file`) are allowed as well.
+/// The fleet's owner applies the list within five seconds. It then refuses messages of other robots as `not_allowed`;
+/// their recorded data stay. Robots in a supervisor's file (`limits.robots_file`) are allowed as well.
 #[utoipa::path(
     put, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",
     params(
         FleetPath,
-        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 without"),
+        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 if missing"),
         ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")
     ),
     request_body = AllowedBody,
-    responses((status = 200, description = "It is set", body = ActionRow)),
+    responses((status = 200, description = "The list is set", body = ActionRow)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
 async fn put_allowed(
@@ -212,21 +212,21 @@ async fn put_allowed(
         return Err(Problem::invalid("robots", format!("must have at most {ROBOTS_MAX} names")));
     }
     if let Some(reserved) = body.robots.iter().find(|name| Name::robot(name.as_str()).is_err()) {
-        return Err(Problem::invalid("robots", format!("no robot can be named {reserved}")));
+        return Err(Problem::invalid("robots", format!("{reserved} is a reserved name")));
     }
     set(&app, &at, &headers, asker, (Some(body.robots), body.reason)).await
 }
 
-/// Remove the list: every robot is allowed, unless a file says otherwise.
+/// Remove the list: every robot is allowed, unless a file restricts the fleet.
 #[utoipa::path(
     delete, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",
     params(
         FleetPath,
-        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 without"),
+        ("If-Match" = Option<String>, Header, description = "`ETag` of the list that was read; 428 if missing"),
         ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")
     ),
     request_body = Option<Why>,
-    responses((status = 200, description = "It is removed", body = ActionRow)),
+    responses((status = 200, description = "The list is removed", body = ActionRow)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
 async fn delete_allowed(

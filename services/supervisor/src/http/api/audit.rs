@@ -1,4 +1,4 @@
-//! The audit log: everything that people have asked for.
+//! The audit log: every action that was requested.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -22,35 +22,35 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 words! {
-    /// What became of an action.
+    /// State of an action.
     pub enum ActionState {
-        /// It waits.
+        /// Not executed yet.
         Pending = "PENDING",
-        /// It was done.
+        /// Executed by the fleet's supervisor.
         Done = "DONE",
-        /// It was refused.
+        /// Refused by the fleet's supervisor.
         Refused = "REFUSED",
-        /// It was not done in time, and will not be.
+        /// Expired: it was not executed in time, and will not be.
         Expired = "EXPIRED",
     }
 }
 
 list_query! {
-    /// Which entries.
+    /// Filters for the audit log.
     pub struct AuditQuery by ActionSort {
-        /// Of this fleet.
+        /// Fleet of the action.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// About this robot.
+        /// Robot of the action.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// What became of it.
+        /// State of the action.
         #[param(inline)]
         pub state: Option<ActionState>,
     }
 }
 
-/// Everything that was asked, with who, why, and what became of it.
+/// All requested actions with actor, reason and outcome.
 #[utoipa::path(
     get, path = "/v1/audit", tag = "audit", params(AuditQuery),
     responses((status = 200, description = "A page of the log", body = Page<ActionRow>))
@@ -68,16 +68,16 @@ async fn list_audit(
     Ok(Json(Page::of(app.store.list(&ACTIONS, &selection).await?, &selection)))
 }
 
-/// An action.
+/// Path parameters of an action.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct ActionPath {
-    /// Number.
+    /// Number of the action.
     #[param(minimum = 0)]
     pub action_id: i64,
 }
 
-/// One action: whether it is done.
+/// One action with its state.
 #[utoipa::path(
     get, path = "/v1/actions/{action_id}", tag = "audit", params(ActionPath),
     responses((status = 200, description = "The action", body = ActionRow))

@@ -1,4 +1,4 @@
-//! Calibrations: measurements are uploaded, their fit is looked at, and a version is put in force.
+//! Calibrations: upload of measurements, inspection of the fit, and activation in a fleet.
 
 use axum::extract::{Extension, State};
 use axum::http::{StatusCode, header};
@@ -37,52 +37,52 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(activate))
 }
 
-/// Rows of measurements at the most.
+/// Maximum number of rows of measurements.
 const ROWS_MAX: usize = 500;
 
 /// Measurements of a whisker under pressure, without contact.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measurements {
-    /// The name that factsheets use for the model.
+    /// Name of the whisker model, as in factsheets.
     #[schema(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub model: Name,
-    /// Young's modulus of the rubber: strains alone fix only its product with k2.
+    /// Young's modulus of the rubber in MPa. Strains alone determine only its product with k2.
     #[schema(exclusive_minimum = 0.0, maximum = 1000.0)]
     pub youngs_modulus_mpa: f64,
-    /// The whisker's shape; the paper's (Table 1) if it is left out.
+    /// Geometry of the whisker; the paper's (Table 1) if omitted.
     pub geometry: Option<GeometrySection>,
-    /// At least four with a strain above zero pressure, at three pressures or more.
+    /// Readings: at least four with a strain above zero pressure, at three or more pressures.
     #[schema(min_items = 1, max_items = 500)]
     pub rows: Vec<MeasuredRow>,
-    /// Why, in your words.
+    /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
     pub reason: Option<String>,
 }
 
-/// One reading.
+/// One reading: a pressure with a strain, an elongation, or both.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredRow {
-    /// Pressure in the chamber.
+    /// Pressure in the chamber, MPa.
     #[schema(minimum = 0.0, maximum = 1.0)]
     pub pressure_mpa: f64,
     /// Axial strain of the gauge, m/m.
     pub strain: Option<f64>,
-    /// Elongation of the chamber at the tip.
+    /// Elongation of the chamber at the tip, mm.
     pub elongation_mm: Option<f64>,
 }
 
-/// A fitted number with its uncertainty.
+/// A fitted parameter with its uncertainty.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
 pub struct FittedNumber {
-    /// Best estimate.
+    /// Best estimate of the parameter.
     pub value: f64,
     /// Standard error, to first order.
     pub standard_error: f64,
     /// Lower bound of the 95 % interval.
     pub low: f64,
-    /// Upper bound.
+    /// Upper bound of the 95 % interval.
     pub high: f64,
 }
 
@@ -93,33 +93,33 @@ impl From<&Parameter> for FittedNumber {
     }
 }
 
-/// What came of measurements: k2(Q) = c + a exp(-b Q), elongation = G Q / (k2(Q) E).
+/// Fit of the measurements: k2(Q) = c + a exp(-b Q), elongation = G Q / (k2(Q) E).
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
 pub struct CalibrationFit {
-    /// k2 that high pressures tend to.
+    /// Limit of k2 at high pressure.
     pub c: FittedNumber,
     /// Excess of k2 at zero pressure.
     pub a: FittedNumber,
     /// Rate of softening per MPa.
     pub b_per_mpa: FittedNumber,
-    /// Elongation gain G in mm; null if no elongation was measured, then it is the shape's (Eq. 24).
+    /// Elongation gain G in mm; null if no elongation was measured: it then follows from the geometry (Eq. 24).
     pub elongation_gain_mm: Option<FittedNumber>,
-    /// Scatter of one strain reading about the fit, as a ratio.
+    /// Scatter of single strain readings about the fit, as a ratio.
     pub strain_scatter: f64,
-    /// Scatter of one elongation about the fit, as a ratio.
+    /// Scatter of single elongations about the fit, as a ratio.
     pub elongation_scatter: Option<f64>,
-    /// Each row against the fit, in the rows' order.
+    /// Residuals of the rows, in their order.
     pub residuals: Vec<RowFit>,
 }
 
-/// A row against the fit.
+/// Residuals of a row.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
 pub struct RowFit {
-    /// k2 of this row (Eq. 33), if it has a strain above zero pressure.
+    /// k2 of this row (Eq. 33); null without a strain above zero pressure.
     pub k2: Option<f64>,
-    /// ln k2, measured - fitted.
+    /// Residual of ln k2, measured - fitted.
     pub k2_residual: Option<f64>,
-    /// ln elongation, measured - fitted.
+    /// Residual of ln elongation, measured - fitted.
     pub elongation_residual: Option<f64>,
 }
 
@@ -142,21 +142,21 @@ impl From<&Fit> for CalibrationFit {
     }
 }
 
-/// A calibration with what it rests on.
+/// A calibration with its numbers, fit and measurements.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct CalibrationDetail {
-    /// As in the list.
+    /// Summary, as in the list.
     #[serde(flatten)]
     pub calibration: CalibrationRow,
     /// The numbers, as in a calibration file.
     pub numbers: CalibrationFile,
-    /// What came of the measurements.
+    /// Fit of the measurements.
     pub fit: CalibrationFit,
-    /// What was measured.
+    /// Measurements, as they were uploaded.
     pub measurements: Measurements,
 }
 
-/// Holds measurements against what they must be; each problem names its field.
+/// Checks uploaded measurements; each problem names its field.
 fn measured(told: &Measurements) -> Result<(Geometry, Vec<Measured>), Problem> {
     if told.rows.len() > ROWS_MAX {
         return Err(Problem::invalid("rows", format!("must have at most {ROWS_MAX} rows")));
@@ -200,12 +200,12 @@ fn fitted(told: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem
     Ok((geometry, rows, fit))
 }
 
-/// Upload measurements: they are fitted and kept as the model's next version, which is in force nowhere yet.
+/// Upload measurements. They are fitted and stored as the model's next version, which is not active in any fleet yet.
 #[utoipa::path(
     post, path = "/v1/calibrations", tag = "calibrations",
     params(("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Measurements,
-    responses((status = 201, description = "It is kept", body = CalibrationDetail)),
+    responses((status = 201, description = "The calibration is stored", body = CalibrationDetail)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
 async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measurements>) -> Result<Response, Problem> {
@@ -223,7 +223,7 @@ async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measureme
     let (asked, calibration_id) = app.store.add_calibration(&new, &action).await?;
     let id = match (asked, calibration_id) {
         (_, Some(id)) => id,
-        // What was kept under the key before.
+        // The calibration that was stored under the same key before.
         (Asked::Again(kept), None) => kept_by(&app, &new.model, &kept.actor, kept.asked_us).await?,
         (asked, None) => number_of(asked)?,
     };
@@ -245,11 +245,11 @@ async fn kept_by(app: &App, model: &str, actor: &str, uploaded_us: i64) -> Resul
     found.map(|row| row.calibration_id).ok_or_else(|| Problem::not_found("calibration under that key"))
 }
 
-/// A calibration.
+/// Path parameters of a calibration.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct CalibrationPath {
-    /// Number.
+    /// Number of the calibration.
     #[param(minimum = 0)]
     pub calibration_id: i64,
 }
@@ -264,7 +264,7 @@ fn read<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Problem> {
         .map_err(|problem| Problem::new(Kind::Internal, format!("a stored calibration: {problem}")))
 }
 
-/// Says only of the caller's fleets that they work with it.
+/// Removes fleets outside the caller's scope from the list of fleets in which the calibration is active.
 fn seen_by(scope: &Scope, mut row: CalibrationRow) -> CalibrationRow {
     let seen = row.active_in.iter().flat_map(|fleets| fleets.split(',')).filter(|fleet| scope.covers(fleet));
     row.active_in = Some(seen.collect::<Vec<_>>().join(",")).filter(|fleets| !fleets.is_empty());
@@ -285,15 +285,15 @@ async fn detail(app: &App, scope: &Scope, id: i64) -> Result<CalibrationDetail, 
 }
 
 list_query! {
-    /// Which calibrations.
+    /// Filters for the list of calibrations.
     pub struct CalibrationsQuery by CalibrationSort {
-        /// Of this model.
+        /// Name of the whisker model.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub model: Option<Name>,
     }
 }
 
-/// The calibrations that were uploaded, with where they are in force.
+/// Uploaded calibrations, each with the fleets in which it is active.
 #[utoipa::path(
     get, path = "/v1/calibrations", tag = "calibrations", params(CalibrationsQuery),
     responses((status = 200, description = "A page of calibrations", body = Page<CalibrationRow>))
@@ -310,7 +310,7 @@ async fn list_calibrations(
     Ok(Json(page))
 }
 
-/// One calibration: its numbers, the fit, and the measurements behind it.
+/// One calibration with its numbers, fit and measurements.
 #[utoipa::path(
     get, path = "/v1/calibrations/{calibration_id}", tag = "calibrations", params(CalibrationPath),
     responses((status = 200, description = "The calibration", body = CalibrationDetail))
@@ -323,10 +323,10 @@ async fn get_calibration(
     detail(&app, &caller.scope, at.calibration_id).await.map(Json)
 }
 
-/// Measurements and fit, drawn.
+/// Plot of the measurements and the fit.
 #[utoipa::path(
     get, path = "/v1/calibrations/{calibration_id}/plot.svg", tag = "calibrations", params(CalibrationPath),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn draw_calibration(State(app): State<App>, Path(at): Path<CalibrationPath>) -> Result<Response, Problem> {
     let told: Measurements = read(&texts(&app, at.calibration_id).await?.measurements)?;
@@ -339,28 +339,28 @@ async fn draw_calibration(State(app): State<App>, Path(at): Path<CalibrationPath
     Ok(([(header::CONTENT_TYPE, "image/svg+xml")], svg).into_response())
 }
 
-/// Where a calibration shall be in force.
+/// Path parameters of an activation.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct ActivationPath {
-    /// Fleet.
+    /// Name of the fleet.
     #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub fleet: Name,
-    /// Number.
+    /// Number of the calibration.
     #[param(minimum = 0)]
     pub calibration_id: i64,
 }
 
-/// Put a calibration in force in a fleet.
+/// Activate a calibration in a fleet.
 ///
-/// Whiskers of its model are learned anew from then on, at the lengths that are estimated now.
+/// The baselines of the model's whiskers are then relearned at their currently estimated lengths.
 #[utoipa::path(
     post, path = "/v1/fleets/{fleet}/calibrations/{calibration_id}/activate", tag = "calibrations",
     params(ActivationPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
     request_body = Option<Why>,
     responses(
-        (status = 200, description = "It is in force", body = ActionRow),
-        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+        (status = 200, description = "The calibration is active", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
     ),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]

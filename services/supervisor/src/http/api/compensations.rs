@@ -1,4 +1,4 @@
-//! Decisions about broken whiskers, and what came of them.
+//! Compensations: decisions about trimmed whiskers, and their outcomes.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -26,41 +26,41 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which compensations.
+    /// Filters for the list of compensations.
     pub struct CompensationsQuery by CompensationSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// For this broken whisker.
+        /// Number of the target whisker.
         #[param(maximum = 65535)]
         pub target_whisker: Option<u16>,
-        /// By this whisker.
+        /// Number of the compensator.
         #[param(maximum = 65535)]
         pub compensator_whisker: Option<u16>,
-        /// Of this case of the paper.
+        /// Compensation case of the paper.
         #[param(inline)]
         pub case: Option<CaseWord>,
-        /// Of this standing with operators.
+        /// Approval state of the compensation.
         #[param(inline)]
         pub approval: Option<ApprovalWord>,
-        /// Only those that have not ended, or that have.
+        /// True: only active compensations; false: only ended ones.
         pub active: Option<bool>,
-        /// Decided from then on.
+        /// Earliest time of the decision, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Decided before then.
+        /// Latest time of the decision, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// Every decision about a broken whisker, and what came of it.
+/// All decisions about trimmed whiskers, with their outcomes.
 #[utoipa::path(
     get, path = "/v1/compensations", tag = "compensations", params(CompensationsQuery),
     responses((status = 200, description = "A page of compensations", body = Page<CompensationSummary>))
@@ -84,21 +84,21 @@ async fn list_compensations(
     Ok(Json(Page::of(app.store.list(&COMPENSATIONS, &selection).await?, &selection)))
 }
 
-/// A decision with all that is known of it.
+/// A decision with all details.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Compensation {
-    /// The decision and what came of it.
+    /// Decision and outcome.
     #[serde(flatten)]
     pub summary: CompensationSummary,
-    /// Everyone who was asked, in the order in which they were; at most 1000.
+    /// Candidates in the order of evaluation, at most 1000.
     pub candidates: Vec<Candidate>,
-    /// The newest measured error by contact ratio.
+    /// Newest measured error per contact ratio.
     pub errors_by_ratio: Vec<RatioError>,
-    /// Every look at its setpoint, in order; at most 1000.
+    /// Reviews of its setpoint in order of time, at most 1000.
     pub looks: Vec<Look>,
 }
 
-/// One decision with everyone who was asked, its error by contact ratio, and the looks at its setpoint.
+/// One decision with its candidates, its error per contact ratio, and the reviews of its setpoint.
 #[utoipa::path(
     get, path = "/v1/compensations/{compensation_id}", tag = "compensations", params(CompensationPath),
     responses((status = 200, description = "The compensation", body = Compensation))
@@ -111,7 +111,7 @@ async fn get_compensation(
     compensation(&app, &caller, at).await.map(Json)
 }
 
-/// One decision, if the caller may see it.
+/// One decision, if it is in the caller's scope.
 pub(super) async fn compensation(app: &App, caller: &Caller, at: CompensationPath) -> Result<Compensation, Problem> {
     let id = at.compensation_id;
     let filter = || Filter::Is("compensation_id", Value::Whole(id));

@@ -1,4 +1,4 @@
-//! Contacts of a whisker over time, and the length that was estimated from them.
+//! Contacts of a whisker over time, and the lengths estimated from them.
 
 use axum::extract::State;
 use axum::response::Json;
@@ -19,25 +19,25 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_contacts)).routes(routes!(get_lengths))
 }
 
-/// Points unless it is asked for otherwise.
+/// Default number of points.
 pub(super) const POINTS: u32 = 500;
-/// Points at the most.
+/// Maximum number of points.
 const POINTS_MAX: u32 = 2000;
-/// Half a 95 % interval in standard deviations.
+/// Half the width of a 95 % interval, in standard deviations.
 pub(super) const Z95: f64 = 1.959_963_984_540_054;
 
-/// Which contacts: without `from` and `to` the newest ones.
+/// Time range of contacts; the newest ones without `from` and `to`.
 #[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct SpanQuery {
-    /// From then on, by the robot's clock; a day before `to` unless it is given, and never more than 31 days before it.
+    /// Begin, inclusive, by the robot's clock. Default: one day before `to`; at most 31 days before it.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,
-    /// Before then; after the newest contact unless it is given.
+    /// End, exclusive. Default: after the newest contact.
     #[param(value_type = Option<String>, format = DateTime)]
     pub to: Option<Moment>,
-    /// Points at the most: more contacts are told as means over equal spans of time.
+    /// Maximum number of points. More contacts are averaged over equal intervals.
     #[param(minimum = 1, maximum = 2000, default = 500)]
     pub points: Option<u32>,
 }
@@ -52,47 +52,47 @@ impl SpanQuery {
     }
 }
 
-/// A whisker's contacts.
+/// Contacts of a whisker.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Contacts {
-    /// What was looked at: from then on; null if nothing is recorded.
+    /// Begin of the time range, inclusive; null if nothing is recorded.
     pub from: Option<Time>,
-    /// Before then.
+    /// End of the time range, exclusive.
     pub to: Option<Time>,
-    /// Points at the most, as asked for.
+    /// Maximum number of points, as requested.
     pub points: u32,
-    /// Contacts in that time.
+    /// Number of contacts in the time range.
     #[schema(minimum = 0)]
     pub total: i64,
-    /// Length of the spans whose means these are, in seconds; null if they are the contacts themselves.
+    /// Length of the averaging intervals in seconds; null if the items are single contacts.
     pub bucket_s: Option<f64>,
-    /// Contacts or means in order of time; spans without contacts are left out.
+    /// Contacts or means in order of time; intervals without contacts are omitted.
     pub items: Vec<ContactPoint>,
 }
 
-/// A contact, or the mean of those in a span of time.
+/// A contact, or the mean of the contacts in an interval.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ContactPoint {
-    /// When, by the robot's clock: the contact, or the begin of its span.
+    /// Time of the contact, or begin of the interval, by the robot's clock.
     pub at: Time,
-    /// How many.
+    /// Number of contacts.
     #[schema(minimum = 1)]
     pub contacts: i64,
-    /// Contact ratio: place of the contact along the whisker, 0 at the base, 1 at the tip.
+    /// Contact ratio: position of the contact along the whisker, 0 at the base, 1 at the tip.
     pub ratio: f64,
-    /// Deflection at the contact.
+    /// Deflection at the contact, mm.
     pub deflection_mm: f64,
-    /// Strain, m/m.
+    /// Axial strain of the gauge, m/m.
     pub strain: f64,
-    /// Pressure.
+    /// Measured pressure, MPa.
     pub pressure_mpa: f64,
-    /// Strain by deflection; null without deflection.
+    /// Strain per deflection, 1/mm; null without deflection.
     pub sensitivity_per_mm: Option<f64>,
-    /// ln(measured / predicted sensitivity), the mean of the contacts that were used; null if none was.
+    /// ln(measured / predicted sensitivity), mean of the contacts used for estimation; null if none was used.
     pub residual: Option<f64>,
-    /// Estimated length after it.
+    /// Estimated length after the contact, mm.
     pub length_mm: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimated length, mm.
     pub length_sd_mm: f64,
 }
 
@@ -113,36 +113,36 @@ impl From<&ContactMean> for ContactPoint {
     }
 }
 
-/// A whisker's estimated length over time.
+/// Estimated length of a whisker over time.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Lengths {
-    /// What was looked at: from then on; null if nothing is recorded.
+    /// Begin of the time range, inclusive; null if nothing is recorded.
     pub from: Option<Time>,
-    /// Before then.
+    /// End of the time range, exclusive.
     pub to: Option<Time>,
-    /// Points at the most, as asked for.
+    /// Maximum number of points, as requested.
     pub points: u32,
-    /// Contacts in that time.
+    /// Number of contacts in the time range.
     #[schema(minimum = 0)]
     pub total: i64,
-    /// Length of the spans whose means these are, in seconds; null if they are told contact by contact.
+    /// Length of the averaging intervals in seconds; null if each item is a single contact.
     pub bucket_s: Option<f64>,
-    /// Lengths in order of time; spans without contacts are left out.
+    /// Lengths in order of time; intervals without contacts are omitted.
     pub items: Vec<LengthPoint>,
 }
 
-/// The estimated length after a contact, or the mean of a span of time.
+/// Estimated length after a contact, or the mean over an interval.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct LengthPoint {
-    /// When, by the robot's clock: the contact, or the begin of its span.
+    /// Time of the contact, or begin of the interval, by the robot's clock.
     pub at: Time,
-    /// Estimated length.
+    /// Estimated length, mm.
     pub length_mm: f64,
-    /// Lower bound of its 95 % interval.
+    /// Lower bound of its 95 % interval, mm.
     pub length_low_mm: f64,
-    /// Upper bound.
+    /// Upper bound of its 95 % interval, mm.
     pub length_high_mm: f64,
-    /// Measured pressure.
+    /// Measured pressure, MPa.
     pub pressure_mpa: f64,
 }
 
@@ -162,13 +162,13 @@ fn bucket_s(series: &Series) -> Option<f64> {
     series.bucket_us.map(|bucket_us| bucket_us as f64 / 1e6)
 }
 
-/// A whisker's contacts, all or as means over equal spans of time.
+/// A whisker's contacts, single or averaged over equal intervals.
 pub(super) async fn series(app: &App, at: &WhiskerPath, query: SpanQuery) -> Result<(Span, Series), Problem> {
     let span = query.span()?;
     Ok((span, app.store.contacts(at.whisker_id(&app.store).await?, span).await?))
 }
 
-/// A whisker's contacts: the newest ones, or those of a time.
+/// A whisker's contacts: the newest ones, or those of a time range.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contacts", tag = "whiskers",
     params(WhiskerPath, SpanQuery),
@@ -190,7 +190,7 @@ async fn get_contacts(
     }))
 }
 
-/// A whisker's estimated length and its pressure over time.
+/// A whisker's estimated length and measured pressure over time.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/lengths", tag = "whiskers",
     params(WhiskerPath, SpanQuery),

@@ -1,4 +1,4 @@
-//! Measured errors of compensations: one by one, and in groups.
+//! Measured errors of compensations, single and in groups.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -32,36 +32,36 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which errors.
+    /// Filters for the list of errors.
     pub struct ErrorsQuery by ErrorSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// For this broken whisker.
+        /// Number of the target whisker.
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
-        /// Of this case of the paper.
+        /// Compensation case of the paper.
         #[param(inline)]
         pub case: Option<CaseWord>,
-        /// Of this compensation.
+        /// Number of the compensation.
         #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
         pub compensation_id: Option<RowNumber>,
-        /// Stated from then on.
+        /// Earliest time of the statement, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Stated before then.
+        /// Latest time of the statement, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// Every measured error of a compensation, as it was stated while contacts came in.
+/// All measured errors of compensations, each as stated while contacts came in.
 #[utoipa::path(
     get, path = "/v1/errors", tag = "errors", params(ErrorsQuery),
     responses((status = 200, description = "A page of errors", body = Page<ErrorStatement>))
@@ -78,33 +78,33 @@ async fn list_errors(
     Ok(Json(Page::of(app.store.list(&ERRORS, &selection).await?, &selection)))
 }
 
-/// Which errors are grouped: of those that fit, the newest 200,000.
+/// Filters for groups of errors. Only the newest 200,000 matching statements are grouped.
 #[derive(Debug, Default, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorGroupsQuery {
-    /// Of this fleet.
+    /// Name of the fleet.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub fleet: Option<Name>,
-    /// Of this robot.
+    /// Name of the robot.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub robot: Option<Name>,
-    /// Of this array.
+    /// Name of the array.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub array: Option<Name>,
-    /// For this broken whisker.
+    /// Number of the target whisker.
     #[param(maximum = 65535)]
     pub whisker: Option<u16>,
-    /// Of this case of the paper.
+    /// Compensation case of the paper.
     #[param(inline)]
     pub case: Option<CaseWord>,
-    /// Of this compensation.
+    /// Number of the compensation.
     #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
     pub compensation_id: Option<RowNumber>,
-    /// Stated from then on.
+    /// Earliest time of the statement, inclusive.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,
-    /// Stated before then.
+    /// Latest time of the statement, exclusive.
     #[param(value_type = Option<String>, format = DateTime)]
     pub to: Option<Moment>,
 }
@@ -130,47 +130,47 @@ pub struct Groups<T> {
     pub items: Vec<T>,
 }
 
-/// Which errors are grouped by time.
+/// Filters for groups of errors by time.
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorsByTimeQuery {
-    /// Of this fleet.
+    /// Name of the fleet.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub fleet: Option<Name>,
-    /// Of this robot.
+    /// Name of the robot.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub robot: Option<Name>,
-    /// Of this array.
+    /// Name of the array.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub array: Option<Name>,
-    /// For this broken whisker.
+    /// Number of the target whisker.
     #[param(maximum = 65535)]
     pub whisker: Option<u16>,
-    /// Of this case of the paper.
+    /// Compensation case of the paper.
     #[param(inline)]
     pub case: Option<CaseWord>,
-    /// Of this compensation.
+    /// Number of the compensation.
     #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
     pub compensation_id: Option<RowNumber>,
-    /// Stated from then on.
+    /// Earliest time of the statement, inclusive.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,
-    /// Stated before then.
+    /// Latest time of the statement, exclusive.
     #[param(value_type = Option<String>, format = DateTime)]
     pub to: Option<Moment>,
-    /// Length of the spans of time, in seconds; they begin at whole multiples of it since 1970.
+    /// Length of the intervals in seconds; they begin at whole multiples of it since 1970.
     #[param(minimum = 1, maximum = 31536000, default = 3600)]
     pub bucket_s: Option<u32>,
 }
 
-/// Length of the spans of time unless it is asked for otherwise, in seconds.
+/// Default length of the intervals, in seconds.
 const BUCKET_S: u32 = 3600;
-/// Greatest length of the spans, in seconds: a year.
+/// Greatest length of the intervals, in seconds: a year.
 const BUCKET_S_MAX: u32 = 31_536_000;
 const US_PER_S: i64 = 1_000_000;
 
-/// Errors by time: in each span the newest statement of each compensation counts. The newest 1000 spans, in order.
+/// Errors by time: the newest statement of each compensation per interval. The newest 1000 intervals, in order.
 #[utoipa::path(
     get, path = "/v1/errors/by-time", tag = "errors", params(ErrorsByTimeQuery),
     responses((status = 200, description = "Errors by time", body = Groups<ErrorByTime>))
@@ -192,7 +192,7 @@ async fn errors_by_time(
     Ok(Json(Groups { items }))
 }
 
-/// Errors by case of the paper: of each compensation the newest statement counts.
+/// Errors by case of the paper: the newest statement of each compensation counts.
 #[utoipa::path(
     get, path = "/v1/errors/by-case", tag = "errors", params(ErrorGroupsQuery),
     responses((status = 200, description = "Errors by case", body = Groups<ErrorByCase>))
@@ -205,7 +205,7 @@ async fn errors_by_case(
     Ok(Json(Groups { items: app.store.groups(&BY_CASE, &which.filters(&caller), i64::MAX).await? }))
 }
 
-/// Errors by contact ratio: of each compensation the newest statement counts.
+/// Errors by contact ratio: the newest statement of each compensation counts.
 #[utoipa::path(
     get, path = "/v1/errors/by-ratio", tag = "errors", params(ErrorGroupsQuery),
     responses((status = 200, description = "Errors by contact ratio", body = Groups<ErrorByRatio>))
@@ -218,7 +218,7 @@ async fn errors_by_ratio(
     Ok(Json(Groups { items: app.store.groups(&BY_RATIO, &which.filters(&caller), i64::MAX).await? }))
 }
 
-/// Errors by broken whisker, the greatest first: of each compensation the newest statement counts.
+/// Errors by target whisker, the greatest first: the newest statement of each compensation counts.
 #[utoipa::path(
     get, path = "/v1/errors/by-whisker", tag = "errors", params(ErrorGroupsQuery),
     responses((status = 200, description = "Errors by whisker", body = Groups<ErrorByWhisker>))

@@ -1,4 +1,4 @@
-//! What happens, as it happens: server-sent events.
+//! Server-sent events: changes as they happen.
 
 use std::convert::Infallible;
 
@@ -24,39 +24,39 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(follow))
 }
 
-/// How often changes are looked for that another supervisor may have written.
+/// Interval at which the database is polled for changes written by other supervisors.
 const POLL: Duration = Duration::from_secs(1);
-/// How long one request is answered: whoever goes on asks again, and a token that is over by then lets nobody in.
+/// Longest time that a stream stays open. Clients reconnect, and an expired token is then refused.
 const LIFETIME: Duration = Duration::from_secs(300);
-/// A line that says nothing, so that whoever is between keeps the connection.
+/// Interval of comment lines, which keep the connection open through proxies.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
 
-/// Which changes.
+/// Filters for events.
 #[derive(Debug, serde::Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct EventsQuery {
-    /// Of this fleet.
+    /// Name of the fleet.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub fleet: Option<Name>,
 }
 
-/// Somebody who follows.
+/// Client of an event stream.
 struct Follower {
     app: App,
     caller: Caller,
-    /// The credential for identifying the caller again.
+    /// Credential for identifying the caller again.
     credential: Credential,
-    /// When that is due.
+    /// Time of the next identification.
     check_at: Instant,
     fleet: Option<Name>,
     mark: Mark,
-    /// Marks before this are gone: what came after them may be, too.
+    /// Whether the client's last event is no longer stored, so that it may have missed others.
     is_reset_due: bool,
     waiting: std::collections::VecDeque<Change>,
     changed: watch::Receiver<u64>,
     stop: watch::Receiver<bool>,
-    /// When it must ask again.
+    /// Time at which the stream ends and the client must reconnect.
     ends: Instant,
     _place: Place,
 }
@@ -65,20 +65,21 @@ struct Follower {
 enum Standing {
     /// The caller may still see these events.
     Good,
-    /// The token has ended.
+    /// The token is no longer valid.
     Ended,
     /// The database or the identity provider does not answer.
     Unknown,
 }
 
-/// What happens from now on, or from `Last-Event-ID` on.
+/// Changes from now on, or after `Last-Event-ID`.
 ///
-/// Events are `change` (its data says what and where; ask for the thing itself) and `reset`: the id is older than what is
-/// kept, so read everything anew. The stream ends after five minutes: ask again, with `Last-Event-ID`. It ends within 30 s
-/// of its token's end. One caller may have ten streams at a time, a service a hundred: beyond that the answer is 429.
+/// Events are `change` (its data names what changed; read the object itself from the API) and `reset` (the ID is older
+/// than the stored changes: read everything again). The stream ends after five minutes: reconnect with `Last-Event-ID`.
+/// It ends within 30 s after its token becomes invalid. One caller may have ten streams at a time, a service a hundred;
+/// beyond that the answer is 429.
 #[utoipa::path(
     get, path = "/v1/events", tag = "events",
-    params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
+    params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "ID of the last event received", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
     responses((status = 200, description = "A stream of events; the data of each is a Change", body = Change, content_type = "text/event-stream"))
 )]
 async fn follow(
@@ -95,8 +96,9 @@ async fn follow(
     let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Mark>());
     let (mark, is_reset_due) = match told {
         None => (end, false),
-        Some(Err(_)) => return Err(Problem::invalid("Last-Event-ID", "is none that was sent: two numbers with a dot")),
-        // What a mark names must be there still, or more may be missing; one of another database may lie ahead.
+        Some(Err(_)) => return Err(Problem::invalid("Last-Event-ID", "is not an event ID: two numbers with a dot")),
+        // The marked change must still be stored, or others may be missing too. A mark of another database may lie
+        // ahead.
         Some(Ok(mark)) if marks.is_some_and(|(begin, end)| (begin..=end).contains(&mark)) => (mark, false),
         Some(Ok(_)) => (end, true),
     };
@@ -124,7 +126,7 @@ async fn follow(
 }
 
 impl Follower {
-    /// The next event; none once the service stops, or the caller may not see events any more.
+    /// The next event; `None` once the service stops, or the caller may no longer see events.
     async fn next(&mut self) -> Option<Event> {
         if std::mem::take(&mut self.is_reset_due) {
             return Some(Event::default().event("reset").id(self.mark.to_string()).data("{}"));
@@ -136,7 +138,7 @@ impl Follower {
             match self.standing().await {
                 Standing::Good => {}
                 Standing::Ended => return None,
-                // Sends no event while the caller's rights are unknown.
+                // Send no event while the caller's rights are unknown.
                 Standing::Unknown => {
                     self.pause().await;
                     continue;
@@ -153,8 +155,8 @@ impl Follower {
         }
     }
 
-    /// Identifies the caller again if that is due: a token ends while a stream goes on, and an administrator or the
-    /// identity provider may give it other fleets.
+    /// Identifies the caller again when due: the token may have ended, or an administrator or the identity provider may
+    /// have changed its fleets.
     async fn standing(&mut self) -> Standing {
         if Instant::now() < self.check_at {
             return Standing::Good;
@@ -175,7 +177,7 @@ impl Follower {
         is_asked_for && self.caller.scope.covers(&change.fleet)
     }
 
-    /// Looks for changes, and waits a while if there are none. A database that is away is asked again.
+    /// Reads new changes, or waits if nothing is new. An unreachable database is retried.
     async fn look(&mut self) {
         self.changed.mark_unchanged();
         let found = self.app.store.changes_after(self.mark).await.unwrap_or_default();
@@ -186,7 +188,7 @@ impl Follower {
         }
     }
 
-    /// Waits for a change of this supervisor's, at most until another supervisor's may be there.
+    /// Waits for a change of this supervisor, at most for the polling interval.
     async fn pause(&mut self) {
         let (changed, stop) = (&mut self.changed, &mut self.stop);
         let something = async {

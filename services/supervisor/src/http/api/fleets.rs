@@ -1,4 +1,4 @@
-//! Fleets: who supervises them, and what there is to look at.
+//! Fleets: their supervisors and how much needs attention.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -18,11 +18,11 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which fleets.
+    /// Pagination of the list of fleets.
     pub struct FleetsQuery by FleetSort {}
 }
 
-/// Every fleet that was ever heard of: who supervises it, and how much there is to look at.
+/// All known fleets, each with its supervisor and the number of items that need attention.
 #[utoipa::path(
     get, path = "/v1/fleets", tag = "fleets", params(FleetsQuery),
     responses((status = 200, description = "A page of fleets", body = Page<FleetSummary>))
@@ -37,7 +37,7 @@ async fn list_fleets(
     Ok(Json(Page::of(app.store.list(fleets(&app.store), &selection).await?, &selection)))
 }
 
-/// One fleet.
+/// One fleet with its supervisor.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}", tag = "fleets", params(FleetPath),
     responses((status = 200, description = "The fleet", body = FleetSummary))

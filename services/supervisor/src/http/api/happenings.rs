@@ -1,4 +1,4 @@
-//! What happened to whiskers: trims, changes of health, alarms.
+//! Trims, changes of health, and alarms.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -23,30 +23,30 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which trims.
+    /// Filters for the list of trims.
     pub struct TrimsQuery by TrimSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// Of this whisker.
+        /// Number of the whisker in its array.
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
-        /// From then on.
+        /// Earliest time of detection, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Before then.
+        /// Latest time of detection, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// Every trim that was found.
+/// All detected trims.
 #[utoipa::path(
     get, path = "/v1/trims", tag = "happenings", params(TrimsQuery),
     responses((status = 200, description = "A page of trims", body = Page<Trim>))
@@ -67,33 +67,33 @@ async fn list_trims(
 }
 
 list_query! {
-    /// Which changes of health.
+    /// Filters for the list of health changes.
     pub struct HealthChangesQuery by HealthChangeSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// Of this whisker.
+        /// Number of the whisker in its array.
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
-        /// Of this.
+        /// Kind of the change.
         #[param(inline)]
         pub kind: Option<HealthKindWord>,
-        /// From then on.
+        /// Earliest time of recording, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Before then.
+        /// Latest time of recording, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// Every change of a whisker's condition or fault.
+/// All changes of whiskers' conditions and faults.
 #[utoipa::path(
     get, path = "/v1/health-changes", tag = "happenings", params(HealthChangesQuery),
     responses((status = 200, description = "A page of changes of health", body = Page<HealthChange>))
@@ -115,32 +115,32 @@ async fn list_health_changes(
 }
 
 list_query! {
-    /// Which alarms.
+    /// Filters for the list of alarms.
     pub struct AlarmsQuery by AlarmSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// Of this whisker.
+        /// Number of the whisker in its array.
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
-        /// Of this.
+        /// Kind of the alarm.
         #[param(inline)]
         pub kind: Option<AlarmKindWord>,
-        /// Only those that stand, or do not.
+        /// True: only standing alarms; false: only the others.
         pub standing: Option<bool>,
-        /// In this state.
+        /// State of the alarm.
         #[param(inline)]
         pub state: Option<AlarmStateWord>,
     }
 }
 
-/// What people were told.
+/// All alarms, standing and cleared.
 #[utoipa::path(
     get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
     responses((status = 200, description = "A page of alarms", body = Page<Alarm>))

@@ -1,4 +1,4 @@
-//! What a whisker felt in each minute and hour, also of long ago.
+//! Aggregates of a whisker's contacts per minute and hour.
 
 use axum::extract::State;
 use axum::response::Json;
@@ -20,21 +20,21 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which minutes or hours.
+    /// Filters for aggregates.
     pub struct HistoryQuery by RollupSort {
-        /// Minutes, which are kept for a time, or hours, which are kept for ever; hours unless it is asked for otherwise.
+        /// Minutes, which are stored for a limited time, or hours, which are stored for ever. Default: hours.
         #[param(inline)]
         pub resolution: Option<ResolutionWord>,
-        /// Begun from then on, by the supervisor's clock.
+        /// Earliest begin, inclusive, by the supervisor's clock.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Begun before then.
+        /// Latest begin, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// What a whisker felt in each minute or hour that is over, the newest first. Those without contacts are left out.
+/// Aggregates of a whisker's contacts for each completed minute or hour that has contacts, newest first.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/history", tag = "whiskers",
     params(WhiskerPath, HistoryQuery),

@@ -1,4 +1,4 @@
-//! What is served under `/v1`: a module for each kind of thing.
+//! The API under `/v1`: one module for each kind of resource.
 
 pub mod actions;
 pub mod alarm_actions;
@@ -26,7 +26,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::App;
 
-/// All routes, with what they say of themselves.
+/// All routes with their descriptions.
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .merge(whiskers::routes())

@@ -1,4 +1,4 @@
-//! What the mechanics say of a whisker as it is now, beside what it has felt.
+//! Predicted sensitivity of a whisker in its present state, beside the measured one.
 
 use axum::extract::State;
 use axum::response::Json;
@@ -20,34 +20,34 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_model))
 }
 
-/// Contacts that are looked at for what was felt.
+/// Maximum number of contacts used for the measured sensitivity.
 const CONTACTS: u32 = 2000;
-/// A contact within this of the present pressure was felt at it: a regulator's dither.
+/// A contact counts if its pressure is within this of the present one, in MPa: the dither of a regulator.
 const PRESSURE_WITHIN_MPA: f64 = 0.005;
-/// A contact whose length was estimated within this of the present one was felt at it.
+/// A contact counts if its estimated length is within this of the present one, in mm.
 const LENGTH_WITHIN_MM: f64 = 1.0;
 /// Half the width of a contact-ratio bin.
 const RATIO_WITHIN: f64 = 0.025;
 
-/// What a whisker should feel.
+/// Predicted and measured sensitivity of a whisker.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ModelOfWhisker {
-    /// Name of its model, a calibration.
+    /// Name of its model (a calibration).
     pub model: String,
-    /// Whether the supervisor that answers has that model; if not, nothing is known but what was felt.
+    /// Whether the answering supervisor has that model; if not, only measured values are given.
     pub is_known: bool,
-    /// Pressure that it is asked for: measured last, or the setpoint before the first contact.
+    /// Pressure of the prediction in MPa: last measured, or the setpoint before the first contact.
     pub pressure_mpa: f64,
-    /// Length that it is asked for: as estimated.
+    /// Length of the prediction in mm: the estimated one.
     pub length_mm: f64,
-    /// Pressure of the factsheet.
+    /// Nominal pressure of the factsheet, MPa.
     pub nominal_pressure_mpa: f64,
-    /// Length of the factsheet.
+    /// Whole length of the factsheet, mm.
     pub whole_length_mm: f64,
-    /// By how much this whisker feels more than its model, ln(own / model) at the contact ratio 0.725; null if its state
-    /// is not stored.
+    /// Offset of this whisker's sensitivity from its model, ln(own / model) at the contact ratio 0.725; null if its
+    /// state is not stored.
     pub offset_log: Option<f64>,
-    /// How that changes with the contact ratio.
+    /// Slope of that offset over the contact ratio.
     pub offset_slope: Option<f64>,
     /// Sensitivities at the contact ratios 0.45, 0.50 .. 1.00.
     pub by_ratio: Vec<Sensitivity>,
@@ -56,17 +56,17 @@ pub struct ModelOfWhisker {
 /// Sensitivities at a contact ratio, in strain per mm of deflection.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Sensitivity {
-    /// Contact ratio.
+    /// Contact ratio of the bin's centre.
     pub ratio: f64,
-    /// Of the model at the present length and pressure; null where the contact would lie on the chamber.
+    /// Model at the present length and pressure; null where the contact would lie on the chamber.
     pub model_per_mm: Option<f64>,
     /// The same with the whisker's own offset.
     pub own_per_mm: Option<f64>,
-    /// Of the model at the whole length and nominal pressure.
+    /// Model at the whole length and nominal pressure.
     pub whole_per_mm: Option<f64>,
-    /// As felt at the present length and pressure; null without contacts in this bin.
+    /// Mean measured at the present length and pressure; null without contacts in this bin.
     pub measured_per_mm: Option<f64>,
-    /// Contacts in it, of the newest 2000.
+    /// Number of contacts in the bin, of the newest 2000.
     #[schema(minimum = 0)]
     pub measured_contacts: i64,
 }
@@ -78,7 +78,7 @@ fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64)
     model.sensitivity_per_mm(ratio, length, &model.morphology(pressure)).ok()
 }
 
-/// The mean of what was felt about a contact ratio, and how often.
+/// Mean measured sensitivity near a contact ratio, and the number of contacts.
 fn felt(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64, ratio: f64) -> (Option<f64>, i64) {
     let here = contacts.iter().filter(|one| {
         (one.ratio - ratio).abs() < RATIO_WITHIN
@@ -91,7 +91,7 @@ fn felt(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64, ratio: f
     ((count > 0).then(|| sum / f64::from(count)), count.into())
 }
 
-/// Sensitivity of a whisker by contact ratio: its model now and while it was whole, and what was felt.
+/// Sensitivity of a whisker by contact ratio: predicted now and at its whole length, and measured.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/model", tag = "whiskers",
     params(WhiskerPath),

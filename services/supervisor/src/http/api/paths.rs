@@ -1,4 +1,4 @@
-//! Where things are: the parts of paths.
+//! Path parameters of fleets, robots, arrays and whiskers.
 
 use serde::Deserialize;
 use utoipa::IntoParams;
@@ -8,7 +8,7 @@ use crate::http::problem::Problem;
 use vibrissa_store::Store;
 use vibrissa_store::list::{Filter, Value};
 
-/// Spells out a path's parts, their filters on a list that has columns of their names, and how they are told.
+/// Defines path parameters, the filters for lists that have columns of the same names, and their display text.
 macro_rules! paths {
     ($($(#[$meta:meta])* pub struct $name:ident ($what:literal) { $($(#[$field_meta:meta])* $field:ident = $column:literal,)+ })+) => {
         $($(#[$meta])*
@@ -21,7 +21,7 @@ macro_rules! paths {
         }
 
         impl $name {
-            /// What picks it out of a list.
+            /// Filters that select this object from a list.
             #[must_use]
             pub fn filters(&self) -> Vec<Filter> {
                 vec![$(Filter::Is($column, Value::Text(self.$field.to_string())),)+]
@@ -38,49 +38,49 @@ macro_rules! paths {
 }
 
 paths! {
-    /// A fleet.
+    /// Path parameters of a fleet.
     pub struct FleetPath ("fleet") {
-        /// Fleet.
+        /// Name of the fleet.
         fleet = "fleet",
     }
-    /// A robot.
+    /// Path parameters of a robot.
     pub struct RobotPath ("robot") {
-        /// Fleet.
+        /// Name of the fleet.
         fleet = "fleet",
-        /// Robot.
+        /// Name of the robot.
         robot = "robot",
     }
-    /// An array.
+    /// Path parameters of an array.
     pub struct ArrayPath ("array") {
-        /// Fleet.
+        /// Name of the fleet.
         fleet = "fleet",
-        /// Robot.
+        /// Name of the robot.
         robot = "robot",
-        /// Array.
+        /// Name of the array.
         array = "\"array\"",
     }
 }
 
-/// A whisker.
+/// Path parameters of a whisker.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct WhiskerPath {
-    /// Fleet.
+    /// Name of the fleet.
     #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub fleet: Name,
-    /// Robot.
+    /// Name of the robot.
     #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub robot: Name,
-    /// Array.
+    /// Name of the array.
     #[param(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub array: Name,
-    /// Number in the array.
+    /// Number of the whisker in its array.
     #[param(maximum = 65535)]
     pub whisker: u16,
 }
 
 impl WhiskerPath {
-    /// What picks it out of a list.
+    /// Filters that select this whisker from a list.
     #[must_use]
     pub fn filters(&self) -> Vec<Filter> {
         let mut filters = self.on_array().filters();
@@ -90,16 +90,16 @@ impl WhiskerPath {
 }
 
 impl WhiskerPath {
-    /// Its array.
+    /// Path of its array.
     #[must_use]
     pub fn on_array(&self) -> ArrayPath {
         ArrayPath { fleet: self.fleet.clone(), robot: self.robot.clone(), array: self.array.clone() }
     }
 
-    /// Its number in the database, on a robot now or once.
+    /// Its number in the database, also if it is no longer on the robot.
     ///
     /// # Errors
-    /// It was never heard of, or the database cannot be read.
+    /// The whisker is unknown, or the database cannot be read.
     pub async fn whisker_id(&self, store: &Store) -> Result<i64, Problem> {
         let whisker = (self.fleet.as_str(), self.robot.as_str(), self.array.as_str(), self.whisker);
         store.whisker_id(whisker).await?.ok_or_else(|| Problem::not_found(self))
@@ -112,11 +112,11 @@ impl std::fmt::Display for WhiskerPath {
     }
 }
 
-/// A compensation.
+/// Path parameters of a compensation.
 #[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct CompensationPath {
-    /// Its number.
+    /// Number of the compensation.
     #[param(minimum = 0, maximum = 9007199254740991_i64)]
     pub compensation_id: i64,
 }

@@ -1,4 +1,4 @@
-//! Pictures of what can be read, as SVG.
+//! Plots of recorded data, as SVG.
 
 use axum::extract::{Extension, State};
 use axum::http::header;
@@ -34,7 +34,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(plot_array))
 }
 
-/// Rows of a picture at the most.
+/// Maximum number of rows in a plot.
 const ROWS: u32 = 1000;
 
 fn picture(svg: String) -> Response {
@@ -45,7 +45,7 @@ async fn whisker(app: &App, at: &WhiskerPath) -> Result<Whisker, Problem> {
     app.store.first(&WHISKERS, at.filters()).await?.ok_or_else(|| Problem::not_found(at))
 }
 
-/// The contacts of a picture: of the newest day, unless a time is given.
+/// The contacts of a plot: of the newest day, unless a time range is given.
 async fn drawn(app: &App, at: &WhiskerPath, mut query: SpanQuery) -> Result<Series, Problem> {
     if query.from.is_none() && query.to.is_none() {
         query.to = Some(Moment(Time(i64::MAX)));
@@ -59,11 +59,11 @@ fn newest(list: &List, at: &WhiskerPath, column: &'static str) -> Selection {
     Selection { filters: at.on_array().filters(), ..Selection::all(list, ROWS) }.with(whisker)
 }
 
-/// A whisker's estimated length over time, with its 95 % interval: the newest day, unless a time is given.
+/// A whisker's estimated length over time, with its 95 % interval: the newest day, unless a time range is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/lengths/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_lengths(
     State(app): State<App>,
@@ -74,11 +74,11 @@ async fn plot_lengths(
     Ok(picture(console::lengths(&whisker, &drawn(&app, &at, query).await?)))
 }
 
-/// A whisker's measured sensitivity against the predicted one over time: the newest day, unless a time is given.
+/// Ratio of a whisker's measured to predicted sensitivity over time: the newest day, unless a time range is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contacts/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_contacts(
     State(app): State<App>,
@@ -89,11 +89,11 @@ async fn plot_contacts(
     Ok(picture(console::contacts(&whisker, &drawn(&app, &at, query).await?)))
 }
 
-/// A whisker's pressures over time, set and measured: the newest day, unless a time is given.
+/// A whisker's setpoints and measured pressures over time: the newest day, unless a time range is given.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/pressures/plot.svg", tag = "plots",
     params(WhiskerPath, SpanQuery),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_pressures(
     State(app): State<App>,
@@ -107,11 +107,11 @@ async fn plot_pressures(
     Ok(picture(console::pressures(&whisker, &series, &setpoints)))
 }
 
-/// The error of the compensations for a whisker over time, with its 95 % interval: the newest 1000 statements.
+/// The error of a whisker's compensations over time, with its 95 % interval: the newest 1000 statements.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/errors/plot.svg", tag = "plots",
     params(WhiskerPath),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_errors(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Response, Problem> {
     let whisker = whisker(&app, &at).await?;
@@ -124,7 +124,7 @@ async fn plot_errors(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Res
 /// The error of a compensation by contact ratio: predicted, and measured with its 95 % interval.
 #[utoipa::path(
     get, path = "/v1/compensations/{compensation_id}/plot.svg", tag = "plots", params(CompensationPath),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_compensation(
     State(app): State<App>,
@@ -137,10 +137,10 @@ async fn plot_compensation(
     Ok(picture(console::by_ratio(&one.summary, predicted, &one.errors_by_ratio)))
 }
 
-/// An array drawn to scale: each whisker's length now and whole, its health and pressure, and who serves whom.
+/// An array drawn to scale: each whisker's present and whole length, health and pressure, and its compensator.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/plot.svg", tag = "plots", params(ArrayPath),
-    responses((status = 200, description = "The picture", body = String, content_type = "image/svg+xml"))
+    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
 async fn plot_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<Response, Problem> {
     let known: Option<ArraySummary> = app.store.first(&ARRAYS, at.filters()).await?;

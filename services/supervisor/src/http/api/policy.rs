@@ -1,4 +1,4 @@
-//! The policy of a fleet: how compensations are decided, and its history.
+//! Compensation policy of a fleet, and its history.
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -24,17 +24,17 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 words! {
-    /// Who says that compensations begin.
+    /// Whether compensations need approval.
     pub enum ModeWord {
-        /// The program.
+        /// Compensations start without approval.
         Automatic = "AUTOMATIC",
-        /// An operator, of each that is proposed.
+        /// An operator approves each proposed compensation.
         Advise = "ADVISE",
     }
 }
 
 words! {
-    /// What a setpoint is solved for.
+    /// Objective of the setpoint solver.
     pub enum ObjectiveWord {
         /// Equal sensitivity at the tip.
         Tip = "TIP",
@@ -44,38 +44,38 @@ words! {
 }
 
 words! {
-    /// Whether a longer whisker may stand in for a shorter one.
+    /// Whether a longer whisker may compensate for a shorter one.
     pub enum LongerForShorterWord {
-        /// It may not.
+        /// A longer whisker is never used.
         Never = "NEVER",
-        /// If nobody else can.
+        /// Only if no other candidate is suitable.
         LastResort = "LAST_RESORT",
-        /// As any other.
+        /// Like any other candidate.
         Allowed = "ALLOWED",
     }
 }
 
-/// A whole policy.
+/// A complete policy.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = NewPolicy)]
 pub struct PolicyBody {
-    /// Who says that compensations begin.
+    /// Whether compensations need approval.
     pub mode: ModeWord,
-    /// What a setpoint is solved for.
+    /// Objective of the setpoint solver.
     pub objective: ObjectiveWord,
-    /// Whether a longer whisker may stand in for a shorter one.
+    /// Whether a longer whisker may compensate for a shorter one.
     pub longer_for_shorter: LongerForShorterWord,
-    /// Highest mean predicted error of a compensation, as a ratio.
+    /// Maximum mean predicted error of a compensation, as a ratio.
     #[schema(minimum = 0.0, maximum = 10.0)]
     pub predicted_error_max: f64,
-    /// What it costs that a neighbour gives up its own role, in units of mean error.
+    /// Cost of a neighbour that gives up its own role, in units of mean error.
     #[schema(minimum = 0.0, maximum = 10.0)]
     pub own_role_cost: f64,
-    /// What a change of an assignment in force must gain, in units of mean error.
+    /// Minimum gain for a change of an active assignment, in units of mean error.
     #[schema(minimum = 0.0, maximum = 10.0)]
     pub change_margin: f64,
-    /// Why, in your words.
+    /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
     pub reason: Option<String>,
 }
@@ -105,7 +105,7 @@ fn etag(version: i64) -> String {
     format!("\"{version}\"")
 }
 
-/// The policy in force. Its `ETag` is what a change must name.
+/// The policy in force. A change must send its `ETag` as `If-Match`.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/policy", tag = "policy", params(FleetPath),
     responses((status = 200, description = "The policy", body = PolicyRow, headers(("ETag" = String, description = "Its version"))))
@@ -120,18 +120,18 @@ async fn get_policy(State(app): State<App>, Path(at): Path<FleetPath>) -> Result
     Ok(response)
 }
 
-/// Set another policy, in place of the one that was read: it is in force at once, for decisions to come.
+/// Set another policy in place of the one that was read. Later decisions follow it at once.
 #[utoipa::path(
     put, path = "/v1/fleets/{fleet}/policy", tag = "policy",
     params(
         FleetPath,
-        ("If-Match" = Option<String>, Header, description = "`ETag` of the policy that was read; 428 without"),
+        ("If-Match" = Option<String>, Header, description = "`ETag` of the policy that was read; 428 if missing"),
         ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")
     ),
     request_body = PolicyBody,
     responses(
-        (status = 200, description = "It is in force", body = ActionRow),
-        (status = 202, description = "Asked; look at the action later", body = ActionRow)
+        (status = 200, description = "The policy is in force", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
     ),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
@@ -168,7 +168,7 @@ async fn put_policy(
     ask(&app, &at.fleet, &action).await
 }
 
-/// The version that the caller has read. The engine holds it against the one in force once more.
+/// The version in the caller's `If-Match`, if it is still current. The engine checks it once more.
 async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64, Problem> {
     let now = in_force(app, at).await?.version;
     let Some(told) = headers.get(header::IF_MATCH) else {
@@ -185,11 +185,11 @@ async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64,
 }
 
 list_query! {
-    /// Which policies.
+    /// Pagination of the history of policies.
     pub struct PoliciesQuery by PolicySort {}
 }
 
-/// The policies that were set, with who and why.
+/// All policies that were set, with actor and reason.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/policy/history", tag = "policy", params(FleetPath, PoliciesQuery),
     responses((status = 200, description = "A page of policies", body = Page<PolicyRow>))

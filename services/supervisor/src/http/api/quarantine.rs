@@ -20,17 +20,17 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of messages in quarantine.
     pub struct QuarantineQuery by QuarantineSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
     }
 }
 
-/// Messages in quarantine: they keep the contract, but the database refuses a row that follows from them. Each was receipted,
-/// so that its robot does not send it again, and had no other effect. Each fleet keeps its newest 1000.
+/// Messages in quarantine: they conform to the contract, but the database refuses a row that follows from them. Each
+/// was receipted, so that its robot does not send it again; it had no other effect. Each fleet keeps its newest 1000.
 #[utoipa::path(
     get, path = "/v1/quarantine", tag = "happenings", params(QuarantineQuery),
     responses((status = 200, description = "A page of messages", body = Page<Quarantined>))

@@ -28,18 +28,18 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which robots.
+    /// Filters for the list of robots.
     pub struct RobotsQuery by RobotSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// With this connection.
+        /// Connection state of the robot.
         #[param(inline)]
         pub connection: Option<ConnectionWord>,
     }
 }
 
-/// Every robot that was ever heard of, with how much there is to look at.
+/// All known robots, each with the number of items that need attention.
 #[utoipa::path(
     get, path = "/v1/robots", tag = "robots", params(RobotsQuery),
     responses((status = 200, description = "A page of robots", body = Page<RobotSummary>))
@@ -56,7 +56,7 @@ async fn list_robots(
     Ok(Json(Page::of(app.store.list(&ROBOTS, &selection).await?, &selection)))
 }
 
-/// One robot.
+/// One robot with its counts of whiskers, faults and alarms.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}", tag = "robots", params(RobotPath),
     responses((status = 200, description = "The robot", body = RobotSummary))
@@ -67,18 +67,18 @@ async fn get_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<
 }
 
 list_query! {
-    /// Which arrays.
+    /// Filters for the list of arrays.
     pub struct ArraysQuery by ArraySort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
     }
 }
 
-/// Every array that is on a robot, with how much there is to look at.
+/// All arrays that are on a robot, each with the number of items that need attention.
 #[utoipa::path(
     get, path = "/v1/arrays", tag = "robots", params(ArraysQuery),
     responses((status = 200, description = "A page of arrays", body = Page<ArraySummary>))
@@ -98,20 +98,20 @@ async fn list_arrays(
 /// An array with its whiskers.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Array {
-    /// Fleet.
+    /// Name of the fleet.
     pub fleet: String,
-    /// Robot.
+    /// Name of the robot.
     pub robot: String,
-    /// Array.
+    /// Name of the array.
     pub array: String,
-    /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single ones, for themselves).
+    /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single whiskers, which compensate for themselves).
     pub array_type: String,
-    /// Whether its robot is connected: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    /// Connection state of its robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
     pub connection: String,
-    /// Alarms that stand.
+    /// Number of standing alarms.
     #[schema(minimum = 0)]
     pub alarms: i64,
-    /// How much there is to look at: alarms, faulty and uncompensated whiskers, added up.
+    /// Number of items that need attention: alarms, faulty and uncompensated whiskers, added up.
     #[schema(minimum = 0)]
     pub attention: i64,
     /// Its whiskers, at most 1000.

@@ -1,4 +1,4 @@
-//! Setpoints and what became of them.
+//! Setpoints and their progress.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -24,36 +24,36 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which setpoints.
+    /// Filters for the list of setpoints.
     pub struct SetpointsQuery by SetpointSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// Of this whisker.
+        /// Number of the whisker in its array.
         #[param(maximum = 65535)]
         pub whisker: Option<u16>,
-        /// In this state.
+        /// State of the setpoint.
         #[param(inline)]
         pub state: Option<SetpointStateWord>,
-        /// Of this compensation.
+        /// Number of the compensation.
         #[param(value_type = Option<i64>, minimum = 0, maximum = 9007199254740991_i64)]
         pub compensation_id: Option<RowNumber>,
-        /// Decided from then on.
+        /// Earliest time of issue, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
-        /// Decided before then.
+        /// Latest time of issue, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
     }
 }
 
-/// Every setpoint that was sent to a robot.
+/// All setpoints that were sent to robots.
 #[utoipa::path(
     get, path = "/v1/setpoints", tag = "setpoints", params(SetpointsQuery),
     responses((status = 200, description = "A page of setpoints", body = Page<Setpoint>))
@@ -75,26 +75,26 @@ async fn list_setpoints(
     Ok(Json(Page::of(app.store.list(&SETPOINTS, &selection).await?, &selection)))
 }
 
-/// A setpoint.
+/// Path parameters of a setpoint.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
 pub struct SetpointPath {
-    /// Its name, a UUID.
+    /// Command ID of the setpoint, a UUID.
     #[param(pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub command_id: String,
 }
 
-/// A setpoint with what became of it.
+/// A setpoint with its history.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct SetpointWithHistory {
-    /// The setpoint.
+    /// The setpoint, as in the list.
     #[serde(flatten)]
     pub setpoint: Setpoint,
-    /// What became of it, in order; at most 1000.
+    /// States of the setpoint in order, at most 1000.
     pub history: Vec<SetpointState>,
 }
 
-/// One setpoint with what became of it.
+/// One setpoint with its history.
 #[utoipa::path(
     get, path = "/v1/setpoints/{command_id}", tag = "setpoints", params(SetpointPath),
     responses((status = 200, description = "The setpoint", body = SetpointWithHistory))

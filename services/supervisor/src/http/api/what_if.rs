@@ -1,4 +1,4 @@
-//! What would be done if a whisker were cut.
+//! Simulates a cut of a whisker, and shows the decisions that would follow.
 
 use axum::extract::State;
 use axum::response::Json;
@@ -22,21 +22,21 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_what_if))
 }
 
-/// To what.
+/// Parameters of a what-if query.
 #[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct WhatIfQuery {
-    /// Length that would be left.
+    /// Remaining length, mm.
     #[param(minimum = 1, maximum = 1000)]
     pub length_mm: f64,
 }
 
-/// What would be done.
+/// Result of a what-if query.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WhatIfAnswer {
-    /// The decisions that would be taken: about the whisker itself, and about those that its cut leaves unserved or whose
-    /// compensator it takes.
+    /// Decisions that would be taken: for the whisker itself, for whiskers that lose it as compensator, and for
+    /// whiskers whose compensator it takes.
     pub decisions: Vec<WhatIfDecision>,
     /// Compensations in force that would end.
     pub ended: Vec<WhatIfEnd>,
@@ -47,46 +47,46 @@ pub struct WhatIfAnswer {
 /// A decision that would be taken.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WhatIfDecision {
-    /// Array of the broken whisker.
+    /// Array of the target whisker.
     pub array: String,
-    /// The broken whisker.
+    /// Number of the target whisker.
     pub target_whisker: u16,
-    /// Its whole length.
+    /// Whole length of the target whisker, mm.
     pub target_length_mm: f64,
-    /// Its nominal pressure.
+    /// Nominal pressure of the target whisker, MPa.
     pub target_pressure_mpa: f64,
-    /// Who would serve; null if no one could.
+    /// Number of the compensator; null if no candidate is suitable.
     pub compensator_whisker: Option<u16>,
-    /// Everyone who would be asked, in the order in which they would be.
+    /// Candidates in the order of evaluation.
     pub candidates: Vec<Candidate>,
 }
 
 /// A compensation that would end.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WhatIfEnd {
-    /// Which.
+    /// Number of the compensation.
     #[schema(minimum = 0)]
     pub compensation_id: i64,
-    /// Why.
+    /// Reason for its end.
     pub reason: String,
 }
 
 /// A setpoint that would be sent.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WhatIfSetpoint {
-    /// Array.
+    /// Name of the array.
     pub array: String,
-    /// For whom.
+    /// Number of the whisker in its array.
     pub whisker: u16,
-    /// Pressure to hold.
+    /// Pressure to hold, MPa.
     pub pressure_mpa: f64,
-    /// Why.
+    /// Reason for the setpoint.
     pub reason: String,
-    /// Residual gain at the contact ratios 0.45, 0.50 .. 1.00; null for none.
+    /// Residual gain at the contact ratios 0.45, 0.50 .. 1.00; null if there is no gain to apply.
     pub gain: Option<Vec<f64>>,
 }
 
-/// Names what the core knows by index.
+/// Maps the core's whisker indices to names.
 struct Names<'a> {
     robot: &'a Robot,
     robot_id: i64,
@@ -153,13 +153,14 @@ impl Names<'_> {
     }
 }
 
-/// What would be done if a whisker were cut to a length and the cut had just been found. Nothing is done.
+/// Decisions and setpoints that would follow if a whisker were cut to a length and the cut had just been detected.
+/// Changes nothing.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/what-if", tag = "whiskers",
     params(WhiskerPath, WhatIfQuery),
     responses(
-        (status = 200, description = "What would be done", body = WhatIfAnswer),
-        (status = 409, description = "The whisker is not longer than that", body = crate::http::problem::ProblemBody,
+        (status = 200, description = "The result", body = WhatIfAnswer),
+        (status = 409, description = "The whisker is already that short", body = crate::http::problem::ProblemBody,
          content_type = "application/problem+json"),
     )
 )]
@@ -174,7 +175,7 @@ async fn get_what_if(
     let stored = stored.ok_or_else(|| Problem::not_found(&at))?;
     let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
     let index = robot.find(at.array.as_str(), at.whisker).ok_or_else(|| Problem::not_found(&at))?;
-    // A large array takes the assignment a while.
+    // Assigning compensators in a large array takes a while.
     let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
     let answered = tokio::task::spawn_blocking(move || {
         let answer = robot.what_if(&params, index, length)?;

@@ -1,4 +1,4 @@
-//! Whiskers: what is known of each.
+//! Whiskers and their state.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -21,26 +21,26 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Which whiskers.
+    /// Filters for the list of whiskers.
     pub struct WhiskersQuery by WhiskerSort {
-        /// Of this fleet.
+        /// Name of the fleet.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub fleet: Option<Name>,
-        /// Of this robot.
+        /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
-        /// Of this array.
+        /// Name of the array.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub array: Option<Name>,
-        /// In this condition.
+        /// Mechanical condition of the whisker.
         #[param(inline)]
         pub condition: Option<ConditionWord>,
-        /// Only those with a fault, or without.
+        /// True: only whiskers with a fault; false: only those without.
         pub faulty: Option<bool>,
     }
 }
 
-/// Every whisker that is on a robot.
+/// All whiskers that are on a robot.
 #[utoipa::path(
     get, path = "/v1/whiskers", tag = "whiskers", params(WhiskersQuery),
     responses((status = 200, description = "A page of whiskers", body = Page<Whisker>))
@@ -60,7 +60,7 @@ async fn list_whiskers(
     Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
 }
 
-/// One whisker.
+/// One whisker with its state.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}", tag = "whiskers",
     params(WhiskerPath),

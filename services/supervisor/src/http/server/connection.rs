@@ -26,8 +26,8 @@ use super::registry::Admitted;
 /// Size limit of a request's head, and of one read or write, in bytes.
 const BUFFER_BYTES_MAX: usize = 16 * 1024;
 
-/// Serves a connection until it ends; tells if the server has closed it for being slow. While nothing of a request is there, the
-/// connection has no buffers: most open connections wait.
+/// Serves a connection until it ends, and returns the reason if the server closed it as too slow. The connection has no
+/// buffers while no byte of a request has arrived, because most open connections are idle.
 pub(super) async fn serve(
     stream: TcpStream,
     peer: SocketAddr,
@@ -56,11 +56,11 @@ pub(super) async fn serve(
     }
 }
 
-/// How requests came to an end.
+/// Why a loop over requests ended.
 enum End {
-    /// Those that came are answered: the connection waits for more.
+    /// All received requests are answered; the connection waits for more.
     Answered(Followed),
-    /// The connection is closed, by the client unless it was slow.
+    /// The connection is closed; the reason if the server found it too slow.
     Closed(Option<Slow>),
 }
 
@@ -80,7 +80,7 @@ async fn requests(
         }
     });
     let mut builder = Builder::new();
-    // `Progress` has the times: hyper's own would also cut an answer that is taken slowly.
+    // `Progress` sets the deadlines: hyper's own timeout would also cut an answer that the client reads slowly.
     builder.header_read_timeout(None).max_buf_size(BUFFER_BYTES_MAX);
     let mut connection = builder.serve_connection(TokioIo::new(followed), service);
     let mut stopped = pin!(stop.wait_for(|&stop| stop));
@@ -94,7 +94,7 @@ async fn requests(
             }
             Pin::new(&mut connection).graceful_shutdown();
         }
-        // A client that goes away in the middle of something is no news.
+        // A client that disconnects in the middle of a request is not worth a log message.
         if Pin::new(&mut connection).poll(cx).is_ready() || Pin::new(&mut *displaced).poll(cx).is_ready() {
             return Poll::Ready(Some(None));
         }
@@ -128,7 +128,7 @@ async fn answer(
     Ok(response.map(|body| Answer { body, _under_way: under_way }))
 }
 
-/// The body of an answer, which is under way until its end.
+/// Body of an answer. The request counts as under way until the body is dropped.
 struct Answer {
     body: Body,
     _under_way: UnderWay,

@@ -7,8 +7,8 @@ const RESERVE_MIN: u64 = 256;
 /// File descriptors for connections at least, so that some clients are served under the smallest limits.
 const CONNECTIONS_MIN: u64 = 16;
 
-/// Raises the process's soft limit of file descriptors to its hard limit, and returns the limit that is in effect; none if the
-/// system does not say. Programs that use `select`, for which soft limits are low, are not started from here.
+/// Raises the process's soft limit of file descriptors to its hard limit, and returns the limit in effect, or `None` if
+/// the system does not tell it. Soft limits are low because of programs that use `select`; this process starts none.
 pub(crate) fn raise_limit() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let (soft, hard) = open_files(&limits)?;
@@ -19,7 +19,7 @@ pub(crate) fn raise_limit() -> Option<u64> {
     match raised {
         Ok(()) => Some(hard),
         Err(problem) => {
-            tracing::debug!(%problem, soft, hard, "the limit of file descriptors stays");
+            tracing::debug!(%problem, soft, hard, "cannot raise the limit of file descriptors");
             Some(soft)
         }
     }
@@ -32,7 +32,7 @@ fn open_files(limits: &str) -> Option<(u64, u64)> {
     Some((words.next()?.ok()?, words.next()?.ok()?))
 }
 
-/// How many connections may be open at once, if so many are configured and the process may have so many file descriptors.
+/// Number of connections that may be open: the configured one, or fewer if the process has too few file descriptors.
 pub(super) fn connections_max(configured: u32, descriptors: Option<u64>) -> u32 {
     let Some(descriptors) = descriptors else { return configured };
     let possible = descriptors.saturating_sub(RESERVE_MIN.max(descriptors / 4)).max(CONNECTIONS_MIN);

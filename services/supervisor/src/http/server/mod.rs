@@ -1,7 +1,7 @@
-//! Connections: who may open how many, how long each may take for what, and how they end.
+//! HTTP connections: how many may be open, their time limits, and the shutdown.
 //!
-//! The router is built once and shared by all connections. `registry` limits how many are open, `connection` serves one,
-//! `progress` gives it its times, and `descriptors` says how many the process can have.
+//! The router is built once and shared by all connections. `registry` limits how many are open, `connection` serves
+//! one, `progress` holds its deadlines, and `descriptors` limits their number by the process's file descriptors.
 
 mod connection;
 pub(crate) mod descriptors;
@@ -25,9 +25,9 @@ use crate::metrics::{ConnectionMetrics, Word};
 
 pub use registry::Limits;
 
-/// How long nothing is accepted after the system could not give a connection.
+/// Pause after the system failed to accept a connection.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
-/// How often the log says that a limit is reached.
+/// Shortest interval between log messages about a reached limit.
 const NOTICE_EVERY: Duration = Duration::from_secs(60);
 /// The answer to a connection that exceeds the limits.
 const NO_ROOM: &[u8] =
@@ -78,7 +78,7 @@ impl Server {
                             }
                         });
                         if reached.is_some() {
-                            // Those that came just now see the requests that may be there already, before others need their places.
+                            // Lets connections that were just accepted read their requests before others displace them.
                             yield_now().await;
                         }
                     }
@@ -91,12 +91,12 @@ impl Server {
                         refuse(&stream);
                     }
                 },
-                // Somebody has gone before they were let in.
+                // The client disconnected before it was accepted.
                 Err(problem) if is_of_the_client(&problem) => {}
                 Err(problem) => {
                     metrics.accept_errors.inc();
                     notices.accept_failed(&problem);
-                    // One that waits makes room for one that asks.
+                    // Closing a waiting connection frees a file descriptor.
                     registry.displace();
                     sleep(ACCEPT_PAUSE).await;
                 }
@@ -115,10 +115,10 @@ fn word(slow: Slow) -> Word {
     }
 }
 
-/// Sends the reason for a refusal, if the socket takes it at once.
+/// Sends 503, if the socket takes it at once.
 fn refuse(stream: &TcpStream) {
     if let Err(problem) = stream.try_write(NO_ROOM) {
-        debug!(%problem, "a refused connection was not told why");
+        debug!(%problem, "cannot send 503 to a refused connection");
     }
 }
 
@@ -148,7 +148,10 @@ impl Notices {
         match limit {
             Limit::Total => warn!(listener, connections_max, %peer, silent, "too many HTTP connections: {done}"),
             Limit::Address => {
-                warn!(listener, connections_per_address_max, %peer, silent, "too many HTTP connections from one address: {done}");
+                warn!(
+                    listener, connections_per_address_max, %peer, silent,
+                    "too many HTTP connections from one address: {done}"
+                );
             }
         }
     }
@@ -165,7 +168,7 @@ impl Notices {
         }
     }
 
-    /// Whether to say it now, and how often it was not said since the last time.
+    /// Whether a message is due now; if so, the number of messages suppressed since the last one.
     fn is_due(&mut self) -> Option<u64> {
         let now = Instant::now();
         if self.last.is_some_and(|last| now - last < NOTICE_EVERY) {
@@ -185,7 +188,8 @@ pub(super) fn possible(limits: Limits, descriptors: Option<u64>) -> Limits {
             connections_max,
             configured = limits.connections_max,
             descriptors,
-            "fewer HTTP connections than http.connections_max: raise the process's limit of open files (LimitNOFILE, ulimit -n)"
+            "fewer HTTP connections than http.connections_max: raise the process's limit of open files (LimitNOFILE, \
+             ulimit -n)"
         );
     }
     let connections_per_address_max = limits.connections_per_address_max.min(connections_max);

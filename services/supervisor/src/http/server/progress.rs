@@ -17,19 +17,19 @@ use super::registry::Place;
 pub(super) const IDLE_PATIENCE: Duration = Duration::from_secs(60);
 /// How long the head of a request may take from its first byte to its last.
 const HEAD_PATIENCE: Duration = Duration::from_secs(10);
-/// How long a client may take nothing of an answer.
+/// Longest time in which a client may read nothing of an answer.
 const ANSWER_PATIENCE: Duration = Duration::from_secs(20);
-/// Bytes a second that a client must take of an answer, once it has used up that patience.
+/// Rate at which a client must read an answer once that time is used up, in bytes per second.
 const ANSWER_BYTES_PER_S: u32 = 8 * 1024;
 
 /// The server's reason for closing a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slow {
-    /// No request came.
+    /// No request came in time.
     Idle,
-    /// A request began and did not go on.
+    /// The head of a request was not complete in time.
     Head,
-    /// An answer was not taken.
+    /// The client did not read the answer in time.
     Answer,
 }
 
@@ -46,9 +46,9 @@ struct State {
     since: Instant,
     /// Since when the client has read nothing while an answer waits to be written.
     blocked: Option<Instant>,
-    /// How long the client may go on taking nothing.
+    /// Remaining time in which the client may read nothing.
     allowance: Duration,
-    /// Whether the last request had a body. Its rest may still be to come, and is no request.
+    /// Whether the last request had a body. Its unread rest is not a new request.
     had_body: bool,
 }
 
@@ -77,20 +77,21 @@ impl Progress {
         UnderWay(self.clone())
     }
 
-    /// Whether no complete request is under way, and nothing of an answer is left to be taken.
+    /// Whether no complete request is under way and the client has read all answers.
     pub(super) fn is_waiting(&self) -> bool {
         let state = self.state();
         state.phase != Phase::Request && state.blocked.is_none()
     }
 
-    /// Whether the buffers for requests are of no use now: nothing of the next request is there, and nothing of the last one or of its
-    /// answer is left.
+    /// Whether the request buffers can be freed: no byte of the next request has arrived, and the last request and its
+    /// answer are complete.
     pub(super) fn is_idle(&self) -> bool {
         let state = self.state();
         state.phase == Phase::Idle && state.blocked.is_none() && !state.had_body
     }
 
-    /// When the connection is to be closed unless something happens before; never while a request is under way whose answer is taken.
+    /// Time at which the connection is closed, and the reason; `None` while a request is under way and its answer is
+    /// being read.
     pub(super) fn deadline(&self) -> Option<(Instant, Slow)> {
         let State { phase, since, blocked, allowance, .. } = *self.state();
         match (blocked, phase) {
@@ -137,7 +138,7 @@ impl Drop for UnderWay {
     }
 }
 
-/// A connection whose progress is followed.
+/// A TCP stream that reports its reads and writes to `Progress`.
 #[derive(Debug)]
 pub(super) struct Followed {
     pub(super) stream: TcpStream,

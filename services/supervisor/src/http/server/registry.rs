@@ -1,7 +1,8 @@
 //! Registry of open connections. When a limit is reached, it chooses a connection to close for the new one.
 //!
-//! A connection waits while it has no complete request under way. When there is no room, the one that has waited longest is closed: a
-//! client that sends its request at once is served although somebody else opens connections without end.
+//! A connection waits while it has no complete request under way. When there is no room, the one that has waited
+//! longest is closed: a client that sends its request at once is served even if another one opens connections without
+//! end.
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::{IpAddr, Ipv6Addr};
@@ -59,7 +60,7 @@ struct Open {
 #[derive(Debug)]
 struct Connection {
     address: IpAddr,
-    /// Its place among those that wait; none while a request is under way.
+    /// Its place among the waiting connections; `None` while a request is under way.
     waits: Option<u64>,
     /// Dropped to close the connection.
     _close: oneshot::Sender<()>,
@@ -71,21 +72,21 @@ struct Address {
     waiting: BTreeMap<u64, u64>,
 }
 
-/// The place of an open connection; dropped, it is free.
+/// Entry of an open connection; dropping it frees the place.
 #[derive(Debug)]
 pub(super) struct Place {
     registry: Registry,
     number: u64,
 }
 
-/// A connection that was let in.
+/// An admitted connection.
 #[derive(Debug)]
 pub(super) struct Admitted {
     /// The connection's entry in the registry.
     pub(super) place: Place,
-    /// Ends when the connection is to be closed for another.
+    /// Resolves when the connection must close to make room for another.
     pub(super) displaced: oneshot::Receiver<()>,
-    /// The limits for which another one was closed.
+    /// The limit for which another connection was closed.
     pub(super) reached: Option<Limit>,
 }
 
@@ -94,7 +95,8 @@ impl Registry {
         Self(Arc::new(Shared { limits, metrics, open: Mutex::default() }))
     }
 
-    /// Makes room for a connection. An error names the limit that is reached by connections that all have requests under way.
+    /// Admits a connection, if necessary by closing a waiting one. The error is the limit reached by connections that
+    /// all have requests under way.
     pub(super) fn admit(&self, peer: IpAddr) -> Result<Admitted, Limit> {
         let Shared { limits, metrics, .. } = &*self.0;
         let address = network(peer);

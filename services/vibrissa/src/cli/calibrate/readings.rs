@@ -1,4 +1,4 @@
-//! Readings from a CSV file; every refusal says the line and the column.
+//! Readings from a CSV file; every error names the line and the column.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use vibrissa_core::mechanics::CalibrationRow;
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 
-/// One row with its line in the file.
+/// A reading with its line in the file.
 pub(super) struct Reading {
     pub(super) line: u64,
     pub(super) row: CalibrationRow,
@@ -15,16 +15,16 @@ pub(super) struct Reading {
 
 const PRESSURE: &str = "pressure_mpa";
 const ELONGATION: &str = "elongation_mm";
-/// Strain columns with what one unit is in m/m, and whether the gauge factor is still in it.
+/// Strain columns: name, one unit in m/m, and whether the reading still contains the gauge factor.
 const STRAINS: [(&str, f64, bool); 3] =
     [("strain", 1.0, false), ("strain_reading_um_per_m", 1e-6, true), ("strain_reading_mm_per_m", 1e-3, true)];
 
-/// Where the columns are.
+/// Indices of the columns.
 struct Columns {
     pressure: usize,
     strain: usize,
     strain_name: &'static str,
-    /// From the number in the file to m/m.
+    /// Factor from the number in the file to m/m.
     strain_factor: f64,
     elongation: Option<usize>,
 }
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path, gauge_factor: f64) -> Result<Vec<Reading>> {
     let columns = Columns::find(&header, gauge_factor).with_context(|| format!("{name}, header"))?;
     let mut readings = Vec::new();
     for record in reader.records() {
-        // The error of the csv crate says the line.
+        // The csv crate's error names the line.
         let record = record.with_context(|| format!("reading {name}"))?;
         let line = record.position().map_or(0, csv::Position::line);
         let row = columns.row(&record).with_context(|| format!("{name}, line {line}"))?;
@@ -56,14 +56,14 @@ impl Columns {
         for column in header {
             let known = column == PRESSURE || column == ELONGATION || STRAINS.iter().any(|(name, ..)| *name == column);
             ensure!(known, "unknown column {column:?}; known are {PRESSURE}, {}, {ELONGATION}", strain_names());
-            ensure!(header.iter().filter(|other| *other == column).count() == 1, "column {column} is there twice");
+            ensure!(header.iter().filter(|other| *other == column).count() == 1, "column {column} appears twice");
         }
         let found: Vec<_> = STRAINS.iter().filter_map(|strain| Some((position(strain.0)?, strain))).collect();
         let [(strain, (strain_name, unit, with_gauge_factor))] = found[..] else {
-            bail!("exactly one of the columns {} is needed", strain_names());
+            bail!("exactly one of the columns {} is required", strain_names());
         };
         Ok(Self {
-            pressure: position(PRESSURE).with_context(|| format!("no column {PRESSURE}"))?,
+            pressure: position(PRESSURE).with_context(|| format!("missing column {PRESSURE}"))?,
             strain,
             strain_name,
             strain_factor: if *with_gauge_factor { unit / gauge_factor } else { *unit },
@@ -73,7 +73,7 @@ impl Columns {
 
     fn row(&self, record: &StringRecord) -> Result<CalibrationRow> {
         let pressure = number(record, self.pressure, PRESSURE)?;
-        let pressure = pressure.with_context(|| format!("column {PRESSURE}: no pressure"))?;
+        let pressure = pressure.with_context(|| format!("column {PRESSURE}: empty cell"))?;
         let strain = number(record, self.strain, self.strain_name)?;
         let elongation = match self.elongation {
             Some(column) => number(record, column, ELONGATION)?,
@@ -90,7 +90,7 @@ impl Columns {
     }
 }
 
-/// A cell; none if it is empty.
+/// The number in a cell; `None` if the cell is empty.
 fn number(record: &StringRecord, column: usize, name: &str) -> Result<Option<f64>> {
     let text = record.get(column).unwrap_or_default();
     if text.is_empty() {

@@ -20,13 +20,13 @@ use crate::figures;
 /// Arguments of `vibrissa evaluate compensation`.
 #[derive(Debug, Args)]
 pub struct CompensationArgs {
-    /// Where all randomness starts: the same seed gives the same numbers, on any number of processors.
+    /// Seed: equal seeds give equal numbers, on any number of processors.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How many plants: each gets 15 compensations.
+    /// Number of plants; each gets 15 compensations.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     plants: u16,
-    /// Draw figures in the manner of the paper's Fig. 9 and 10 as SVG files into this folder.
+    /// Draw figures like the paper's Fig. 9 and 10 as SVG files into this folder.
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
     /// Print everything as JSON instead of a table.
@@ -34,7 +34,7 @@ pub struct CompensationArgs {
     json: bool,
 }
 
-/// What the paper measured on real whiskers, as a ratio.
+/// Mean error that the paper measured on real whiskers, as a ratio.
 fn paper(case: Case) -> Option<f64> {
     match case {
         Case::Shorter => Some(0.203_85),
@@ -51,10 +51,10 @@ fn name(case: Case) -> &'static str {
     }
 }
 
-/// Runs the trials, prints what came of them, and draws the figures if asked to.
+/// Runs the trials, prints the summary, and draws the figures on request.
 ///
 /// # Errors
-/// Something cannot be written.
+/// The output or a file cannot be written.
 pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
     let trials = trials(args.seed, usize::from(args.plants));
     let bar = ProgressBar::new(trials.len() as u64);
@@ -71,9 +71,9 @@ pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
         print(args, &summaries, out)?;
     }
     if let Some(folder) = &args.svg {
-        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
         for path in stop::whole(|| figures::evaluation::draw(folder, &outcomes))? {
-            // The table goes to the output, and so may JSON.
+            // Standard output is for the table or the JSON.
             eprintln!("drawn: {}", path.display());
         }
     }
@@ -86,9 +86,9 @@ fn print(args: &CompensationArgs, summaries: &[Summary], out: &mut dyn Write) ->
         out,
         "\
 Compensations on {} simulated plants (seed {}): k2's c, a and b and the elongation each off by up to
-{per_cent} %, every second plant of the other formulation. Each whisker is felt {WHOLE_CONTACTS} times while whole and
-{CONTACTS_AFTER} times from the cut on, with noise and a dithering regulator; the supervisor's core knows no more than
-that. All start at {START_MPA} MPa. Errors are the true ones, without noise: eq. 35, mean over the contact ratios
+{per_cent} %, every second plant of the other formulation. Each whisker has {WHOLE_CONTACTS} contacts while whole and
+{CONTACTS_AFTER} from the cut on, with noise and a dithering regulator; the supervisor's core has no other
+input. All start at {START_MPA} MPa. Errors are the true ones, without noise: eq. 35, mean over the contact ratios
 0.45 to 1 and over compensators and plants. (Strain is linear in the deflection: 0 to 6 mm cancel.)
 ",
         args.plants, args.seed
@@ -138,11 +138,11 @@ that. All start at {START_MPA} MPa. Errors are the true ones, without noise: eq.
     writeln!(
         out,
         "
-paper      measured on real whiskers, at eq. 34's pressure; its whiskers are none of these plants
+paper      measured on real whiskers, at eq. 34's pressure; its whiskers are not among these plants
 Tip, Mean  open loop: eq. 34 at the tip (what the supervisor does first), and the model's least mean error
-closed     after refinement from what was felt; with gain: the published gain on the compensator's strain
+closed     after refinement from measured contacts; with gain: the published gain on the compensator's strain
 best       the best single pressure on the plant, by brute force: no pressure does better
-served     the others were not found trimmed, or eq. 34 had no root in the pressures that are allowed"
+served     the others were not detected as trimmed, or eq. 34 had no root at the allowed pressures"
     )?;
     Ok(())
 }
@@ -188,7 +188,7 @@ fn served_json(one: &Served) -> Value {
 mod tests {
     use super::*;
 
-    /// One plant, so that it takes a second.
+    /// A single plant, so that the test takes a second.
     #[test]
     fn table_json_and_figures_tell_the_same_whatever_the_number_of_threads() {
         let folder = std::env::temp_dir().join(format!("vibrissa-evaluate-{}", std::process::id()));

@@ -1,4 +1,4 @@
-//! `vibrissa evaluate detection`: delays beside the oracle's, as a table, as JSON, and as a figure.
+//! `vibrissa evaluate detection`: detection delays beside an oracle's, as a table, as JSON, and as a figure.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,19 +18,19 @@ const OUTLIERS: f64 = 0.02;
 /// Arguments of `vibrissa evaluate detection`.
 #[derive(Debug, Args)]
 pub struct DetectionArgs {
-    /// Where all randomness starts: the same seed gives the same answer, on any number of processors.
+    /// Seed: equal seeds give equal results, on any number of processors.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Cuts of each size at each moment.
+    /// Cuts of each size at each time.
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     cuts: u32,
-    /// Healthy whiskers, each watched for 20,000 contacts.
+    /// Healthy whiskers, each observed for 20,000 contacts.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     healthy: u32,
-    /// Stated mean number of contacts between false alarms (ARL0).
+    /// Nominal mean number of contacts between false alarms (ARL0).
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(100..=100_000_000))]
     contacts_between_false_alarms: u32,
-    /// Two contacts in a hundred have ten times the noise.
+    /// Give two contacts in a hundred ten times the noise.
     #[arg(long)]
     outliers: bool,
     /// Print everything as JSON instead of a table.
@@ -41,10 +41,10 @@ pub struct DetectionArgs {
     svg: Option<PathBuf>,
 }
 
-/// Runs the cuts, prints the table, and draws it if asked to.
+/// Runs the cuts, prints the table, and draws the figure on request.
 ///
 /// # Errors
-/// Something cannot be written.
+/// The output or a file cannot be written.
 pub fn run(args: &DetectionArgs, out: &mut dyn Write) -> Result<()> {
     let plan = Plan {
         seed: args.seed,
@@ -64,7 +64,7 @@ pub fn run(args: &DetectionArgs, out: &mut dyn Write) -> Result<()> {
         print(&plan, &found, out)?;
     }
     if let Some(folder) = &args.svg {
-        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
         let path = stop::whole(|| figures::detection::draw(&found, folder))?;
         if !args.json {
             writeln!(out, "drawn: {}", path.display())?;
@@ -80,12 +80,12 @@ fn print(plan: &Plan, found: &Evaluation, out: &mut dyn Write) -> Result<()> {
 Contacts from a cut to the alarm: {}{}.
 Whiskers differ from the model by up to {:.0} % in each parameter; offset and noise are learned as in the service.
 
-oracle   a CUSUM that is told the size of the cut, the whisker's own curve and its noise, at the same mean number of
+oracle   a CUSUM that knows the size of the cut, the whisker's own curve and its noise, at the same mean number of
          contacts between false alarms; on the same contacts{}
 Lorden   log(ARL0) / KL, the bound to first order for ARL0 to infinity
-trim     contacts until the trim is called: confirmed, told from erosion and the array, its length certain
-called   share of the cuts that were called a trim
-interval share of the 95 % intervals of the length that hold the truth
+trim     contacts until the trim is reported: confirmed, distinguished from erosion and array shift, length certain
+called   share of the cuts that were reported as a trim
+interval share of the 95 % intervals of the length that contain the true length
 ",
         contacts_in_words(),
         if plan.outliers > 0.0 { ", 2 in 100 with ten times that" } else { "" },
@@ -105,7 +105,7 @@ interval share of the 95 % intervals of the length that hold the truth
         out,
         "
 mean contacts between false alarms  {:.0}, stated {:.0} ({alarms} alarms in {contacts} contacts of healthy whiskers)
-called a change that was none       {called}
+false reports of a change           {called}
 mean squared innovation             {mean_square:.4} (normal, cut at 9: 0.995)
 seed {}, {} cuts each",
         found.healthy.between_false_alarms(),

@@ -15,10 +15,10 @@ use crate::figures;
 /// Arguments of `vibrissa evaluate health`.
 #[derive(Debug, Args)]
 pub struct HealthArgs {
-    /// Where all randomness starts: the same seed gives the same cases, on any number of processors.
+    /// Seed: equal seeds give equal cases, on any number of processors.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Cases of each class.
+    /// Number of cases per class.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     cases: u32,
     /// Print everything as JSON instead of a table.
@@ -29,10 +29,10 @@ pub struct HealthArgs {
     svg: Option<PathBuf>,
 }
 
-/// Runs the cases, prints the matrix, and draws it if asked to.
+/// Runs the cases, prints the matrix, and draws it on request.
 ///
 /// # Errors
-/// Something cannot be written.
+/// The output or a file cannot be written.
 pub fn run(args: &HealthArgs, out: &mut dyn Write) -> Result<()> {
     let plan = Plan { seed: args.seed, cases: args.cases, classes: Class::ALL.to_vec() };
     let bar = ProgressBar::new(plan.total());
@@ -45,7 +45,7 @@ pub fn run(args: &HealthArgs, out: &mut dyn Write) -> Result<()> {
         print(&report, out)?;
     }
     if let Some(folder) = &args.svg {
-        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
         let path = stop::whole(|| figures::health::draw(&report, folder))?;
         if !args.json {
             writeln!(out, "drawn: {}", path.display())?;
@@ -58,10 +58,10 @@ fn print(report: &Report, out: &mut dyn Write) -> Result<()> {
     writeln!(
         out,
         "\
-Cases by what they are (rows) and what they were called first (columns). Robots notice nothing by themselves.
-right       called by their name, and no other whisker of the array called anything
-wrong trims trims that were called and are none
-contacts    from the onset to the right call: median, and 95 of 100 within
+Cases by true class (rows) and first reported class (columns). The robots report no faults themselves.
+right       classified correctly, and nothing reported about any other whisker of the array
+wrong trims reports of a trim where there was none
+contacts    from the onset to the correct report: median, and 95th percentile
 "
     )?;
     write!(out, "{:<16}", "")?;

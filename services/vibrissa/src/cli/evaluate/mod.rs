@@ -1,4 +1,4 @@
-//! `vibrissa evaluate`: how well the core does, on simulated whiskers whose truth is known.
+//! `vibrissa evaluate`: evaluates the core on simulated whiskers whose true state is known.
 
 pub mod compensation;
 pub mod detection;
@@ -20,20 +20,20 @@ pub struct EvaluateArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// How soon a trim is known, beside a CUSUM that is told its size.
+    /// Delay of trim detection, compared with a CUSUM that knows the size of the cut.
     Detection(detection::DetectionArgs),
-    /// What is wrong is called by its name: a confusion matrix of everything that is a trim and that is none.
+    /// Confusion matrix of simulated faults, trims among them.
     Health(health::HealthArgs),
-    /// The paper's compensation experiment on plants that are not the model: open loop, closed loop, with gain.
+    /// The paper's compensation experiment on plants that deviate from the model: open loop, closed loop, with gain.
     Compensation(compensation::CompensationArgs),
 }
 
 /// Runs an evaluation.
 ///
 /// # Errors
-/// Something cannot be written.
+/// The output or a file cannot be written.
 pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> Result<()> {
-    stop::watch("nothing was evaluated to the end, and nothing is written")?;
+    stop::watch("the evaluation is incomplete, and nothing was written")?;
     match &args.what {
         What::Detection(args) => detection::run(args, out),
         What::Health(args) => health::run(args, out),

@@ -8,13 +8,13 @@ use tokio::time::timeout;
 
 use super::*;
 
-/// Far more than any step here needs.
+/// Much longer than any step here takes.
 const LONG: Duration = Duration::from_secs(20);
 /// The key of RFC 7515, appendix A.3.
 const POINT: (&str, &str) =
     ("f83OJ3D2xF1Bg8vub9tLe1gHMzV76e8Tus9uPHvRVEU", "x_FEzRu9m36HLN_tue659LNpXW6pCyStikYjKIWI5a0");
 
-/// A key of that name with some members more.
+/// A key with this ID and these additional members.
 fn key(kid: &str, more: &Value) -> Value {
     let mut key = json!({ "kty": "EC", "crv": "P-256", "x": POINT.0, "y": POINT.1, "kid": kid });
     for (name, value) in more.as_object().unwrap() {
@@ -26,9 +26,9 @@ fn key(kid: &str, more: &Value) -> Value {
 /// A provider that answers each request for its keys only after a message in `answer`.
 struct Provider {
     keys: Keys,
-    /// A message for each request that has come in.
+    /// One message per request received.
     asked: mpsc::Receiver<()>,
-    /// A message lets one answer out.
+    /// Each message releases one answer.
     answer: mpsc::Sender<()>,
 }
 
@@ -46,7 +46,7 @@ impl Provider {
                 }
                 let body = json!({ "keys": [key("k1", &json!({}))] }).to_string();
                 let head = format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", body.len());
-                // Whoever asked may have given up.
+                // The client may have given up.
                 let _ = stream.write_all(format!("{head}{body}").as_bytes());
             }
         });
@@ -65,12 +65,12 @@ async fn regress_unknown_keys_neither_make_it_ask_without_end_nor_hold_up_those_
     provider.answer.send(()).unwrap();
     assert!(provider.is_known("k1").await);
     provider.asked.recv_timeout(LONG).unwrap();
-    // The provider does not answer now. Many ask for keys that nobody has.
+    // The provider does not answer now. Many callers ask for keys that do not exist.
     let names: Vec<String> = (0..20).map(|number| format!("x{number}")).collect();
     let strangers = names.iter().map(|name| provider.keys.key(Some(name), Algorithm::ES256));
     let mut strangers = Box::pin(join_all(strangers));
     assert!(futures_util::poll!(&mut strangers).is_pending());
-    // It has not answered: the known key does not wait for it.
+    // The provider has not answered: the caller with the known key does not wait for it.
     assert!(provider.is_known("k1").await);
     assert!(futures_util::poll!(&mut strangers).is_pending());
     provider.answer.send(()).unwrap();
@@ -115,7 +115,7 @@ async fn old_keys_serve_while_new_ones_are_fetched_and_very_old_ones_do_not() {
         let keys = provider.keys.clone();
         let mut asking = tokio::spawn(async move { keys.key(Some("k1"), Algorithm::ES256).await.is_ok() });
         for _ in 0..2 {
-            // The first fetch, and the one that the old keys are due.
+            // The first fetch, and the one due because the keys are old.
             provider.asked.recv_timeout(LONG).unwrap();
             tokio::task::yield_now().await;
         }
