@@ -1,6 +1,6 @@
--- Creates the role with which Grafana reads the tables of its dashboards and alerts, and nothing else. Run it again after an
--- update that adds a table to the list below. Run it with psql as a superuser in the supervisors' database, after the
--- supervisors have created the tables. GRAFANA_PASSWORD_FILE names a file with the role's password:
+-- Creates the role with which Grafana reads the tables of its dashboards and alerts, and nothing else. Run it again
+-- after an update that adds a table to the list below. Run it with psql as a superuser in the supervisors' database,
+-- after the supervisors have created the tables. GRAFANA_PASSWORD_FILE names a file with the role's password:
 --
 --   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://postgres@db/vibrissa'
 

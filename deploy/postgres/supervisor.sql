@@ -1,7 +1,7 @@
 -- Creates the role of the supervisors, which owns the schema of their database and nothing else on the server. With
--- docker-compose.yml the server runs this when it initialises the database. It can be run again, also if another role owns the
--- tables: they become this role's. Run it with psql as a superuser in the supervisors' database. SUPERVISOR_PASSWORD_FILE names a
--- file with the role's password:
+-- docker-compose.yml the server runs this when it initialises the database. It can be run again, also if another role
+-- owns the tables: they become this role's. Run it with psql as a superuser in the supervisors' database.
+-- SUPERVISOR_PASSWORD_FILE names a file with the role's password:
 --
 --   SUPERVISOR_PASSWORD_FILE=supervisor.password psql -X -f supervisor.sql 'postgres://postgres@db/vibrissa'
 
