@@ -3,21 +3,21 @@
 #   docker build --target supervisor -t vibrissa .
 #   docker build --target simulator -t vibrissa-simulator .
 
-# Where to take the base images from.
+# Sources of the base images.
 ARG RUST_IMAGE=rust:1.95-slim-bookworm
 ARG DEBIAN_IMAGE=debian:bookworm-slim
 
 FROM ${RUST_IMAGE} AS build
 WORKDIR /src
 COPY . .
-# Dependencies stay built in the cache, which is not a layer: the programs are copied out of it.
+# The cache keeps built dependencies, but is not part of a layer: hence the programs are copied out of it.
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
     cargo build --release --locked -p vibrissa -p vibrissa-simulator --bins \
     && install -D -t /out target/release/vibrissa target/release/vibrissa-simulator
 
 FROM ${DEBIAN_IMAGE} AS runtime
-# The folder's owner becomes that of a named volume mounted on it.
+# A named volume that is mounted here takes over the folder's owner.
 RUN useradd --uid 10001 --user-group --no-create-home --home-dir /var/lib/vibrissa --shell /usr/sbin/nologin vibrissa \
     && install -d -o vibrissa -g vibrissa /var/lib/vibrissa
 WORKDIR /var/lib/vibrissa
@@ -41,7 +41,7 @@ COPY deploy/supervisor/readyz.sh /usr/local/bin/vibrissa-readyz
 ENV VIBRISSA_DATABASE_URL=sqlite:/var/lib/vibrissa/vibrissa.sqlite3 \
     VIBRISSA_HTTP_LISTEN=0.0.0.0:8080 \
     VIBRISSA_HTTP_MONITORING_LISTEN=0.0.0.0:9464
-# 9464 serves /livez, /readyz and /metrics without a token: publish it only to those who monitor.
+# 9464 serves /livez, /readyz and /metrics without a token: publish it only to monitoring.
 EXPOSE 8080 9464
 HEALTHCHECK --interval=10s --timeout=5s --start-period=30s --retries=3 CMD ["vibrissa-readyz"]
 ENTRYPOINT ["vibrissa"]

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Makes the dashboards of this folder out of what `source` says they show.
+"""Generates the dashboards in this folder from `source`.
 
     dashboards/build.py           writes them
-    dashboards/build.py --check   says which are not what would be written, and fails if any
+    dashboards/build.py --check   lists those that are out of date, and fails if there are any
 
-Nothing beyond Python's own library is needed. What Grafana reads are the files that come out, so they are kept.
+Python's standard library is enough. Grafana reads the generated files, so they are committed.
 """
 
 import json
 import pathlib
 import sys
 
-# Nothing is left beside the sources.
+# No __pycache__ beside the sources.
 sys.dont_write_bytecode = True
 
 from source import compensation, fleet, robot, supervisor, whisker
@@ -27,7 +27,7 @@ def main(arguments):
     stale = [name for name, text in texts.items() if not is_same(folder / name, text)]
     stale += [file.name for file in folder.glob("*.json") if file.name not in texts]
     if arguments:
-        print("\n".join(f"{name} is not what is made here" for name in stale), end="")
+        print("\n".join(f"{name} is out of date: run dashboards/build.py" for name in stale), end="")
         return bool(stale)
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -1,1 +1,1 @@
-"""What the dashboards show: one module for each, and what they share."""
+"""The sources of the dashboards: one module for each, and shared parts."""

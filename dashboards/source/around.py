@@ -1,4 +1,4 @@
-"""What supervisors rest on and answer to: database, broker, leases, robots and people, HTTP, their processes."""
+"""Panels about the supervisors' surroundings: database, broker, leases, setpoints, actions, HTTP, processes."""
 
 from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
 from .rows import time
@@ -9,24 +9,24 @@ def database():
     commit = "vibrissa_database_commit_seconds"
     return [
         heatmap(
-            "Commits", "How long transactions took.", "s", promql(buckets(of_fleet, commit), "{{le}}", form="heatmap")
+            "Commits", "Duration of transactions.", "s", promql(buckets(of_fleet, commit), "{{le}}", form="heatmap")
         ),
         timeseries(
             "Commit times",
-            "Of the commits made lately.",
+            "Mean and quantiles of recent commits.",
             "s",
             [promql(mean(of_fleet, commit), "mean")] + shares(of_fleet, commit),
             size=(12, 8),
         ),
         timeseries(
             "Commits per second",
-            "Each has the contacts, decisions, setpoints and states of some milliseconds.",
+            "Each commit writes the contacts, decisions, setpoints and states of some milliseconds.",
             "cps",
             [promql(total(rate(of_fleet(commit + "_count")), "fleet"), "{{fleet}}")],
         ),
         timeseries(
             "Database",
-            "Whether a supervisor's last attempt succeeded (1), and failed attempts per second.",
+            "1 if the last access of a supervisor succeeded, and failed accesses per second.",
             "none",
             [
                 promql(largest(of_all("vibrissa_database_up"), "instance"), "{{instance}} up"),
@@ -35,7 +35,7 @@ def database():
         ),
         timeseries(
             "Broker",
-            "Whether a fleet's messages are received (1), and connections made per minute.",
+            "1 while a fleet's messages are received, and new connections per minute.",
             "none",
             [
                 promql(largest(of_fleet("vibrissa_broker_connected"), "fleet"), "{{fleet}} connected"),
@@ -54,32 +54,32 @@ def ownership():
     version = promql(largest(of_fleet("vibrissa_policy_version"), "fleet"), "{{fleet}}: version")
     changes = total(lately(of_fleet("vibrissa_lease_changes_total")), "fleet, instance, change")
     return [
-        timeseries("Leases", "Which supervisor holds which fleet (1).", "none", [held]),
+        timeseries("Leases", "1 for the supervisor that holds the lease of a fleet.", "none", [held]),
         timeseries(
             "Epochs",
-            "When the newest epoch of a fleet began, which is its number (in milliseconds since 1970): each change of owner"
-            " begins one, and it orders setpoints.",
+            "Beginning of the newest epoch of a fleet, which is also its number (milliseconds since 1970). Each change"
+            " of owner begins an epoch; epochs order setpoints.",
             "dateTimeAsIso",
             [promql(largest(of_fleet("vibrissa_lease_epoch"), "fleet"), "{{fleet}}")],
         ),
         timeseries(
             "Policies",
-            "Whether compensations are made (AUTOMATIC) or proposed (ADVISE), and the policy's version: 0 is the"
-            " configuration's.",
+            "Whether compensations start at once (AUTOMATIC) or are proposed (ADVISE), and the policy's version; 0 is"
+            " the configuration's policy.",
             "none",
             [mode, version],
         ),
         table(
             "Owners",
-            "Whose each fleet is, and until when without a word.",
+            "Owner of each fleet, and expiry of its lease.",
             sql(OWNERS),
             [by_name("until", unit="dateTimeFromNow")],
             (12, 8),
         ),
-        table("Epochs", "Who took which fleet in this time or last, the newest first.", sql(EPOCHS), [], (12, 8)),
+        table("Epochs", "Owners up to the end of the selected time, newest first.", sql(EPOCHS), [], (12, 8)),
         timeseries(
             "Changes of leases",
-            "Leases taken and lost in the panel's interval.",
+            "Leases acquired and lost in the panel's interval.",
             "none",
             [promql(changes, "{{fleet}} {{change}} by {{instance}}")],
             size=(24, 6),
@@ -97,14 +97,14 @@ def outgoing():
     rejected = f"60 * {per_second('vibrissa_setpoints_rejected_total', 'error')}"
     return [
         timeseries(
-            "Until a setpoint is published",
-            "From the message that led to a setpoint, over the commit, to its publication.",
+            "Time to publication of a setpoint",
+            "From the message that led to a setpoint to its publication, which follows the commit.",
             "s",
             [publication(0.5), publication(0.99)],
         ),
         timeseries(
-            "Setpoints refused by robots",
-            "Per minute, by the robot's word for it.",
+            "Setpoints rejected by robots",
+            "Rejected setpoints per minute by the robot's error code.",
             "cpm",
             [promql(any_of(rejected, "error"), "{{error}}")],
             bars=True,
@@ -112,7 +112,7 @@ def outgoing():
         ),
         timeseries(
             "Actions of operators",
-            "Actions in the panel's interval by kind and by what became of them.",
+            "Actions in the panel's interval by kind and outcome.",
             "none",
             [promql(any_of(actions, "kind", "state"), "{{kind}} {{state}}")],
             bars=True,
@@ -143,14 +143,14 @@ def http():
             stacked=True,
         ),
         timeseries(
-            "Answers",
-            "95 % were answered within this time; live streams are not in it.",
+            "Response time",
+            "95 % of the requests were answered within this time; live streams are not included.",
             "s",
             [promql(by_route, "{{method}} {{route}}")],
         ),
         timeseries(
             "Live streams",
-            "Open streams of pages that follow what happens.",
+            "Open streams of live events.",
             "none",
             [promql(total(of_all("vibrissa_http_streams"), "instance"), "{{instance}}")],
             size=(24, 6),
@@ -162,7 +162,7 @@ def processes():
     files = f"{of_all('process_open_fds')} / {of_all('process_max_fds')}"
     info = table(
         "Programs",
-        "What runs where.",
+        "Program version, database and broker of each supervisor.",
         promql(of_all("vibrissa_build_info"), "{{supervisor}}", instant=True, form="table"),
         hidden("Time", "Value", "__name__", "job"),
         (24, 6),
@@ -170,13 +170,13 @@ def processes():
     each = lambda expression: [promql(expression, "{{instance}}")]
     return [
         timeseries(
-            "Processor",
-            "Processor time per second: 100 % is one core.",
+            "CPU",
+            "CPU time per second: 100 % is one core.",
             "percentunit",
             each(rate(of_all("process_cpu_seconds_total"))),
         ),
         timeseries("Memory", "Resident memory.", "bytes", each(of_all("process_resident_memory_bytes"))),
-        timeseries("Files and connections", "Open ones over those that are allowed.", "percentunit", each(files)),
+        timeseries("Files and connections", "Open file descriptors / their limit.", "percentunit", each(files)),
         timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads")), (12, 8)),
         timeseries(
             "Up for",
@@ -194,7 +194,7 @@ OWNERS = f"""
     WHERE l.fleet IN (${{fleet:sqlstring}}) ORDER BY l.fleet
 """
 
-# There is no more than one row for each change of owner.
+# At most one row for each change of owner.
 EPOCHS = """
     SELECT e.fleet, e.epoch, e.holder, to_timestamp(e.began_us / 1e6) AS began FROM epochs e
     WHERE e.fleet IN (${fleet:sqlstring}) AND e.began_us <= $__unixEpochNanoTo() / 1000

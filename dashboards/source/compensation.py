@@ -1,4 +1,4 @@
-"""What compensations leave of the error, by everything that it depends on, beside what the paper measured."""
+"""Compensation errors over time, by case and contact ratio, compared with the paper and with predictions."""
 
 from . import rows, variables, words
 from .fleet import error_steps, in_force
@@ -39,14 +39,13 @@ def dashboard():
     """The dashboard."""
     return whole(
         "vibrissa-compensation",
-        "What compensations leave of the error (Eq. 35): over time, by case, by contact ratio, against what was"
-        " predicted.",
+        "Compensation errors (Eq. 35): over time, by case, by contact ratio, and compared with predictions.",
         variables.sources() + variables.supervisors() + variables.fleets(),
         [
             ("Compensations in force", now()),
             ("Over time", over_time()),
-            ("By contact ratio, and against what was predicted", by_ratio()),
-            ("Where it is worst", tables()),
+            ("By contact ratio, and compared with predictions", by_ratio()),
+            ("Largest errors", tables()),
             ("The closed loop", refinements()),
         ],
         rows.happenings(FLEETS),
@@ -54,7 +53,7 @@ def dashboard():
 
 
 def weighted(name):
-    """The mean over all compensations in force, by their number in each case."""
+    """The mean over all compensations in force, weighted by their number in each case."""
     count = f"({of_fleet('vibrissa_compensations_in_force')} and {of_fleet(name)})"
     return f"{total(f'{of_fleet(name)} * {count}')} / {total(count)}"
 
@@ -76,9 +75,9 @@ def now():
             promql(weighted(WITH_GAIN), "with gain"),
             error_steps(),
         ),
-        share("Predicted", "What was predicted when these were decided.", promql(weighted(PREDICTED), "predicted")),
-        share("Worst", "The largest measured error of one compensation.", worst, error_steps()),
-        share("Limit", "The policy's largest predicted error: above it nobody is asked to serve.", limit),
+        share("Predicted", "Mean error predicted at their decision.", promql(weighted(PREDICTED), "predicted")),
+        share("Worst", "Largest measured error of one compensation.", worst, error_steps()),
+        share("Limit", "The policy's limit of the predicted error: above it no candidate is chosen.", limit),
         stat(
             "In force", "Compensations in force with a measured error.", "none", promql(total(in_force()), "in force")
         ),
@@ -91,9 +90,9 @@ def over_time():
     return [
         timeseries(
             "Compensation error by case",
-            "Mean measured error of the compensations in force, with what the paper measured: 20.385 % where a shorter"
-            " whisker serves for a longer one, as a trimmed one that serves itself does; 36.18 % where a longer one"
-            " serves for a shorter one.",
+            "Mean measured error of the compensations in force, and the values measured in the paper: 20.385 % for a"
+            " shorter whisker that compensates for a longer one (self-compensation included), 36.18 % for a longer one"
+            " that compensates for a shorter one.",
             "percentunit",
             [promql(f"avg by (case) ({of_fleet(MEASURED)})", "{{case}}")] + PAPER,
             size=(12, 10),
@@ -101,20 +100,20 @@ def over_time():
         ),
         timeseries(
             "Predicted, measured, with the gain",
-            "By case: what was predicted, what is measured, and what the published gain leaves of it.",
+            "By case: predicted error, measured error, and measured error with the published gain.",
             "percentunit",
             [by_case(PREDICTED, "predicted"), by_case(MEASURED, "measured"), by_case(WITH_GAIN, "with gain")],
             size=(12, 10),
         ),
         heatmap(
-            "Errors as they were stated",
-            "How often errors came into each range; an error is stated anew as contacts come in.",
+            "Reported errors",
+            "Number of errors in each range; an error is reported again as contacts arrive.",
             "percentunit",
             promql(buckets(of_fleet, stated), "{{le}}", form="heatmap"),
         ),
         timeseries(
-            "Errors as they were stated: mean and spread",
-            "Of the errors stated lately.",
+            "Reported errors: mean and quantiles",
+            "Mean and quantiles of recently reported errors.",
             "percentunit",
             [
                 promql(mean(of_fleet, stated), "mean"),
@@ -133,8 +132,8 @@ def by_ratio():
     return [
         barchart(
             "Compensation error by contact ratio",
-            "As Fig. 10 of the paper, and at the same contact ratios: the newest measured error of each compensation of"
-            " this time, averaged over those of a case; and what was predicted for them.",
+            "As Fig. 10 of the paper, at the same contact ratios: the newest measured errors of the compensations in"
+            " the selected time, averaged by case, and the predicted errors.",
             "percentunit",
             sql(BY_RATIO),
             "contact ratio",
@@ -142,7 +141,8 @@ def by_ratio():
         ),
         xychart(
             "Predicted against measured",
-            "Each compensation once, with its newest measured error: below the line it does better than was predicted.",
+            "One point for each compensation, with its newest measured error: points below the line are better than"
+            " predicted.",
             "percentunit",
             [sql(AGAINST), sql('SELECT unnest(ARRAY[0, 0.6]) AS same, unnest(ARRAY[0, 0.6]) AS "any"')],
             [
@@ -168,8 +168,8 @@ def tables():
     return [
         table(
             "Worst whiskers",
-            "Compensations in force, the largest measured error first, with its 95 % interval; a click shows the"
-            " whisker.",
+            "Compensations in force with the 95 % interval of their measured error, largest first; click a whisker to"
+            " open it.",
             sql(WORST),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot), *errors, *pressures],
             (24, 10),
@@ -181,8 +181,8 @@ def refinements():
     outcomes = total(gained(of_fleet("vibrissa_refinements_total")), "outcome")
     return [
         timeseries(
-            "Looks at setpoints",
-            "Looks at compensations' setpoints per hour, by what came of them: REFINED, or why the pressure stays.",
+            "Reviews of setpoints",
+            "Reviews of compensations' setpoints per hour by outcome: REFINED, or the reason why the pressure stays.",
             "none",
             [
                 promql(
@@ -196,7 +196,7 @@ def refinements():
         ),
         bargauge(
             "Outcomes",
-            "The same, counted over this time.",
+            "Number of reviews by outcome in the selected time.",
             "none",
             promql(outcomes, "{{outcome}}", instant=True),
             defaults={"decimals": 0},
@@ -204,7 +204,7 @@ def refinements():
     ]
 
 
-# The newest error of each compensation in this time.
+# The newest error of each compensation in the selected time.
 NEWEST = f"""
     compensations c JOIN robots r USING (robot_id)
     CROSS JOIN LATERAL (

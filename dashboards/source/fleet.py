@@ -1,4 +1,4 @@
-"""All fleets at a glance: what is there, what has happened to it, and where to look next."""
+"""All fleets: robots, whiskers, recent events, and links to details."""
 
 from . import rows, variables, words
 from .grafana import bargauge, by_name, drill_down, promql, sql, stat, table, timeseries
@@ -22,7 +22,7 @@ def dashboard():
             ("Whiskers and alarms", whiskers()),
             ("Trims and compensations", trims()),
             ("Setpoints", setpoints()),
-            ("Where to look", tables()),
+            ("Details", tables()),
         ],
         rows.happenings(FLEETS),
     )
@@ -42,28 +42,28 @@ def now():
         ),
         stat(
             "Robots away",
-            "Robots that have said good-bye, or have fallen silent.",
+            "Robots that are OFFLINE, or whose connection broke.",
             "none",
             promql(total(away), "away"),
             RED_ABOVE_0,
         ),
         stat(
             "Healthy whiskers",
-            "Share of the whiskers that are whole, learned, and have no fault.",
+            "Share of the whiskers with condition HEALTHY and without a fault.",
             "percentunit",
             promql(f"{healthy} / {total(of_fleet('vibrissa_whiskers'))}", "healthy"),
             [(None, "red"), (0.8, "yellow"), (0.95, "green")],
         ),
         stat(
             "Alarms standing",
-            "Alarms whose cause is not over.",
+            "Alarms whose cause persists.",
             "none",
             promql(f"{total(of_fleet('vibrissa_alarms_standing'))} or vector(0)", "alarms"),
             RED_ABOVE_0,
         ),
         stat(
             "Compensation error",
-            "Mean measured error (Eq. 35) of the compensations in force, by their number.",
+            "Mean measured error (Eq. 35) over all compensations in force.",
             "percentunit",
             promql(error, "error"),
             error_steps(),
@@ -85,7 +85,7 @@ def in_force():
 
 
 def error_steps():
-    """Better than the paper's case 1, than its case 2, or neither."""
+    """Colours: better than the paper's case 1, better than its case 2, or worse."""
     return [(None, "green"), (words.PAPER_CASE_1, "yellow"), (words.PAPER_CASE_2, "red")]
 
 
@@ -100,21 +100,21 @@ def whiskers():
         ),
         timeseries(
             "Robots by connection",
-            "ONLINE, OFFLINE after a good-bye, CONNECTION_BROKEN after none.",
+            "ONLINE; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
             "none",
             [promql(any_of(total(of_fleet("vibrissa_robots"), "connection"), "connection"), "{{connection}}")],
             stacked=True,
         ),
         timeseries(
             "Alarms standing by kind",
-            "Alarms whose cause is not over.",
+            "Alarms whose cause persists.",
             "none",
             [promql(any_of(total(of_fleet("vibrissa_alarms_standing"), "kind"), "kind"), "{{kind}}")],
             stacked=True,
         ),
         timeseries(
             "Contacts by use",
-            "Contacts per second by what they were used for; all but USED and LEARNING tell nothing of lengths.",
+            "Contacts per second by their use; only USED and LEARNING contribute to estimated lengths.",
             "cps",
             [promql(total(rate(of_fleet("vibrissa_contacts_total")), "used"), "{{used}}")],
             stacked=True,
@@ -133,7 +133,7 @@ def whiskers():
         ),
         stat(
             "Contacts between false alarms",
-            "What a healthy whisker's detector promises: the mean number of contacts from one false alarm to the next.",
+            "Mean number of contacts between two false alarms of the detector on a healthy whisker, as configured.",
             "locale",
             promql(least(of_fleet("vibrissa_detector_arl_contacts")), "contacts"),
             size=(8, 8),
@@ -147,15 +147,15 @@ def trims():
     return [
         stat(
             "Trims",
-            "Trims found in this time.",
+            "Trims detected in the selected time.",
             "none",
             promql(total(gained(of_fleet("vibrissa_trims_total"))), "trims", instant=True),
             size=(4, 8),
             defaults={"decimals": 0},
         ),
         timeseries(
-            "Contacts to find a trim",
-            "Contacts from the likeliest moment of a cut to the decision, of the trims found lately.",
+            "Contacts to detect a trim",
+            "Contacts from the most likely time of a cut to its detection, for recent trims.",
             "none",
             [promql(mean(of_fleet, "vibrissa_trim_detection_contacts"), "mean")]
             + shares(of_fleet, "vibrissa_trim_detection_contacts", by=(0.5, 0.95)),
@@ -163,7 +163,7 @@ def trims():
         ),
         timeseries(
             "Compensations in force",
-            "Compensations that go on, by case.",
+            "Compensations in force, by case.",
             "none",
             [promql(any_of(total(of_fleet("vibrissa_compensations_in_force"), "case"), "case"), "{{case}}")],
             size=(10, 8),
@@ -171,8 +171,8 @@ def trims():
         ),
         timeseries(
             "Decisions and ends",
-            "What decisions and compensations came to, per hour: STARTED and PROPOSED at first, UNSERVED where no one"
-            " can, then why they ended.",
+            "Outcomes of decisions and compensations per hour: first STARTED, PROPOSED or UNSERVED (none can"
+            " compensate), then the reasons for their end.",
             "none",
             [
                 promql(
@@ -186,7 +186,7 @@ def trims():
         ),
         bargauge(
             "Outcomes by case",
-            "How often each case came to each outcome in this time; NONE where no one can serve.",
+            "Number of outcomes by case in the selected time; NONE if none can compensate.",
             "none",
             promql(any_of(by_outcome, "case", "outcome"), "{{case}}: {{outcome}}", instant=True),
             defaults={"decimals": 0},
@@ -198,7 +198,7 @@ def setpoints():
     return [
         timeseries(
             "Setpoints by state",
-            "Setpoints per minute by each state that they came into.",
+            "Setpoints per minute by each state that they reached.",
             "cpm",
             [
                 promql(
@@ -209,14 +209,14 @@ def setpoints():
             stacked=True,
         ),
         timeseries(
-            "Until applied",
-            "From the message that led to a setpoint to its APPLIED: most of it is the robot's pressure that moves.",
+            "Time to APPLIED",
+            "From the message that led to a setpoint to its state APPLIED; mostly the robot's change of pressure.",
             "s",
             shares(of_fleet, "vibrissa_setpoint_application_seconds", by=(0.5, 0.95)),
         ),
         timeseries(
             "Under way",
-            "Setpoints that are not answered finally yet, and those that were sent again per minute.",
+            "Setpoints without a final state, and setpoints sent again per minute.",
             "none",
             [
                 promql(total(of_fleet("vibrissa_setpoints_under_way")), "under way"),
@@ -234,20 +234,20 @@ def tables():
     return [
         table(
             "Robots",
-            "Every robot with its whiskers; a click shows it.",
+            "Every robot with its whiskers; click a robot to open it.",
             sql(ROBOTS),
             [by_name("robot", links=to_robot), by_name("heard", unit="dateTimeFromNow")],
         ),
         table(
             "Standing alarms",
-            "Alarms whose cause is not over, the newest first; a click shows the whisker.",
+            "Alarms whose cause persists, newest first; click a whisker to open it.",
             sql(ALARMS),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot)],
             (12, 9),
         ),
         table(
             "Newest trims",
-            "Trims of this time, the newest first; a click shows the whisker.",
+            "Trims in the selected time, newest first; click a whisker to open it.",
             sql(TRIMS),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot)]
             + [by_name(name, unit="lengthmm", decimals=1) for name in ("before", "after", "+-")],

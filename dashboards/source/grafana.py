@@ -20,12 +20,12 @@ def promql(expression, legend, instant=False, form="time_series"):
 
 
 def sql(query, form="table"):
-    """A query in SQL; as `time_series` it has a column `time`, numbers, and perhaps texts that name the series."""
+    """A query in SQL; as `time_series` it has a column `time`, numbers, and optionally texts that name the series."""
     return {"datasource": POSTGRES, "editorMode": "code", "rawQuery": True, "rawSql": tidy(query), "format": form}
 
 
 def tidy(query):
-    """Without the indentation of the source."""
+    """Removes the indentation of the source."""
     lines = [line.rstrip() for line in query.strip("\n").splitlines()]
     indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
     return "\n".join(line[indent:] for line in lines if line.strip())
@@ -105,7 +105,7 @@ def stat(title, description, unit, target, steps=None, size=(4, 4), trend=True, 
 
 
 def table(title, description, target, columns, size=(24, 9), unit="none"):
-    """Rows; `columns` says how some of them look."""
+    """A table; `columns` are overrides for some columns."""
     options = {"showHeader": True, "cellHeight": "sm"}
     custom = {"align": "auto", "cellOptions": {"type": "auto"}, "filterable": True}
     return panel("table", title, description, unit, [target], size, options, custom=custom, overrides=columns)
@@ -139,7 +139,7 @@ def xychart(title, description, unit, targets, pairs, size=(12, 9), overrides=()
 
 
 def barchart(title, description, unit, target, x_field, size=(12, 9), **more):
-    """Bars over words."""
+    """Bars by category."""
     options = {
         "xField": x_field,
         "orientation": "vertical",
@@ -156,7 +156,7 @@ def barchart(title, description, unit, target, x_field, size=(12, 9), **more):
 
 
 def bargauge(title, description, unit, target, size=(12, 8), **more):
-    """A bar for each series, as it is now."""
+    """A bar for the present value of each series."""
     options = {
         "displayMode": "basic",
         "orientation": "horizontal",
@@ -213,18 +213,18 @@ def mapping(words):
 
 
 def by_name(name, **properties):
-    """How a column or series of that name differs: dots of a property's name are written as two underscores."""
+    """An override for the column or series with that name; write dots in a property's name as two underscores."""
     listed = [{"id": key.replace("__", "."), "value": value} for key, value in properties.items()]
     return {"matcher": {"id": "byName", "options": name}, "properties": listed}
 
 
 def hidden(*names):
-    """Columns that are not shown, for links to use: by the name of Grafana 12.2 and newer, and by that of before."""
+    """Hides columns that only links use, with the property of Grafana 12.2 and newer and with the older one."""
     return [by_name(name, custom__hideFrom__viz=True, custom__hidden=True) for name in names]
 
 
 def drill_down(uid, title, **variables):
-    """A link of a cell to a dashboard, with variables from the cell's row."""
+    """A link from a cell to a dashboard, with variables from the cell's row."""
     along = [f"var-{name}=${{__data.fields.{field}}}" for name, field in variables.items()]
     along += [f"${{{name}:queryparam}}" for name in ("prometheus_datasource", "postgres_datasource")]
     return [{"title": title, "url": f"/d/{uid}?{'&'.join(along)}&${{__url_time_range}}", "targetBlank": False}]

@@ -1,12 +1,12 @@
-"""Dashboards in the JSON of Grafana 12 (schema 42): rows of panels that find their places by themselves."""
+"""Dashboards in the JSON of Grafana 12 (schema 42): rows of panels, placed automatically."""
 
 SCHEMA = 42
 WIDTH = 24
 
-# The dashboards in the order of their links: uid, title, and what each is for.
+# The dashboards in the order of their links: uid, title, and purpose.
 ALL = [
     ("vibrissa-fleet", "Fleets", "Robots, whiskers, trims, alarms"),
-    ("vibrissa-compensation", "Compensation error", "What compensations leave, beside the paper's"),
+    ("vibrissa-compensation", "Compensation error", "Compensation errors, compared with the paper"),
     ("vibrissa-robot", "Robot", "One robot and its whiskers"),
     ("vibrissa-whisker", "Whisker", "One whisker over time"),
     ("vibrissa-supervisor", "Supervisors", "The supervisors themselves"),
@@ -38,7 +38,7 @@ def whole(uid, description, variables, rows, annotations=(), refresh="10s", sinc
 
 
 def link_to(uid, title, tooltip):
-    """A link at the top of a dashboard; the time and the variables go along."""
+    """A link at the top of a dashboard, which passes on time and variables."""
     return {
         "type": "link",
         "title": title,
@@ -54,7 +54,7 @@ def link_to(uid, title, tooltip):
 
 
 def placed(rows):
-    """Panels with their numbers and places: from left to right, a new line where there is no room."""
+    """Panels with their numbers and positions: from left to right, with line breaks."""
     panels, y = [], 0
     for title, members in rows:
         panels.append(

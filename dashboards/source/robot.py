@@ -1,4 +1,4 @@
-"""One robot: its whiskers, what happened to them, and the fleet around it."""
+"""One robot: its whiskers, recent events, and its fleet."""
 
 from . import rows, variables, words
 from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
@@ -39,7 +39,7 @@ def now():
     text = {"textMode": "value"}
     connection = stat(
         "Connection",
-        "ONLINE, OFFLINE after a good-bye, CONNECTION_BROKEN after none.",
+        "ONLINE; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
         "string",
         sql(f"SELECT r.connection FROM robots r WHERE {ROBOT}"),
     )
@@ -49,23 +49,23 @@ def now():
         stat("Whiskers", "Whiskers of its newest factsheet.", "none", count("TRUE")),
         stat(
             "Healthy",
-            "Whole, learned, and without a fault.",
+            "Whiskers with condition HEALTHY and without a fault.",
             "none",
             count("w.condition = 'HEALTHY' AND w.fault IS NULL"),
         ),
         stat(
             "Trimmed",
-            "Whiskers that were cut.",
+            "Whiskers with condition TRIMMED.",
             "none",
             count("w.condition = 'TRIMMED'"),
             [(None, "green"), (1, "red")],
         ),
         stat(
-            "Alarms standing", "Alarms whose cause is not over.", "none", sql(standing), [(None, "green"), (1, "red")]
+            "Alarms standing", "Alarms whose cause persists.", "none", sql(standing), [(None, "green"), (1, "red")]
         ),
         stat(
-            "Heard",
-            "When a whisker of it was heard of last.",
+            "Last message",
+            "Time of the last message about one of its whiskers.",
             "dateTimeFromNow",
             sql(f"SELECT 1000 * extract(epoch FROM {time('max(w.heard_us)')})::double precision AS heard {OF_ROBOT}"),
         ),
@@ -82,7 +82,7 @@ def whiskers():
     return [
         table(
             "Whiskers",
-            "Each whisker with its length and 95 % interval; a click shows it.",
+            "Each whisker with its length and 95 % interval; click a whisker to open it.",
             sql(WHISKERS),
             [
                 by_name("whisker", links=to_whisker),
@@ -139,18 +139,18 @@ def tables():
     return [
         table(
             "Compensations",
-            "Decisions of this time about its whiskers, and those in force, the newest first.",
+            "Decisions about its whiskers in the selected time, and compensations in force, newest first.",
             sql(COMPENSATIONS),
             [*linked, *errors, pressure],
         ),
         table(
             "Setpoints",
-            "Setpoints of this time, the newest first.",
+            "Setpoints in the selected time, newest first.",
             sql(SETPOINTS),
             [*linked, pressure, reached],
             (12, 9),
         ),
-        table("Alarms", "Alarms of this time and those that stand, the newest first.", sql(ALARMS), linked, (12, 9)),
+        table("Alarms", "Alarms of the selected time and standing alarms, newest first.", sql(ALARMS), linked, (12, 9)),
     ]
 
 
@@ -159,19 +159,19 @@ def fleet():
     return [
         timeseries(
             "From contact to commit",
-            "From the newest contact of a message, by the robots' clocks, until it is recorded; over the whole fleet.",
+            "From the newest contact of a message, by the robots' clocks, to its commit; for the whole fleet.",
             "s",
             shares(of_fleet, "vibrissa_contact_to_commit_seconds"),
         ),
         timeseries(
             "From message to applied setpoint",
-            "From the message that led to a setpoint to its APPLIED; over the whole fleet.",
+            "From the message that led to a setpoint to its state APPLIED; for the whole fleet.",
             "s",
             shares(of_fleet, "vibrissa_setpoint_application_seconds", by=(0.5, 0.95)),
         ),
         timeseries(
-            "Messages that wait, and silence",
-            "Messages in the fleet's inbox; the time since its last contacts message, on the right.",
+            "Waiting messages, and silence",
+            "Messages in the fleet's inbox, and on the right the time since its last contacts message.",
             "none",
             [
                 promql(total(of_fleet("vibrissa_queue_messages", 'queue="inbox"')), "inbox"),
@@ -190,7 +190,7 @@ WHISKERS = f"""
     {OF_ROBOT} ORDER BY a."array", w.whisker
 """
 
-# {{value}} is what is asked of the contacts: each whisker's come by their index.
+# {{value}} is an aggregate over contacts. Each whisker's contacts are read by their index.
 CONTACTS = f"""
     SELECT c."time", {NAMED} AS metric, c.value
     FROM {rows.WHISKERS}
@@ -210,7 +210,7 @@ HEALTH = f"""
 COMPENSATIONS = f"""
     SELECT {rows.PLACE}, {time("c.decided_us")} AS decided, c.compensation_case AS "case", s.whisker AS "served by",
         1e6 * c.pressure_mpa AS pressure, c.predicted_error AS predicted, e.error AS measured, e.contacts, c.approval,
-        {time("c.ended_us")} AS ended, c.end_reason AS "why"
+        {time("c.ended_us")} AS ended, c.end_reason AS "end reason"
     FROM compensations c
     {rows.OF_TARGET}
     LEFT JOIN whiskers s ON s.whisker_id = c.compensator_whisker_id

@@ -5,7 +5,7 @@ from .grafana import POSTGRES, sql, tidy
 
 FROM_US = "$__unixEpochNanoFrom() / 1000"
 TO_US = "$__unixEpochNanoTo() / 1000"
-# Not beyond now, which a dashboard's time may be.
+# Limited to now, because a dashboard's time may be in the future.
 SO_FAR_US = f"least({TO_US}, (extract(epoch FROM now()) * 1000000)::bigint)"
 # Factor of a standard deviation for a 95 % interval.
 Z95 = "1.959963984540054"
@@ -15,17 +15,17 @@ ROBOT = "r.fleet = ${fleet:sqlstring} AND r.robot = ${robot:sqlstring}"
 WHISKER = f"""{ROBOT} AND a."array" = ${{array:sqlstring}} AND w.whisker::text = ${{whisker:sqlstring}}"""
 
 WHISKERS = "whiskers w JOIN arrays a USING (array_id) JOIN robots r ON r.robot_id = w.robot_id"
-# The chosen whisker's number: looked up once, before anything that it selects.
+# The selected whisker's number, evaluated once per query.
 WHISKER_ID = f"(SELECT w.whisker_id FROM {WHISKERS} WHERE {WHISKER})"
 
-# What a whisker's row leads to, for tables that have its number, and for compensations by their target.
+# Joins to the whisker, for tables with its number, and for compensations by their target.
 OF_WHISKER = f"JOIN {WHISKERS.replace(' JOIN', ' USING (whisker_id) JOIN', 1)}"
 OF_TARGET = OF_WHISKER.replace("USING (whisker_id)", "ON w.whisker_id = c.target_whisker_id")
 
 PLACE = """r.fleet, r.robot, a."array", w.whisker"""
 
 
-# Of the compensation of `e`, what was predicted at the contact ratio of `b`: texts count 0.45, 0.50 .. 1.00.
+# The error predicted for the compensation of `e` at the contact ratio of `b`; the array counts 0.45, 0.50 .. 1.00.
 PREDICTED_AT_RATIO = """
     LEFT JOIN LATERAL (
         SELECT one.text::double precision AS predicted
@@ -37,7 +37,7 @@ PREDICTED_AT_RATIO = """
 
 
 def between(column):
-    """In the dashboard's time."""
+    """Condition: the column is in the dashboard's time."""
     return f"{column} BETWEEN {FROM_US} AND {TO_US}"
 
 
@@ -46,16 +46,16 @@ def time(column):
 
 
 def bucket(column):
-    """The beginning of the panel's interval that holds it."""
+    """The beginning of the panel's interval that contains the time."""
     step = "($__interval_ms * 1000::bigint)"
     return f"to_timestamp({column} / {step} * {step} / 1e6)"
 
 
 def steps(events, initial):
-    """States that hold until the next one: what it was at the begin, each change, and what it is at the end.
+    """States over time: the state at the beginning, each change, and the state at the end.
 
-    `events` gives rows (us, state) before any time, in a query that ends in its WHERE clause; `initial` is what it was
-    before the first of them."""
+    `events` is a query for rows (us, state) that ends in its WHERE clause; `initial` is the state before the first
+    row."""
     last = "SELECT state FROM ({events}) e WHERE us {until} ORDER BY us DESC LIMIT 1"
     at_begin = last.format(events=events, until=f"< {FROM_US}")
     at_end = last.format(events=events, until=f"<= {TO_US}")
@@ -87,7 +87,7 @@ def short(value):
 
 
 def annotation(name, color, query):
-    """Moments that are marked in every panel over time."""
+    """Marks events in every panel over time."""
     target = {key: value for key, value in sql(query).items() if key != "datasource"}
     return {
         "name": name,
@@ -100,7 +100,7 @@ def annotation(name, color, query):
 
 
 def happenings(place):
-    """Trims and setpoints of whatever `place` selects."""
+    """Trims and setpoints of the whiskers that `place` selects."""
     named = """r.robot || '/' || a."array" || '/' || w.whisker"""
     trims = f"""
         SELECT {time("t.detected_us")} AS "time", 'trim' AS tags,

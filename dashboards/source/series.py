@@ -1,4 +1,4 @@
-"""Queries in PromQL: always of the chosen supervisors, and of the chosen fleets where a metric has fleets."""
+"""Queries in PromQL, limited to the selected supervisors and, for metrics of fleets, to the selected fleets."""
 
 from .grafana import promql
 
@@ -9,7 +9,7 @@ def of_all(name, *matchers):
 
 
 def of_fleet(name, *matchers):
-    """A metric of the chosen fleets."""
+    """A metric of the selected fleets."""
     return of_all(name, "fleet=~" + quoted("$fleet"), *matchers)
 
 
@@ -23,12 +23,12 @@ def rate(series):
 
 
 def gained(series):
-    """In the dashboard's time."""
+    """Increase in the dashboard's time."""
     return f"increase({series}[$__range])"
 
 
 def lately(series):
-    """In the interval that rates are over."""
+    """Increase in the interval of rates."""
     return f"increase({series}[$__rate_interval])"
 
 
@@ -37,7 +37,7 @@ def total(expression, by=""):
 
 
 def per_second(name, by=""):
-    """How fast a counter of the chosen fleets rises."""
+    """Rate of a counter of the selected fleets, per second."""
     return total(rate(of_fleet(name)), by)
 
 
@@ -50,24 +50,24 @@ def least(expression, by=""):
 
 
 def quantile(share, of, name, *matchers, by=""):
-    """A quantile of a histogram over the last moments; nothing while it has nothing new."""
+    """A quantile of a histogram over the interval of rates; empty without new observations."""
     groups = ", ".join(filter(None, ("le", by)))
     return f"histogram_quantile({share}, {total(rate(of(name + '_bucket', *matchers)), groups)}) >= 0"
 
 
 def mean(of, name, *matchers, by=""):
-    """The mean of a histogram over the last moments; nothing while it has nothing new."""
+    """The mean of a histogram over the interval of rates; empty without new observations."""
     parts = [total(rate(of(name + end, *matchers)), by) for end in ("_sum", "_count")]
     return f"{parts[0]} / ({parts[1]} > 0)"
 
 
 def buckets(of, name, *matchers):
-    """What came into each bucket, for a heat map."""
+    """Observations in each bucket, for a heat map."""
     return total(lately(of(name + "_bucket", *matchers)), "le")
 
 
 def any_of(expression, *labels):
-    """Those that are more than nothing; if there are none, one that says so in each label that the legend names."""
+    """Series above 0; without any, a single 0 whose labels are "none"."""
     nothing = "vector(0)"
     for label in labels:
         nothing = f'label_replace({nothing}, "{label}", "none", "", "")'

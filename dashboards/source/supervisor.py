@@ -1,4 +1,4 @@
-"""The supervisors themselves: what they take in, how long it takes them, and what they rest on."""
+"""The supervisors themselves: messages, latency, queues, and their surroundings."""
 
 from . import variables
 from .around import database, http, outgoing, ownership, processes
@@ -53,21 +53,21 @@ def now():
         ),
         stat(
             "Fleets supervised",
-            "Share of the fleets that some supervisor holds.",
+            "Share of the fleets whose lease a supervisor holds.",
             "percentunit",
             promql(f"avg({largest(of_fleet('vibrissa_lease_held'), 'fleet')})", "held"),
             missing,
         ),
         stat(
             "Database",
-            "Whether every supervisor's last attempt at the database succeeded.",
+            "Whether the last database access of every supervisor succeeded.",
             "bool_yes_no",
             promql(least(of_all("vibrissa_database_up")), "up"),
             missing,
         ),
         stat(
             "Broker",
-            "Whether every fleet that is held has its broker.",
+            "Whether every owned fleet is received from its broker.",
             "bool_yes_no",
             promql(
                 least(f"({of_fleet('vibrissa_broker_connected')} and {of_fleet('vibrissa_lease_held')} == 1)"),
@@ -77,13 +77,13 @@ def now():
         ),
         stat(
             "Contact to commit",
-            "99 % of the messages were recorded within this time after their newest contact, by the robots' clocks.",
+            "99 % of the messages were committed within this time after their newest contact, by the robots' clocks.",
             "s",
             promql(quantile(0.99, of_fleet, "vibrissa_contact_to_commit_seconds"), "99 %"),
         ),
         stat(
             "Lost",
-            "Contacts messages that are not waited for any more, in this time.",
+            "Contacts messages given up in the selected time.",
             "none",
             promql(total(gained(of_fleet("vibrissa_messages_given_up_total"))), "lost", instant=True),
             [(None, "green"), (0.5, "red")],
@@ -101,7 +101,7 @@ def messages():
     ]
     published = [
         promql(per_second("vibrissa_receipts_sent_total"), "receipts"),
-        promql(per_second("vibrissa_publications_dropped_total"), "dropped, broker away"),
+        promql(per_second("vibrissa_publications_dropped_total"), "dropped, broker unreachable"),
     ]
     return [
         timeseries(
@@ -113,14 +113,14 @@ def messages():
         ),
         timeseries(
             "Contacts by use",
-            "Contacts per second by what they were used for.",
+            "Contacts per second by their use.",
             "cps",
             [promql(per_second("vibrissa_contacts_total", "used"), "{{used}}")],
             stacked=True,
         ),
         timeseries(
             "Refused by reason",
-            "Messages per second that break the contract or that there was no room for.",
+            "Messages per second that violate the contract or exceed a limit.",
             "cps",
             [promql(any_of(per_second("vibrissa_messages_refused_total", "reason"), "reason"), "{{reason}}")],
             bars=True,
@@ -128,15 +128,14 @@ def messages():
         ),
         timeseries(
             "Duplicates, gaps, losses",
-            "Contacts messages per second that were known already, filled a gap, found no room, or are not waited for"
-            " any more.",
+            "Contacts messages per second that were duplicates, filled a gap, were shed, or were given up.",
             "cps",
             sent_again,
             size=(12, 8),
         ),
         timeseries(
             "Published",
-            "Receipts per second, and publications that the broker's absence cost: they are made again.",
+            "Receipts per second, and publications dropped without a broker; they are generated again.",
             "cps",
             published,
             size=(12, 8),
@@ -150,22 +149,22 @@ def lag():
     return [
         heatmap(
             "From contact to commit",
-            "From the newest contact of a message, by the robot's clock, until it is recorded: the robot's batches are"
-            " in it.",
+            "From the newest contact of a message, by the robot's clock, to its commit. Includes the time for which the"
+            " robot collects contacts.",
             "s",
             promql(buckets(of_fleet, contact), "{{le}}", form="heatmap"),
         ),
         heatmap(
             "From received to commit",
-            "What of this is the supervisor's, by its own clock.",
+            "The supervisor's part of this time, by its own clock.",
             "s",
             promql(buckets(of_fleet, received), "{{le}}", form="heatmap"),
         ),
         timeseries(
-            "From contact to commit, quantiles", "Of the messages recorded lately.", "s", shares(of_fleet, contact)
+            "From contact to commit, quantiles", "For recently committed messages.", "s", shares(of_fleet, contact)
         ),
         timeseries(
-            "From received to commit, quantiles", "Of the messages recorded lately.", "s", shares(of_fleet, received)
+            "From received to commit, quantiles", "For recently committed messages.", "s", shares(of_fleet, received)
         ),
         timeseries("Silence", "Time since a fleet's last contacts message.", "s", [promql(silence, "{{fleet}}")]),
     ]
@@ -182,19 +181,19 @@ def queues():
     )
     return [
         timeseries(
-            "Queues' fill",
-            "Messages in a queue over those that it has room for: a full inbox sheds contacts.",
+            "Queue usage",
+            "Messages in a queue as a share of its capacity: a full inbox sheds contacts.",
             "percentunit",
             [promql(fill, "{{fleet}} {{queue}}")],
         ),
         timeseries(
-            "Inbox's fill by size",
-            "Bytes in the inbox over those that it has room for.",
+            "Inbox usage by size",
+            "Bytes in the inbox as a share of its capacity.",
             "percentunit",
             [promql(full, "{{fleet}}")],
         ),
         timeseries(
-            "Inbox's size",
+            "Inbox size",
             "Bytes in the inbox.",
             "bytes",
             [promql(largest(of_fleet("vibrissa_inbox_bytes"), "fleet"), "{{fleet}}")],

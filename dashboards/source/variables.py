@@ -1,10 +1,10 @@
-"""What is chosen at the top of a dashboard: data sources, supervisors, and the place of a whisker."""
+"""Variables at the top of a dashboard: data sources, supervisors, and the place of a whisker."""
 
 from .grafana import POSTGRES, PROMETHEUS, tidy
 
 
 def sources():
-    """Both data sources, by names that say which is which."""
+    """Both data sources, with names that tell them apart."""
     return [
         source(
             "prometheus_datasource",
@@ -35,7 +35,7 @@ def source(name, label, query, description):
 
 
 def supervisors():
-    """Which supervisors: all, unless told otherwise."""
+    """Supervisors: all by default."""
     return [
         several("job", "Job", "Prometheus' name for the supervisors.", labels("vibrissa_build_info", "job"), ".+"),
         several(
@@ -52,7 +52,7 @@ LEASES = 'vibrissa_lease_held{job=~"$job",instance=~"$instance"}'
 
 
 def fleets():
-    """Which fleets: all, unless told otherwise."""
+    """Fleets: all by default."""
     return [several("fleet", "Fleet", "Robots that are supervised together.", labels(LEASES, "fleet"))]
 
 
@@ -100,7 +100,7 @@ def labels(series, label):
 
 
 def several(name, label, description, query, all_value=None):
-    """Any number of what Prometheus knows."""
+    """A selection of several values from Prometheus."""
     everything = {"selected": True, "text": ["All"], "value": ["$__all"]}
     made = variable(name, label, description, PROMETHEUS, query, {"query": query, "refId": name, "qryType": 1})
     made.update(multi=True, includeAll=True, current=everything, sort=1)
@@ -108,7 +108,7 @@ def several(name, label, description, query, all_value=None):
 
 
 def one(name, label, description, query):
-    """One of what the database has."""
+    """A selection of one value from the database."""
     return variable(name, label, description, POSTGRES, tidy(query), tidy(query))
 
 
@@ -124,7 +124,7 @@ def variable(name, label, description, datasource, definition, query):
         "regex": "",
         "current": {},
         "options": [],
-        # When the dashboard's time changes: what there is may have changed, too.
+        # Reload when the dashboard's time changes, because the values may have changed, too.
         "refresh": 2,
         "sort": 0,
         "hide": 0,

@@ -1,4 +1,4 @@
-"""One whisker: its length, sensitivity, pressure and compensation error over time, and everything decided about it."""
+"""One whisker: length, sensitivity, pressure and compensation error over time, and its decisions."""
 
 from . import rows, variables, whisker_rows, words
 from .fleet import error_steps
@@ -16,9 +16,8 @@ def dashboard():
     """The dashboard."""
     return whole(
         "vibrissa-whisker",
-        "One whisker: length, sensitivity, pressure and compensation error over time, decisions with everyone who was"
-        " asked.",
-        # No query goes to Prometheus, but the other dashboards are led to with the same data source.
+        "One whisker: length, sensitivity, pressure and compensation error over time, decisions with all candidates.",
+        # No query goes to Prometheus, but links to the other dashboards pass its data source on.
         variables.sources() + variables.supervisors() + variables.whisker(),
         [
             ("Now", now()),
@@ -42,25 +41,25 @@ def now():
         stat("Length", "Estimated length now.", "lengthmm", one("w.length_mm AS length"), defaults={"decimals": 1}),
         stat(
             "Lost",
-            "What is missing of its whole length.",
+            "Difference between the whole length and the present length.",
             "lengthmm",
             one("w.whole_length_mm - w.length_mm AS lost"),
             defaults={"decimals": 1},
         ),
-        stat("Setpoint", "The pressure that it is to have.", "pressurepa", one("1e6 * w.setpoint_mpa AS setpoint")),
+        stat("Setpoint", "The pressure that it should have.", "pressurepa", one("1e6 * w.setpoint_mpa AS setpoint")),
         stat(
             "Compensation error",
-            "The newest measured error of the compensation that it is in, for itself or for another.",
+            "The newest measured error of its compensation, as target or as compensator.",
             "percentunit",
             sql(whisker_rows.NEWEST_ERROR),
             error_steps(),
         ),
-        stat("Contacts", "Contacts since it is known.", "locale", one("w.contacts")),
+        stat("Contacts", "Contacts since the first factsheet.", "locale", one("w.contacts")),
     ]
 
 
 def band(low, high, of):
-    """Draws two series as the borders of what lies between them."""
+    """Draws the area between two series."""
     border = {"custom__lineWidth": 0, "custom__showPoints": "never", "color": {"mode": "fixed", "fixedColor": "blue"}}
     return [
         by_name(of, color={"mode": "fixed", "fixedColor": "blue"}, custom__lineWidth=2),
@@ -82,8 +81,8 @@ def lengths():
         ),
         timeseries(
             "Sensitivity against the model's",
-            "Measured over predicted sensitivity of the contacts that were used: 100 % where the estimated length"
-            " explains what is felt.",
+            "Measured over predicted sensitivity of the used contacts: 100 % where the estimated length explains the"
+            " readings.",
             "percentunit",
             [sql(whisker_rows.RESIDUAL, "time_series")],
             size=(12, 10),
@@ -99,7 +98,7 @@ def lengths():
         ),
         timeseries(
             "Contacts by use",
-            "Contacts per panel's interval by what they were used for; times are the robot's.",
+            "Contacts per panel's interval by their use; times are the robot's.",
             "none",
             [sql(whisker_rows.USE, "time_series")],
             size=(12, 6),
@@ -114,7 +113,7 @@ def pressures():
     return [
         timeseries(
             "Pressure, set and measured",
-            "What it is to have, and what the robot measures at contacts.",
+            "Setpoint, and pressure that the robot measured at contacts.",
             "pressurepa",
             [sql(whisker_rows.PRESSURE, "time_series"), sql(whisker_rows.SETPOINT, "time_series")],
             size=(14, 9),
@@ -122,8 +121,8 @@ def pressures():
         ),
         barchart(
             "Sensitivity by contact ratio",
-            "Strain for each millimetre of deflection, of this time's contacts, as measured: it falls with the distance"
-            " from the base.",
+            "Measured strain per millimetre of deflection in the selected time: it falls with the distance from the"
+            " base.",
             "none",
             sql(whisker_rows.SENSITIVITY),
             "contact ratio",
@@ -136,8 +135,8 @@ def errors():
     return [
         timeseries(
             "Compensation error over time",
-            "Measured error (Eq. 35) of the compensations that it is in, with its 95 % interval; what was predicted;"
-            " and what the published gain leaves.",
+            "Measured error (Eq. 35) of its compensations with the 95 % interval, the predicted error, and the error"
+            " with the published gain.",
             "percentunit",
             [sql(whisker_rows.ERROR, "time_series")],
             size=(12, 10),
@@ -145,8 +144,8 @@ def errors():
         ),
         barchart(
             "Compensation error by contact ratio",
-            "As Fig. 10 of the paper: the newest measured error of the compensation that it is in, with its 95 %"
-            " interval, and what was predicted.",
+            "As Fig. 10 of the paper: the newest measured error of its compensation with the 95 % interval, and the"
+            " predicted error.",
             "percentunit",
             sql(whisker_rows.BY_RATIO),
             "contact ratio",
@@ -157,19 +156,19 @@ def errors():
 
 def tables():
     other = drill_down(
-        "vibrissa-whisker", "Show this whisker", fleet="fleet", robot="robot", array="array", whisker="asked"
+        "vibrissa-whisker", "Show this whisker", fleet="fleet", robot="robot", array="array", whisker="candidate"
     )
     places = hidden("fleet", "robot", "array")
     shares = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "low", "high")]
     in_pascals = lambda *names: [by_name(name, unit="pressurepa") for name in names]
     return [
         table(
-            "Decisions and who was asked",
-            "Decisions of this time about it, with everyone who was asked, what Eq. 34 and 35 predict for them, and why"
-            " they were not chosen; a click shows the one asked.",
+            "Decisions and candidates",
+            "Decisions about this whisker in the selected time: all candidates, the predictions of Eq. 34 and 35, and"
+            " the reason why each was refused; click a candidate to open it.",
             sql(whisker_rows.CANDIDATES),
             [
-                by_name("asked", links=other),
+                by_name("candidate", links=other),
                 *places,
                 *shares,
                 *in_pascals("pressure", "before"),
@@ -179,21 +178,21 @@ def tables():
         ),
         table(
             "Trims",
-            "Cuts that were found in this time.",
+            "Trims detected in the selected time.",
             sql(whisker_rows.TRIMS),
             [by_name(name, unit="lengthmm", decimals=1) for name in ("before", "after", "+-")],
             (8, 9),
         ),
         table(
             "Setpoints",
-            "Its setpoints of this time with every state that they came into, the newest first.",
+            "Its setpoints in the selected time with each state that they reached, newest first.",
             sql(whisker_rows.SETPOINTS),
             in_pascals("pressure", "reached"),
             (16, 9),
         ),
         table(
-            "Looks at its compensation",
-            "Looks at the setpoint of the compensations that it is in, the newest first.",
+            "Reviews of its compensation",
+            "Reviews of the setpoints of its compensations, newest first.",
             sql(whisker_rows.REFINEMENTS),
             [by_name(name, unit="percentunit", decimals=1) for name in ("error", "with gain", "expected")]
             + in_pascals("pressure", "best"),
@@ -201,7 +200,7 @@ def tables():
         ),
         table(
             "Alarms",
-            "Its alarms of this time and those that stand, the newest first.",
+            "Its alarms of the selected time and standing alarms, newest first.",
             sql(whisker_rows.ALARMS),
             [],
             (12, 9),

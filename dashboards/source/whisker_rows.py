@@ -1,13 +1,13 @@
-"""What one whisker's dashboard asks the database. Contacts come by the index on a whisker's number and their time."""
+"""Queries of the dashboard of one whisker. They read contacts by the index on whisker number and time."""
 
 from . import rows
 from .rows import WHISKER_ID, between, bucket, time
 
-# Compensations for it, and those that it serves.
+# Compensations with this whisker as target or as compensator.
 ITS = f"(c.target_whisker_id = {WHISKER_ID} OR c.compensator_whisker_id = {WHISKER_ID})"
 OF_CONTACTS = f"FROM contacts c WHERE c.whisker_id = {WHISKER_ID} AND {between('c.t_us')}"
 
-# Over days its minutes are asked, over months its hours, which stay when contacts have gone: one of the three.
+# One of three: for spans of days the minutes, for months the hours, which remain after contacts have been removed.
 LENGTHS = f"""
     SELECT c.t_us AS us, c.length_mm, c.length_sd_mm, 1 AS contacts
     {OF_CONTACTS} AND $__interval_ms < 60000
@@ -28,7 +28,7 @@ LENGTH = f"""
     FROM ({LENGTHS}) l GROUP BY 1 ORDER BY 1
 """
 
-# The interval is that of the mean; a single contact has none.
+# The interval of the mean; a single contact has no interval.
 RESIDUAL = f"""
     SELECT "time", exp(mean) AS "measured over predicted",
         exp(mean - {rows.Z95} * error) AS low, exp(mean + {rows.Z95} * error) AS high
@@ -89,11 +89,12 @@ BY_RATIO = f"""
 """
 
 CANDIDATES = f"""
-    SELECT {time("c.decided_us")} AS decided, r.fleet, r.robot, a."array", w.whisker AS asked, k.chosen, k.refused,
+    SELECT {time("c.decided_us")} AS decided, r.fleet, r.robot, a."array", w.whisker AS candidate, k.chosen, k.refused,
         k.compensation_case AS "case", k.length_mm AS length, 1e6 * k.pressure_before_mpa AS before,
         1e6 * k.pressure_mpa AS pressure,
         k.predicted_error AS predicted, k.predicted_error_low AS low, k.predicted_error_high AS high,
-        k.gives_up_own_role AS "gives up its own", c.approval, {time("c.ended_us")} AS ended, c.end_reason AS why
+        k.gives_up_own_role AS "gives up its own", c.approval, {time("c.ended_us")} AS ended,
+        c.end_reason AS "end reason"
     FROM compensations c JOIN compensation_candidates k USING (compensation_id)
     {rows.OF_WHISKER}
     WHERE c.target_whisker_id = {WHISKER_ID} AND (c.ended_us IS NULL OR {between("c.decided_us")})
@@ -115,7 +116,7 @@ SETPOINTS = f"""
 """
 
 REFINEMENTS = f"""
-    SELECT {time("f.recorded_us")} AS looked, f.outcome, f.contacts, 1e6 * f.pressure_from_mpa AS pressure,
+    SELECT {time("f.recorded_us")} AS reviewed, f.outcome, f.contacts, 1e6 * f.pressure_from_mpa AS pressure,
         1e6 * f.pressure_best_mpa AS best, f.error, f.error_best AS expected, f.error_with_gain AS "with gain",
         f.gain_published AS "new gain"
     FROM compensations c JOIN compensation_refinements f USING (compensation_id)

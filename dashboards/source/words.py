@@ -6,8 +6,8 @@ CASES = {
     "LONGER_FOR_SHORTER": "longer for shorter",
 }
 
-# What the paper measured, averaged over contact ratios: in its case 1, as which a trimmed whisker counts that serves
-# itself, and in its case 2.
+# Errors measured in the paper, averaged over contact ratios: in its case 1, which includes self-compensation, and in
+# its case 2.
 PAPER_CASE_1 = 0.20385
 PAPER_CASE_2 = 0.3618
 

@@ -1,6 +1,6 @@
--- The role that Grafana reads with: what its dashboards and alerts need, and nothing else. It can be run again, and must
--- be after an update that adds a table to the list below. psql runs it as a superuser, in the supervisors' database, after
--- the supervisors have made them; the role's password is in the file that GRAFANA_PASSWORD_FILE names:
+-- Creates the role with which Grafana reads the tables of its dashboards and alerts, and nothing else. Run it again
+-- after an update that adds a table to the list below. Run it with psql as a superuser in the supervisors' database,
+-- after the supervisors have created the tables. GRAFANA_PASSWORD_FILE names a file with the role's password:
 --
 --   GRAFANA_PASSWORD_FILE=grafana.password psql -X -f grafana.sql 'postgres://postgres@db/vibrissa'
 
@@ -9,24 +9,24 @@
 
 BEGIN;
 SELECT 'CREATE ROLE grafana' WHERE NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'grafana') \gexec
--- More than Grafana opens, and no end to a query that nobody waits for any more.
+-- More connections than Grafana opens; queries end after 15 s, when nobody waits for them any more.
 ALTER ROLE grafana LOGIN NOSUPERUSER NOCREATEDB NOCREATEROLE NOINHERIT CONNECTION LIMIT 20 PASSWORD :'password';
 ALTER ROLE grafana SET default_transaction_read_only = on;
 ALTER ROLE grafana SET statement_timeout = '15s';
 SELECT format('GRANT CONNECT ON DATABASE %I TO grafana', current_database()) \gexec
 GRANT USAGE ON SCHEMA public TO grafana;
--- What it was allowed once is not for ever. Tokens, actions and calibrations are not for Grafana.
+-- Revokes rights of earlier versions. Grafana has no access to tokens, actions and calibrations.
 REVOKE ALL ON ALL TABLES IN SCHEMA public FROM grafana;
 GRANT SELECT ON
     alarm_shelves, alarms, arrays, compensation_candidates, compensation_error_bins, compensation_errors,
     compensation_refinements, compensations, contact_hours, contact_minutes, contacts, epochs, health_changes, leases,
     setpoint_states, setpoints, trims
     TO grafana;
--- What is decided by, not who set it and why.
+-- The content of policies, without who set them and why.
 GRANT SELECT (
     fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, change_margin, changed_us
 ) ON policies TO grafana;
--- Without the bytes of the core's states.
+-- Without the bytes of stored states.
 GRANT SELECT (robot_id, fleet, robot, boot_id, connection, model, updated_us, held) ON robots TO grafana;
 GRANT SELECT (
     whisker_id, array_id, robot_id, whisker, position, x_mm, y_mm, model, whole_length_mm, nominal_pressure_mpa,

@@ -1,7 +1,7 @@
--- The role that supervisors use: it owns the schema of their database and nothing else on the server. In docker-compose.yml the
--- server runs this when it makes the database. It can be run again, also on a database in which another role owns the tables: they
--- become this role's. psql runs it as a superuser, in the supervisors' database; the role's password is in the file that
--- SUPERVISOR_PASSWORD_FILE names:
+-- Creates the role of the supervisors, which owns the schema of their database and nothing else on the server. With
+-- docker-compose.yml the server runs this when it initialises the database. It can be run again, also if another role
+-- owns the tables: they become this role's. Run it with psql as a superuser in the supervisors' database.
+-- SUPERVISOR_PASSWORD_FILE names a file with the role's password:
 --
 --   SUPERVISOR_PASSWORD_FILE=supervisor.password psql -X -f supervisor.sql 'postgres://postgres@db/vibrissa'
 
@@ -16,7 +16,7 @@ SELECT format('REVOKE ALL ON DATABASE %I FROM supervisor', current_database()) \
 SELECT format('GRANT CONNECT ON DATABASE %I TO supervisor', current_database()) \gexec
 REVOKE ALL ON SCHEMA public FROM PUBLIC;
 ALTER SCHEMA public OWNER TO supervisor;
--- With a table go its indexes, its row type and the sequences of its columns; partitions are tables of their own.
+-- This includes a table's indexes, its row type and the sequences of its columns. Partitions are tables of their own.
 SELECT format('ALTER TABLE public.%I OWNER TO supervisor', relname)
     FROM pg_class WHERE relnamespace = 'public'::regnamespace AND relkind IN ('r', 'p')
     AND pg_get_userbyid(relowner) <> 'supervisor' \gexec
