@@ -1,14 +1,20 @@
-//! What a store keeps of a robot is enough: every change is marked, and what happened since can be gone through again.
+//! The stored parts of a robot are complete: every change of them is marked, and a restored robot goes on alike.
+//!
+//! The robots of these tests live through every kind of event that [`KINDS`] lists. The list is closed: a new variant of
+//! an event, an action or a report does not compile before it is listed, and a listed one must be played.
+
+use std::collections::BTreeMap;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{Formulation, Model};
+use vibrissa_core::policy::Mode;
 use vibrissa_core::robot::effect::{Command, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport,
+    WhiskerSheet, WhiskerStatus,
 };
-use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place, Robot, Scope};
+use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Place, Robot, Scope};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
 const ARRAY: &str = "left";
@@ -18,15 +24,85 @@ const BOOTS: [&str; 16] =
     ["b0", "b1", "b2", "b3", "b4", "b5", "b6", "b7", "b8", "b9", "b10", "b11", "b12", "b13", "b14", "b15"];
 const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
 
-/// What happens, to be told as often as needed.
+/// Lists patterns that cover a type, each with a name: a pattern that is missing does not compile.
+macro_rules! closed_list {
+    ($all:ident, $name_of:ident($type:ty): $($pattern:pat => $name:literal,)*) => {
+        const $all: &[&str] = &[$($name),*];
+
+        fn $name_of(one: &$type) -> &'static str {
+            match one {
+                $($pattern => $name,)*
+            }
+        }
+    };
+}
+
+closed_list! {
+    KINDS, kind_of(Event<'_>):
+    Event::Connection { link: Link::Online, .. } => "online",
+    Event::Connection { link: Link::Offline, .. } => "offline",
+    Event::Connection { link: Link::Broken, .. } => "broken",
+    Event::Factsheet { .. } => "factsheet",
+    Event::Contacts { .. } => "contacts",
+    Event::Status { .. } => "status",
+    Event::Setpoint { report: SetpointReport::Received, .. } => "received",
+    Event::Setpoint { report: SetpointReport::Applying, .. } => "applying",
+    Event::Setpoint { report: SetpointReport::Applied(_), .. } => "applied",
+    Event::Setpoint { report: SetpointReport::Failed, .. } => "failed",
+    Event::Setpoint { report: SetpointReport::Superseded, .. } => "superseded",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::Stale), .. } => "rejected: stale",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::Expired), .. } => "rejected: expired",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::OutOfRange), .. } => "rejected: out of range",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::UnknownWhisker), .. } => "rejected: unknown whisker",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::WrongBoot), .. } => "rejected: wrong boot",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::NotReady), .. } => "rejected: not ready",
+    Event::Operator(OperatorAction::Approve { .. }) => "approve",
+    Event::Operator(OperatorAction::Refuse { .. }) => "refuse",
+    Event::Operator(OperatorAction::Setpoint { .. }) => "setpoint by hand",
+    Event::Operator(OperatorAction::Hold(Scope::Robot)) => "hold robot",
+    Event::Operator(OperatorAction::Hold(Scope::Whisker(_))) => "hold whisker",
+    Event::Operator(OperatorAction::Release(Scope::Robot)) => "release robot",
+    Event::Operator(OperatorAction::Release(Scope::Whisker(_))) => "release whisker",
+    Event::Operator(OperatorAction::Replaced(_)) => "replaced",
+    Event::Operator(OperatorAction::Rebaseline(_)) => "rebaseline",
+    Event::PolicyChanged => "policy changed",
+    Event::Tick => "tick",
+}
+
+closed_list! {
+    EFFECTS, effect_of(Effect):
+    Effect::Contact(_) => "contact",
+    Effect::UnknownWhisker { .. } => "unknown whisker",
+    Effect::BadTime { .. } => "bad time",
+    Effect::Condition { .. } => "condition",
+    Effect::Fault { .. } => "fault",
+    Effect::Trim(_) => "trim",
+    Effect::Decided(_) => "decided",
+    Effect::Ended { .. } => "ended",
+    Effect::Command(_) => "command",
+    Effect::Resend(_) => "resend",
+    Effect::CommandState { .. } => "command state",
+    Effect::Response(_) => "response",
+    Effect::Error(_) => "error",
+    Effect::Refined(_) => "refined",
+    Effect::Approved { .. } => "approved",
+    Effect::Alarm { .. } => "alarm",
+    Effect::AlarmCleared { .. } => "alarm cleared",
+    Effect::Gone { .. } => "gone",
+    Effect::AskForFactsheet => "ask for factsheet",
+}
+
+/// An event that owns its content, to be played as often as needed.
 #[derive(Debug, Clone)]
 enum Said {
     Connection(usize, Link),
-    Factsheet(usize),
+    /// With the layout of this number.
+    Factsheet(usize, usize),
     Contacts(usize, u64, Vec<Contact<'static>>),
     Status(usize, Micros, Vec<WhiskerStatus<'static>>),
     Setpoint(usize, Command, SetpointReport, Micros),
-    Hold(bool, u16),
+    Operator(OperatorAction<'static>),
+    PolicyChanged(Mode),
     Tick,
 }
 
@@ -62,42 +138,70 @@ impl Plant {
         self.now = Micros(self.now.0 + us);
     }
 
-    fn next(&mut self) -> Said {
+    fn next(&mut self, robot: &Robot) -> Said {
         self.passes(20_000);
+        // Mostly a factsheet follows a birth at once.
+        let is_known = robot.sequence(BOOTS[self.boot]).is_some();
+        if !is_known && self.random.random_bool(0.5) {
+            return Said::Factsheet(self.boot, 0);
+        }
         match self.random.random_range(0..1000) {
             0..700 => self.contacts(),
             700..850 => self.status(),
-            850..960 => {
+            850..952 => {
                 self.passes(250_000);
                 Said::Tick
             }
-            960..975 => self.answer(),
-            975..978 => {
+            952..970 => self.answer(),
+            970..976 => {
                 let whisker = self.random.random_range(0..usize::from(WHISKERS));
                 self.lengths_mm[whisker] = (self.lengths_mm[whisker] - 6.0).max(40.0);
                 self.contacts()
             }
-            978..982 => {
+            976..979 => {
                 self.dead_gauge = (self.dead_gauge.is_none()).then(|| self.random.random_range(0..WHISKERS));
                 self.contacts()
             }
-            982..986 => {
+            979..981 => {
                 self.passes(20_000_000);
                 Said::Tick
             }
             // Longer than a gap may stay open while a robot is heard.
-            986..988 => {
+            981..982 => {
                 self.passes(400_000_000);
                 self.contacts()
             }
-            988..992 => Said::Hold(self.random.random(), self.random.random_range(0..WHISKERS)),
-            992..995 => {
+            982..994 => Said::Operator(self.action(robot)),
+            994..995 => {
                 self.boot = (self.boot + 1).min(BOOTS.len() - 1);
                 Said::Connection(self.boot, Link::Online)
             }
-            995..996 => Said::Connection(self.boot, Link::Broken),
+            995..996 => Said::Connection(self.boot, if self.random.random() { Link::Broken } else { Link::Offline }),
             996..998 => Said::Connection(self.boot, Link::Online),
-            _ => Said::Factsheet(self.boot),
+            998..999 => {
+                let mode = if self.random.random() { Mode::Advise } else { Mode::Automatic };
+                Said::PolicyChanged(mode)
+            }
+            _ => Said::Factsheet(
+                self.boot,
+                if self.random.random_bool(0.3) { self.random.random_range(0..LAYOUTS) } else { 0 },
+            ),
+        }
+    }
+
+    fn action(&mut self, robot: &Robot) -> OperatorAction<'static> {
+        let whisker = Place { array: ARRAY, whisker: self.random.random_range(0..WHISKERS) };
+        let proposed = robot.compensations().iter().find(|one| one.is_proposed()).map(|one| one.id());
+        match (proposed, self.random.random_range(0..16)) {
+            (Some(compensation), 0..8) => OperatorAction::Approve { compensation },
+            (Some(compensation), 8..12) => OperatorAction::Refuse { compensation },
+            (_, 0) => OperatorAction::Hold(Scope::Robot),
+            (_, 1..4) => OperatorAction::Release(Scope::Robot),
+            (_, 4..6) => OperatorAction::Hold(Scope::Whisker(whisker)),
+            (_, 6..10) => OperatorAction::Release(Scope::Whisker(whisker)),
+            (_, 10..12) => OperatorAction::Setpoint { whisker, pressure_mpa: self.random.random_range(0.0..0.2) },
+            (_, 12..14) => OperatorAction::Replaced(whisker),
+            (_, _) => OperatorAction::Rebaseline(whisker),
         }
     }
 
@@ -149,8 +253,15 @@ impl Plant {
                 whisker,
                 pressure: if strange == 10 { Megapascal::known(0.07) } else { setpoint },
                 setpoint: if is_strange { Megapascal::known(0.13) } else { setpoint },
-                regulator: if strange == 11 { RegulatorState::Leak } else { RegulatorState::Ok },
-                gauge: GaugeState::Ok,
+                regulator: match strange {
+                    11 => RegulatorState::Leak,
+                    12 => RegulatorState::Filling,
+                    13 => RegulatorState::Venting,
+                    14 => RegulatorState::SupplyLow,
+                    15 => RegulatorState::Fault,
+                    _ => RegulatorState::Ok,
+                },
+                gauge: if strange == 16 { GaugeState::Saturated } else { GaugeState::Ok },
             }
         });
         let whiskers = whiskers.collect();
@@ -171,47 +282,80 @@ impl Plant {
         if self.under_way.is_empty() {
             return Said::Tick;
         }
-        let command = self.under_way.remove(0);
-        let report = match self.random.random_range(0..8) {
+        let report = match self.random.random_range(0..24) {
             0 => SetpointReport::Failed,
-            1 => SetpointReport::Received,
+            1 => SetpointReport::Superseded,
+            2 => SetpointReport::Rejected(Rejection::Stale),
+            3 => SetpointReport::Rejected(Rejection::Expired),
+            4 => SetpointReport::Rejected(Rejection::OutOfRange),
+            5 => SetpointReport::Rejected(Rejection::UnknownWhisker),
+            6 => SetpointReport::Rejected(Rejection::WrongBoot),
+            7 => SetpointReport::Rejected(Rejection::NotReady),
+            // These are followed by another report.
+            8..10 => return Said::Setpoint(self.boot, self.under_way[0].clone(), SetpointReport::Received, self.now),
+            10..12 => return Said::Setpoint(self.boot, self.under_way[0].clone(), SetpointReport::Applying, self.now),
             _ => {
+                let command = &self.under_way[0];
                 self.pressures[command.whisker] = command.pressure;
                 SetpointReport::Applied(command.pressure)
             }
         };
-        Said::Setpoint(self.boot, command, report, self.now)
+        Said::Setpoint(self.boot, self.under_way.remove(0), report, self.now)
     }
 }
 
-fn params() -> Params {
+fn params(mode: Mode) -> Params {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = 60;
+    params.refinement.first_look_contacts = 60;
+    params.policy.mode = mode;
     params
 }
 
-fn factsheet() -> Factsheet {
+const LAYOUTS: usize = 4;
+
+/// Layout 0; with other neighbours; with another whisker in the place of one; and without the last whisker.
+fn factsheet(layout: usize) -> Factsheet {
+    let whiskers = if layout == 3 { WHISKERS - 1 } else { WHISKERS };
     let whisker = |number: u16| WhiskerSheet {
         number,
         x_mm: 25.0 * f64::from(number),
         y_mm: 0.0,
         model: "nguyen-2021".into(),
-        length: Millimetre::known([70.0, 68.0, 66.0, 70.0][usize::from(number)]),
+        length: Millimetre::known(if layout == 2 { 69.0 } else { [70.0, 68.0, 66.0, 70.0][usize::from(number)] }),
         pressure: Megapascal::known(0.1),
         pressure_max: Megapascal::EXAMINED_MAX,
-        neighbours: (0..WHISKERS).filter(|other| other.abs_diff(number) == 1).collect(),
+        neighbours: (0..whiskers)
+            .filter(|other| other.abs_diff(number) == 1 || (layout == 1 && other.abs_diff(number) == 3))
+            .collect(),
     };
-    let whiskers = (0..WHISKERS).map(whisker).collect();
+    let whiskers = (0..whiskers).map(whisker).collect();
     Factsheet { arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, whiskers }] }
 }
 
-/// Steps a robot; what came of it, but for what is not stored: when the factsheet was asked for.
-fn step(robot: &mut Robot, params: &Params, now: Micros, said: &Said) -> Vec<Effect> {
+/// The result of a step.
+#[derive(Debug, Clone, PartialEq)]
+struct Step {
+    outcome: Outcome,
+    /// Without requests for the factsheet: when the last one was made is not stored.
+    effects: Vec<Effect>,
+}
+
+/// Steps a robot; `kind` is called with the name of the event's kind.
+fn step(robot: &mut Robot, params: &Params, now: Micros, said: &Said, kind: &mut impl FnMut(&'static str)) -> Step {
     let mut effects = Vec::new();
-    let mut tell = |event: &Event<'_>| robot.step(params, now, event, &mut effects);
-    match said {
+    let mut tell = |event: &Event<'_>| {
+        let outcome = robot.step(params, now, event, &mut effects);
+        if outcome == Outcome::Taken {
+            kind(kind_of(event));
+        }
+        outcome
+    };
+    let outcome = match said {
         Said::Connection(boot, link) => tell(&Event::Connection { boot_id: BOOTS[*boot], link: *link }),
-        Said::Factsheet(boot) => tell(&Event::Factsheet { boot_id: BOOTS[*boot], factsheet: &factsheet() }),
+        Said::Factsheet(boot, layout) => {
+            tell(&Event::Factsheet { boot_id: BOOTS[*boot], factsheet: &factsheet(*layout) })
+        }
         Said::Contacts(boot, seq, contacts) => tell(&Event::Contacts { boot_id: BOOTS[*boot], seq: *seq, contacts }),
         Said::Status(boot, robot_time, whiskers) => {
             tell(&Event::Status { boot_id: BOOTS[*boot], robot_time: *robot_time, whiskers })
@@ -220,15 +364,12 @@ fn step(robot: &mut Robot, params: &Params, now: Micros, said: &Said) -> Vec<Eff
             let (boot_id, report, robot_time) = (BOOTS[*boot], *report, *robot_time);
             tell(&Event::Setpoint { boot_id, command: command.key, report, robot_time })
         }
-        Said::Hold(holds, whisker) => {
-            let scope = Scope::Whisker(Place { array: ARRAY, whisker: *whisker });
-            let action = if *holds { OperatorAction::Hold(scope) } else { OperatorAction::Release(scope) };
-            tell(&Event::Operator(&action))
-        }
+        Said::Operator(action) => tell(&Event::Operator(action)),
+        Said::PolicyChanged(_) => tell(&Event::PolicyChanged),
         Said::Tick => tell(&Event::Tick),
     };
     effects.retain(|effect| *effect != Effect::AskForFactsheet);
-    effects
+    Step { outcome, effects }
 }
 
 /// As a store would: what is marked is written.
@@ -239,7 +380,8 @@ struct Store {
 }
 
 impl Store {
-    fn write(&mut self, robot: &mut Robot) {
+    /// Returns how many parts were written.
+    fn write(&mut self, robot: &mut Robot) -> usize {
         let changed = robot.has_changed();
         let (mut indices, head) = (Vec::new(), robot.take_changed());
         robot.take_changed_whiskers(|index| indices.push(index));
@@ -249,9 +391,15 @@ impl Store {
             self.head = robot.to_bytes().unwrap();
         }
         self.whiskers.resize(robot.whisker_count(), Vec::new());
-        for index in indices {
+        for &index in &indices {
             self.whiskers[index] = robot.whisker_to_bytes(index).unwrap();
         }
+        usize::from(head) + indices.len()
+    }
+
+    fn parts_other_than(&self, before: &Self) -> usize {
+        let is_other = |&index: &usize| before.whiskers.get(index) != Some(&self.whiskers[index]);
+        usize::from(self.head != before.head) + (0..self.whiskers.len()).filter(is_other).count()
     }
 
     fn all_of(robot: &Robot) -> Self {
@@ -273,35 +421,62 @@ impl Store {
 
 /// One life of a robot, with every step written as a store would.
 struct Life {
-    params: Params,
-    told: Vec<(Micros, Said)>,
-    effects: Vec<Vec<Effect>>,
+    /// For [`Mode::Automatic`] and [`Mode::Advise`].
+    params: [Params; 2],
+    /// Events, each with its time and the mode from then on.
+    told: Vec<(Micros, Mode, Said)>,
+    steps: Vec<Step>,
     /// After each event.
     stored: Vec<Store>,
+    /// How often each kind of event was taken.
+    kinds: BTreeMap<&'static str, usize>,
+    /// Parts that were written, and those of them that had not changed.
+    written: [usize; 2],
 }
 
 impl Life {
     fn new(seed: u64, events: usize) -> Self {
-        let (mut plant, params) = (Plant::new(seed), params());
+        let mut plant = Plant::new(seed);
         let mut robot = Robot::new(1, Numbers::default());
-        let mut life = Self { params, told: Vec::new(), effects: Vec::new(), stored: Vec::new() };
+        let mut life = Self {
+            params: [Mode::Automatic, Mode::Advise].map(params),
+            told: Vec::new(),
+            steps: Vec::new(),
+            stored: Vec::new(),
+            kinds: BTreeMap::new(),
+            written: [0; 2],
+        };
         let mut store = Store::default();
-        let born = [Said::Connection(0, Link::Online), Said::Factsheet(0)];
+        let mut mode = if seed.is_multiple_of(2) { Mode::Automatic } else { Mode::Advise };
+        let born = [Said::Connection(0, Link::Online), Said::Factsheet(0, 0)];
         for at in 0..events {
-            let said = born.get(at).cloned().unwrap_or_else(|| plant.next());
-            let effects = step(&mut robot, &life.params, plant.now, &said);
-            plant.under_way.extend(effects.iter().filter_map(|effect| match effect {
+            let said = born.get(at).cloned().unwrap_or_else(|| plant.next(&robot));
+            if let Said::PolicyChanged(next) = said {
+                mode = next;
+            }
+            let mut kind = |name| *life.kinds.entry(name).or_default() += 1;
+            let step = step(&mut robot, &life.params[usize::from(mode == Mode::Advise)], plant.now, &said, &mut kind);
+            plant.under_way.extend(step.effects.iter().filter_map(|effect| match effect {
                 Effect::Command(command) => Some((**command).clone()),
                 _ => None,
             }));
-            store.write(&mut robot);
+            let before = store.clone();
+            let written = store.write(&mut robot);
             let unmarked = store.first_difference(&Store::all_of(&robot));
             assert_eq!(unmarked, None, "seed {seed}: a change by event {at} is not marked: {said:?}");
-            life.told.push((plant.now, said));
-            life.effects.push(effects);
+            life.written[0] += written;
+            life.written[1] += written - store.parts_other_than(&before);
+            life.told.push((plant.now, mode, said));
+            life.steps.push(step);
             life.stored.push(store.clone());
         }
         life
+    }
+
+    /// Plays event `at` to a robot.
+    fn play(&self, robot: &mut Robot, at: usize) -> Step {
+        let (now, mode, said) = &self.told[at];
+        step(robot, &self.params[usize::from(*mode == Mode::Advise)], *now, said, &mut |_| ())
     }
 
     /// From what was stored after event `from`, everything since once more.
@@ -310,40 +485,39 @@ impl Life {
         let mut robot = Robot::restore(head, whiskers).unwrap();
         assert_eq!(Store::all_of(&robot), self.stored[from]);
         for at in from + 1..self.told.len() {
-            let (now, said) = &self.told[at];
-            assert_eq!(
-                step(&mut robot, &self.params, *now, said),
-                self.effects[at],
-                "from {from}, event {at}: {said:?}"
-            );
+            let said = &self.told[at].2;
+            assert_eq!(self.play(&mut robot, at), self.steps[at], "from {from}, event {at}: {said:?}");
             let differs = Store::all_of(&robot).first_difference(&self.stored[at]);
             assert_eq!(differs, None, "from {from}, event {at}: {said:?}");
         }
     }
 }
 
-/// Lives in which whiskers are cut and served, gauges fail, messages are missed and come again, and robots start anew.
+/// Lives in which whiskers are cut and served, gauges fail, messages are missed and come again, robots start anew,
+/// operators act and policies change.
 #[test]
 fn property_every_change_is_marked_and_what_was_stored_goes_on_as_it_did() {
-    let mut kinds = [0_usize; 5];
-    for seed in 0..12 {
-        let life = Life::new(seed, 1500);
-        for effect in life.effects.iter().flatten() {
-            let kind = match effect {
-                Effect::Trim(_) => 0,
-                Effect::Command(_) => 1,
-                Effect::Fault { .. } => 2,
-                Effect::Ended { .. } => 3,
-                Effect::Alarm { .. } => 4,
-                _ => continue,
-            };
-            kinds[kind] += 1;
-        }
-        for from in [1, 200 + 37 * seed as usize, 1200] {
+    let (mut kinds, mut effects, mut written) = (BTreeMap::new(), BTreeMap::new(), [0; 2]);
+    for seed in 0..16 {
+        let life = Life::new(seed, 2500);
+        life.kinds.iter().for_each(|(kind, count)| *kinds.entry(*kind).or_insert(0) += count);
+        life.steps
+            .iter()
+            .flat_map(|step| &step.effects)
+            .for_each(|one| *effects.entry(effect_of(one)).or_insert(0) += 1);
+        written = [written[0] + life.written[0], written[1] + life.written[1]];
+        for from in [1, 200 + 37 * seed as usize, 2200] {
             life.again_from(from);
         }
     }
-    assert!(kinds.iter().all(|&count| count > 5), "lives are eventful: {kinds:?}");
+    for kind in KINDS {
+        assert!(kinds.contains_key(kind), "no life has an event {kind:?} that is taken: {kinds:?}");
+    }
+    for effect in EFFECTS.iter().filter(|effect| **effect != effect_of(&Effect::AskForFactsheet)) {
+        assert!(effects.contains_key(effect), "no life has an effect {effect:?}: {effects:?}");
+    }
+    let [all, unchanged] = written;
+    assert!(50 * unchanged < all, "{unchanged} of {all} parts were written although they had not changed");
 }
 
 /// Time alone tells silence, also after contacts: a robot that looks at its whiskers only when something can have
@@ -352,11 +526,10 @@ fn property_every_change_is_marked_and_what_was_stored_goes_on_as_it_did() {
 fn property_a_tick_with_nothing_to_do_says_what_a_full_look_says() {
     for seed in 100..106 {
         let life = Life::new(seed, 600);
-        for at in (1..life.told.len()).filter(|&at| matches!(life.told[at].1, Said::Tick)) {
+        for at in (1..life.told.len()).filter(|&at| matches!(life.told[at].2, Said::Tick)) {
             let Store { head, whiskers } = &life.stored[at - 1];
             let mut robot = Robot::restore(head, whiskers).unwrap();
-            let (now, said) = &life.told[at];
-            assert_eq!(step(&mut robot, &life.params, *now, said), life.effects[at], "seed {seed}, event {at}");
+            assert_eq!(life.play(&mut robot, at), life.steps[at], "seed {seed}, event {at}");
         }
     }
 }
@@ -412,11 +585,11 @@ fn a_robot_of_version_4_goes_on_once_it_has_said_its_time_again() {
     let mut robot = Robot::from_bytes(&parts[0], &parts[1..], 2, Micros(1_795_260_000_000_000)).unwrap();
     let (boot_id, now) = (robot.connection_state().0.unwrap().to_owned(), Micros(1_795_260_001_000_000));
     let mut effects = Vec::new();
-    let mut step = |event: &Event<'_>| robot.step(&params(), now, event, &mut effects);
+    let mut step = |event: &Event<'_>| robot.step(&params(Mode::Automatic), now, event, &mut effects);
     step(&Event::Connection { boot_id: &boot_id, link: Link::Online });
     let whisker = Place { array: ARRAY, whisker: 3 };
     let by_hand = Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.05 });
-    assert!(matches!(step(&by_hand), vibrissa_core::robot::Outcome::Refused(_)), "its clock is not known");
+    assert!(matches!(step(&by_hand), Outcome::Refused(_)), "its clock is not known");
     step(&Event::Status { boot_id: &boot_id, robot_time: now, whiskers: &[] });
     step(&by_hand);
     step(&Event::Tick);

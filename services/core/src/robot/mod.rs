@@ -24,82 +24,44 @@ pub mod state;
 mod view;
 mod what_if;
 
-use borsh::{BorshDeserialize, BorshSerialize};
-use smallvec::SmallVec;
-
 pub use action::{ActionProblem, OperatorAction, Place, Scope};
 pub use codec::robot::RestoreError;
 pub use compensation::Compensation;
 pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;
+pub use state::head::Array;
 pub use state::sequence::{Admission, Sequence, Sequences};
 pub use state::sheet::Sheet;
 pub use state::whisker::Whisker;
 pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
 
-use crate::text::ShortText;
 use crate::units::Micros;
-use event::{ArrayKind, Factsheet, Link};
+use event::{Factsheet, Link};
 use state::clock::{Clock, Told};
 use state::deadline::Quiet;
+use state::head::Head;
 use state::moment::Moment;
 use state::places::Places;
+use state::tracked::{KnownCompensations, Tracked, Whiskers};
 
 /// One robot: its numbers, its whiskers, its compensations.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
-    epoch: u64,
-    link: Link,
-    /// The newest boot, as its birth said.
-    boot_id: Option<ShortText>,
-    /// The clock of that boot.
-    clock: Clock,
-    sequences: Sequences,
-    arrays: Vec<Array>,
-    compensations: Vec<Compensation>,
-    next_version: u64,
-    next_trim: u32,
-    next_compensation: u32,
-    /// Something has changed that a decision rests on.
-    undecided: bool,
-    /// An operator holds all whiskers, also those that come later.
-    held: bool,
-    /// Since when this program listens: silence before that is not the robot's.
-    listening_since: Micros,
-    /// What is done about a factsheet that is missing.
-    #[borsh(skip)]
+    /// Stored as one piece, see [`Robot::to_bytes`].
+    head: Tracked<Head>,
+    /// Stored one by one.
+    whiskers: Whiskers,
+    // What follows is not stored.
+    /// The factsheet of the newest boot, as long as it is missing.
     awaited: Awaited,
-    /// It was taken up, not met for the first time: what its whiskers hold may have been set by commands that are not
-    /// remembered here, because the database was restored or the state could not be read.
-    is_taken_up: bool,
-    #[borsh(skip)]
-    changed: bool,
-    /// Stored one by one: see [`Robot::to_bytes`].
-    #[borsh(skip)]
-    whiskers: Vec<Whisker>,
-    /// Follows from the layout.
-    #[borsh(skip)]
+    /// Index of whiskers by array and number; follows from the layout.
     places: Places,
-    /// Those whose alarms are to be looked at, at the end of this step.
-    #[borsh(skip)]
-    touched: SmallVec<[u32; TOUCHED]>,
-    /// What a tick would find out anyway.
-    #[borsh(skip)]
+    /// Compensations as of the last step, to find what has changed since.
+    known_compensations: KnownCompensations,
+    /// Time until which a tick has nothing to do.
     quiet: Quiet,
-}
-
-/// An array of the factsheet.
-#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
-pub struct Array {
-    /// Name.
-    pub name: ShortText,
-    /// Kind.
-    pub kind: ArrayKind,
-    /// Index and number of its first whisker; they follow from the layout.
-    #[borsh(skip)]
-    first: (u32, u16),
 }
 
 /// The first free numbers of a robot's trims and compensations.
@@ -111,8 +73,6 @@ pub struct Numbers {
     pub next_compensation: u32,
 }
 
-/// Whiskers that an ordinary message is about, at the most: of more the list lies elsewhere.
-const TOUCHED: usize = 24;
 /// A factsheet that does not come by itself is asked for after this, and again.
 const FACTSHEET_PATIENCE: Micros = Micros(2_000_000);
 
@@ -150,55 +110,43 @@ impl Robot {
     /// 0 for one that was never supervised.
     #[must_use]
     pub fn new(epoch: u64, numbers: Numbers) -> Self {
-        Self {
-            epoch,
-            link: Link::Offline,
-            boot_id: None,
-            clock: Clock::default(),
-            sequences: Sequences::default(),
-            arrays: Vec::new(),
-            compensations: Vec::new(),
-            next_version: 0,
-            next_trim: numbers.next_trim,
-            next_compensation: numbers.next_compensation,
-            undecided: false,
-            held: false,
-            listening_since: Micros::default(),
+        Self::of(Tracked::new(Head::new(epoch, numbers)), Whiskers::default())
+    }
+
+    fn of(head: Tracked<Head>, whiskers: Whiskers) -> Self {
+        let mut robot = Self {
+            head,
+            whiskers,
             awaited: Awaited::Not,
-            is_taken_up: false,
-            changed: true,
-            whiskers: Vec::new(),
             places: Places::default(),
-            touched: SmallVec::new(),
+            known_compensations: KnownCompensations::new(),
             quiet: Quiet::default(),
-        }
+        };
+        robot.index_places();
+        robot.know_compensations();
+        robot
     }
 
     /// Takes one event in and says what must be done.
     ///
     /// `now` is the supervisor's clock. Effects are appended, so that the caller can use one buffer again.
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
-        if let Event::Factsheet { boot_id, factsheet } = *event
-            && self.is_told(boot_id, factsheet)
-        {
-            return Outcome::Duplicate;
-        }
-        let was_undecided = self.undecided;
-        match event {
-            Event::Contacts { .. } | Event::Status { .. } => {
-                self.quiet.not_beyond(now.after(params.health.stale_after))
+        let outcome = self.handle(params, now, event, effects);
+        match outcome {
+            Outcome::Taken | Outcome::BadTime => {
+                if is_for_policy(event) {
+                    self.head.undecided = true;
+                }
+                self.finish_step(params, now, effects);
             }
-            Event::Tick => {}
-            Event::Connection { .. }
-            | Event::Factsheet { .. }
-            | Event::Setpoint { .. }
-            | Event::Operator(_)
-            | Event::PolicyChanged => {
-                self.quiet.end();
-                self.touch_all();
-            }
+            // Nothing was made of the event: nothing follows from it.
+            Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot | Outcome::Refused(_) => {}
         }
-        let outcome = match *event {
+        outcome
+    }
+
+    fn handle(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
+        match *event {
             Event::Connection { boot_id, link } => self.connection(params, now, boot_id, link, effects),
             Event::Factsheet { boot_id, factsheet } => self.factsheet(params, now, boot_id, factsheet, effects),
             Event::Contacts { boot_id, seq, contacts } => self.contacts(params, now, boot_id, seq, contacts, effects),
@@ -206,8 +154,8 @@ impl Robot {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
                 }
-                let is_plausible = self.clock.plausible(now).contains(&robot_time);
-                self.hear_time(now, robot_time, Told::Live);
+                let is_plausible = self.head.clock.plausible(now).contains(&robot_time);
+                self.head.clock.hear(now, robot_time, Told::Live);
                 if !is_plausible {
                     // The next one comes within seconds.
                     return Outcome::BadTime;
@@ -222,7 +170,7 @@ impl Robot {
                     return Outcome::OldBoot;
                 }
                 // Nothing but the clock's estimate rests on the time of an answer.
-                self.hear_time(now, robot_time, Told::Live);
+                self.head.clock.hear(now, robot_time, Told::Live);
                 self.setpoint_reported(params, now, command, report, effects);
                 Outcome::Taken
             }
@@ -235,20 +183,11 @@ impl Robot {
                 self.tick(params, now, effects);
                 Outcome::Taken
             }
-        };
-        self.decide(params, now, effects);
-        self.tell_alarms(effects);
-        self.changed |= self.undecided != was_undecided;
-        outcome
+        }
     }
 
     fn is_old(&self, boot_id: &str) -> bool {
-        self.boot_id.as_ref().is_none_or(|newest| *newest != *boot_id)
-    }
-
-    fn hear_time(&mut self, now: Micros, robot_time: Micros, told: Told) {
-        self.clock.hear(now, robot_time, told);
-        self.changed = true;
+        self.head.boot_id.as_ref().is_none_or(|newest| *newest != *boot_id)
     }
 
     fn connection(
@@ -261,26 +200,25 @@ impl Robot {
     ) -> Outcome {
         if self.is_old(boot_id) {
             // The order of receipt counts: a birth makes its boot the newest, an end speaks of its own only.
-            if link != Link::Online || self.sequences.is_old(boot_id) {
+            if link != Link::Online || self.head.sequences.is_old(boot_id) {
                 return Outcome::OldBoot;
             }
             self.abandon_commands(effects);
             // Those who were given up may serve again.
-            self.undecided = true;
-            self.boot_id = Some(boot_id.into());
+            self.head.undecided = true;
+            self.head.boot_id = Some(boot_id.into());
             // A clock may go back with a new boot.
-            self.clock = Clock::default();
+            self.head.clock = Clock::default();
         }
-        self.link = link;
-        self.changed = true;
-        self.sequences.wait_anew();
+        self.head.link = link;
+        self.head.sequences.wait_anew();
         if link != Link::Online {
             self.forget_manual();
         }
         for index in 0..self.whiskers.len() {
             self.refresh_fault(params, now, index, effects);
         }
-        if link == Link::Online && self.sequences.of(boot_id).is_none() {
+        if link == Link::Online && self.head.sequences.of(boot_id).is_none() {
             self.awaited = Awaited::Since(now);
         }
         Outcome::Taken
@@ -289,10 +227,11 @@ impl Robot {
     /// Asks for a factsheet that has not followed its birth.
     fn await_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
         let Awaited::Since(since) = self.awaited else { return };
-        let is_missing = self.boot_id.as_ref().is_some_and(|boot_id| self.sequences.of(boot_id.as_str()).is_none());
+        let is_missing =
+            self.head.boot_id.as_ref().is_some_and(|boot_id| self.head.sequences.of(boot_id.as_str()).is_none());
         if !is_missing {
             self.awaited = Awaited::Not;
-        } else if self.link == Link::Online && now.since(since) >= FACTSHEET_PATIENCE {
+        } else if self.head.link == Link::Online && now.since(since) >= FACTSHEET_PATIENCE {
             self.ask_for_factsheet(now, effects);
         }
     }
@@ -311,7 +250,7 @@ impl Robot {
 
     /// Whether a factsheet says nothing that is not known of this boot: it was retained, or asked for.
     fn is_told(&self, boot_id: &str, factsheet: &Factsheet) -> bool {
-        !self.is_old(boot_id) && self.sequences.of(boot_id).is_some() && self.is_as_known(factsheet)
+        !self.is_old(boot_id) && self.head.sequences.of(boot_id).is_some() && self.is_as_known(factsheet)
     }
 
     fn factsheet(
@@ -322,20 +261,22 @@ impl Robot {
         factsheet: &Factsheet,
         effects: &mut Vec<Effect>,
     ) -> Outcome {
+        if self.is_told(boot_id, factsheet) {
+            return Outcome::Duplicate;
+        }
         if self.is_old(boot_id) {
             return Outcome::OldBoot;
         }
-        self.sequences.begin(boot_id);
-        self.changed = true;
+        self.head.sequences.begin(boot_id);
         if !self.is_as_known(factsheet) {
             self.lay_out(params, factsheet, effects);
         }
         // A whisker that the robot has and that never says anything becomes stale, too.
-        for whisker in &mut self.whiskers {
-            whisker.changed |= whisker.heard == Moment::NONE;
-            whisker.heard.get_or_insert(now);
+        for index in 0..self.whiskers.len() {
+            if self.whiskers[index].heard == Moment::NONE {
+                self.whiskers[index].heard = Moment::at(now);
+            }
         }
-        self.touch_all();
         Outcome::Taken
     }
 
@@ -348,31 +289,30 @@ impl Robot {
         contacts: &[event::Contact<'_>],
         effects: &mut Vec<Effect>,
     ) -> Outcome {
-        let (admission, changed) = self.sequences.admit(boot_id, seq, now);
-        self.changed |= changed;
-        match admission {
+        let Some(sequence) = self.head.sequences.of(boot_id) else {
+            if self.head.sequences.is_old(boot_id) {
+                return Outcome::OldBoot;
+            }
+            self.ask_for_factsheet(now, effects);
+            return Outcome::NotYet(Admission::UnknownBoot);
+        };
+        // Read first: a robot that sends everything again must not make its state be written again each time.
+        if sequence.is_plain_duplicate(seq) {
+            return Outcome::Duplicate;
+        }
+        match self.head.sequences.admit(boot_id, seq, now) {
             Admission::New => {}
-            Admission::Duplicate => {
-                self.changed |= self.has_gap(boot_id);
-                return Outcome::Duplicate;
-            }
-            Admission::UnknownBoot if self.sequences.is_old(boot_id) => return Outcome::OldBoot,
-            Admission::UnknownBoot => {
-                self.ask_for_factsheet(now, effects);
-                return Outcome::NotYet(Admission::UnknownBoot);
-            }
-            Admission::TooManyGaps => {
-                self.changed = true;
-                return Outcome::NotYet(Admission::TooManyGaps);
-            }
+            Admission::Duplicate => return Outcome::Duplicate,
+            not_yet @ (Admission::UnknownBoot | Admission::TooManyGaps) => return Outcome::NotYet(not_yet),
         }
         let is_newest = !self.is_old(boot_id);
-        let plausible = if is_newest { self.clock.plausible(now) } else { self.clock.plausible_of_older_boot(now) };
+        let plausible =
+            if is_newest { self.head.clock.plausible(now) } else { self.head.clock.plausible_of_older_boot(now) };
         if is_newest {
             // One sample of a message, however many contacts it has; if none of its times can be right, any of them says so.
             let mut times = contacts.iter().map(|contact| contact.robot_time);
             let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
-            self.hear_time(now, newest.unwrap_or_default(), Told::Later);
+            self.head.clock.hear(now, newest.unwrap_or_default(), Told::Later);
         }
         for (position, contact) in contacts.iter().enumerate() {
             if plausible.contains(&contact.robot_time) {
@@ -383,5 +323,18 @@ impl Robot {
             }
         }
         Outcome::Taken
+    }
+}
+
+/// Whether the policy looks at all arrays after an event, whatever it changed.
+fn is_for_policy(event: &Event<'_>) -> bool {
+    match event {
+        Event::Operator(_) | Event::PolicyChanged => true,
+        Event::Connection { .. }
+        | Event::Factsheet { .. }
+        | Event::Contacts { .. }
+        | Event::Status { .. }
+        | Event::Setpoint { .. }
+        | Event::Tick => false,
     }
 }

@@ -13,7 +13,7 @@ impl Robot {
     /// Index of a whisker.
     #[must_use]
     pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
-        let array = self.arrays.iter().position(|known| known.name == *array)?;
+        let array = self.head.arrays.iter().position(|known| known.name == *array)?;
         self.place(array as u16, number)
     }
 
@@ -21,7 +21,7 @@ impl Robot {
     #[must_use]
     pub fn whisker(&self, index: WhiskerIndex) -> Option<WhiskerView<'_>> {
         let whisker = self.whiskers.get(index)?;
-        let array = &self.arrays[usize::from(whisker.array)];
+        let array = &self.head.arrays[usize::from(whisker.array)];
         Some(WhiskerView {
             array: array.name.as_str(),
             kind: array.kind,
@@ -45,7 +45,7 @@ impl Robot {
     /// Whether an operator holds the whole robot.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        self.held
+        self.head.held
     }
 
     /// Whether contacts messages of a boot are missing: then also one that is not taken moves the times from which the
@@ -57,7 +57,7 @@ impl Robot {
 
     /// Names of its arrays, in the order of the factsheet.
     pub fn arrays(&self) -> impl Iterator<Item = &str> {
-        self.arrays.iter().map(|array| array.name.as_str())
+        self.head.arrays.iter().map(|array| array.name.as_str())
     }
 
     /// Number of whiskers; indices are below.
@@ -69,13 +69,13 @@ impl Robot {
     /// The newest boot and its connection.
     #[must_use]
     pub fn connection_state(&self) -> (Option<&str>, Link) {
-        (self.boot_id.as_ref().map(ShortText::as_str), self.link)
+        (self.head.boot_id.as_ref().map(ShortText::as_str), self.head.link)
     }
 
     /// What a receipt says: the numbers of that boot.
     #[must_use]
     pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {
-        self.sequences.of(boot_id)
+        self.head.sequences.of(boot_id)
     }
 
     /// Setpoints that are not settled yet.
@@ -86,7 +86,7 @@ impl Robot {
     /// Compensations in force, and those that wait for approval.
     #[must_use]
     pub fn compensations(&self) -> &[Compensation] {
-        &self.compensations
+        &self.head.compensations
     }
 }
 

@@ -63,14 +63,15 @@ impl Robot {
         let mut copy = self.clone();
         copy.cut(whisker, length)?;
         // Who would be asked and told does not hang on whether anybody listens just now.
-        copy.link = Link::Online;
+        copy.head.link = Link::Online;
         let now = copy.whiskers.iter().filter_map(|one| one.heard.get()).max().unwrap_or_default();
-        copy.clock.assume_known(now);
+        copy.head.clock.assume_known(now);
         let mut effects = Vec::new();
         // The decision is shown, whoever must approve it.
         let mut automatic = params.clone();
         automatic.policy.mode = Mode::Automatic;
-        copy.decide(&automatic, now, &mut effects);
+        copy.decide(&automatic, &mut effects);
+        copy.reconcile_all(&automatic, now, &mut effects);
         // What is sent again anyway has nothing to do with the cut.
         let is_new = |index: WhiskerIndex| copy.whiskers[index].desired != self.whiskers[index].desired;
         Ok(WhatIf::of(effects, is_new))
@@ -78,7 +79,10 @@ impl Robot {
 
     /// The state that a trim leaves which was found and whose length is settled.
     fn cut(&mut self, index: WhiskerIndex, length: Millimetre) -> Result<(), WhatIfError> {
-        let one = self.whiskers.get_mut(index).ok_or(WhatIfError::UnknownWhisker(index))?;
+        if index >= self.whiskers.len() {
+            return Err(WhatIfError::UnknownWhisker(index));
+        }
+        let one = &mut self.whiskers[index];
         let estimate_mm = one.filter.length().length.mm();
         // A cut that is being looked into counts from its result on.
         let present_mm = one.rare.pending_trim.map_or(estimate_mm, |pending| pending.length_before_mm);
@@ -95,7 +99,6 @@ impl Robot {
         one.refused_servers.clear();
         one.condition = Condition::Trimmed;
         one.undecided = true;
-        self.undecided = true;
         Ok(())
     }
 }

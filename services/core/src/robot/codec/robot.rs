@@ -7,8 +7,10 @@ use crate::robot::effect::WhiskerIndex;
 use crate::robot::event::Link;
 use crate::robot::params::Params;
 use crate::robot::state::clock::Clock;
+use crate::robot::state::head::Head;
 use crate::robot::state::sequence::SequencesOfVersion4;
 use crate::robot::state::sheet::share_models;
+use crate::robot::state::tracked::{Tracked, Whiskers};
 use crate::robot::state::whisker::{Holds, Whisker};
 use crate::robot::{Array, Numbers, Robot};
 use crate::text::ShortText;
@@ -37,7 +39,7 @@ struct HeadOfVersion4 {
     is_taken_up: bool,
 }
 
-impl From<HeadOfVersion4> for Robot {
+impl From<HeadOfVersion4> for Head {
     /// The clock is estimated anew from the next messages: one time alone may have been wrong.
     fn from(stored: HeadOfVersion4) -> Self {
         let HeadOfVersion4 { next_trim, next_compensation, .. } = stored;
@@ -53,18 +55,17 @@ impl From<HeadOfVersion4> for Robot {
             held: stored.held,
             listening_since: stored.listening_since,
             is_taken_up: stored.is_taken_up,
-            changed: false,
             ..Self::new(stored.epoch, Numbers { next_trim, next_compensation })
         }
     }
 }
 
 /// The head of this version, or of one that it follows.
-fn head_of(mut bytes: &[u8]) -> Result<Robot, RestoreError> {
+fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
-        STATE_VERSION => borsh::from_slice::<Robot>(bytes),
-        4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(Robot::from),
+        STATE_VERSION => borsh::from_slice::<Head>(bytes),
+        4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(Head::from),
         _ => return Err(RestoreError::Head),
     };
     head.map_err(|_| RestoreError::Head)
@@ -75,7 +76,7 @@ impl Robot {
     /// program: then what was stored before is worth more.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
-        borsh::to_vec(&(STATE_VERSION, self)).ok()
+        borsh::to_vec(&(STATE_VERSION, &*self.head)).ok()
     }
 
     /// One whisker as bytes to be stored; none beyond the last, or if it cannot be stored.
@@ -103,85 +104,87 @@ impl Robot {
     /// # Errors
     /// The bytes are neither of this version of the program nor of the one before.
     pub fn restore(head: &[u8], whiskers: &[Vec<u8>]) -> Result<Self, RestoreError> {
-        let mut robot = head_of(head)?;
-        robot.whiskers.reserve_exact(whiskers.len());
-        for (index, bytes) in whiskers.iter().enumerate() {
-            let mut whisker: Whisker = borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?;
-            whisker.mend();
-            robot.whiskers.push(whisker);
-        }
-        let within = |index: u32| (index as usize) < robot.whiskers.len();
-        if !robot.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
+        let head = head_of(head)?;
+        let read = |(index, bytes): (WhiskerIndex, &Vec<u8>)| {
+            borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))
+        };
+        let mut whiskers = whiskers.iter().enumerate().map(read).collect::<Result<Vec<Whisker>, _>>()?;
+        let within = |index: u32| (index as usize) < whiskers.len();
+        if !head.compensations.iter().all(|one| within(one.target) && within(one.compensator)) {
             return Err(RestoreError::Layout);
         }
-        share_models(&mut robot.whiskers, Vec::new());
-        robot.index_places();
+        share_models(&mut whiskers, Vec::new());
+        let mut robot = Self::of(Tracked::stored(head), Whiskers::stored(whiskers));
+        for index in 0..robot.whiskers.len() {
+            if !robot.whiskers[index].is_sound() {
+                robot.whiskers[index].mend();
+            }
+        }
         Ok(robot)
     }
 
     /// Has its whiskers share the names of their models with the parameters, as they do where a factsheet came: with
     /// thousands of robots each name of its own would be one more that is in no cache.
     pub fn share_models(&mut self, params: &Params) {
-        share_models(&mut self.whiskers, params.model_names());
+        share_models(self.whiskers.without_mark(), params.model_names());
     }
 
     /// Goes on under a new epoch, listening from `now` on: nothing is known of what was said meanwhile. It marks nothing as
     /// changed: whoever restores the robot again takes it up again.
     pub fn take_up(&mut self, epoch: u64, now: Micros) {
-        self.epoch = epoch;
-        self.is_taken_up = true;
-        self.whiskers.iter_mut().for_each(|one| one.holds = Holds::Unheard);
+        self.head.without_mark().epoch = epoch;
+        self.expect_stray_pressures();
         self.listen_from(now);
     }
 
     /// Gives no number again that the same robot in a later state has given to a setpoint: robots take no number twice, and what
     /// was sent under it is not known here.
     pub fn go_on_numbering_after(&mut self, later: &Self) {
-        self.next_version = self.next_version.max(later.next_version);
-        self.changed = true;
+        self.head.next_version = self.head.next_version.max(later.head.next_version);
     }
 
     /// The robot as one that was supervised before, by a state that may be older than what its whiskers hold, or by one
     /// that cannot be read any more.
     #[must_use]
     pub fn taken_up(mut self) -> Self {
-        self.is_taken_up = true;
-        self.whiskers.iter_mut().for_each(|one| one.holds = Holds::Unheard);
+        self.expect_stray_pressures();
         self
+    }
+
+    fn expect_stray_pressures(&mut self) {
+        self.head.without_mark().is_taken_up = true;
+        self.whiskers.without_mark().iter_mut().for_each(|one| one.holds = Holds::Unheard);
     }
 
     /// Whether the robot has told what each whisker holds since it was taken up. Until then a status may undo a stray
     /// pressure, which the same status would not do again to the robot as it was stored.
     #[must_use]
     pub fn is_settled(&self) -> bool {
-        !self.is_taken_up || self.whiskers.iter().all(|whisker| whisker.holds == Holds::Known)
+        !self.head.is_taken_up || self.whiskers.iter().all(|whisker| whisker.holds == Holds::Known)
     }
 
     /// Says that nothing could be heard before: whatever was silent until then was not silent by itself.
     pub fn listen_from(&mut self, now: Micros) {
-        self.listening_since = self.listening_since.max(now);
-        self.sequences.wait_anew();
+        let head = self.head.without_mark();
+        head.listening_since = head.listening_since.max(now);
+        head.sequences.wait_anew();
         self.quiet.end();
     }
 
     /// Whether the head or a whisker has changed since that was last taken.
     #[must_use]
     pub fn has_changed(&self) -> bool {
-        self.changed || self.whiskers.iter().any(|one| one.changed)
+        self.head.is_marked() || self.whiskers.has_changed()
     }
 
     /// Whether the head has changed since the last call.
     pub fn take_changed(&mut self) -> bool {
-        std::mem::take(&mut self.changed)
+        self.head.take_mark()
     }
 
     /// Calls `visit` for each whisker that has changed since the last call.
-    pub fn take_changed_whiskers(&mut self, mut visit: impl FnMut(WhiskerIndex)) {
-        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
-            if std::mem::take(&mut whisker.changed) {
-                visit(index);
-            }
-        }
+    pub fn take_changed_whiskers(&mut self, visit: impl FnMut(WhiskerIndex)) {
+        self.whiskers.take_changed(visit);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::robot::state::few::Few;
 use crate::robot::state::moment::Moment;
 use crate::robot::state::rare::{Rare, Rares};
 use crate::robot::state::sheet::Sheet;
+use crate::robot::state::tracked::DecisionBasis;
 use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
@@ -101,6 +102,7 @@ impl BorshDeserialize for Whisker {
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
         let contacts = counts::read_long(reader)?;
         let (heard, told_since_alarm) = BorshDeserialize::deserialize_reader(reader)?;
+        let fault = of(fault, reader)?;
         let mut read = Self {
             array,
             sheet,
@@ -125,7 +127,8 @@ impl BorshDeserialize for Whisker {
             held,
             standing,
             holds,
-            fault: of(fault, reader)?,
+            decided_on: DecisionBasis { condition, fault, given_up, held, undecided },
+            fault,
             rare: Rares::from(Rare {
                 pending_trim: of(pending_trim, reader)?,
                 whole_offset: of(whole_offset, reader)?,
@@ -138,8 +141,6 @@ impl BorshDeserialize for Whisker {
             desired: of(desired, reader)?,
             command: of(command, reader)?,
             refused_servers: of::<Few, _>(refused, reader)?.unwrap_or_default().into(),
-            changed: false,
-            touched: false,
         };
         if waits {
             (read.rare.attempts, read.rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;

@@ -63,9 +63,9 @@ impl Robot {
         seen: &Innovation,
         effects: &mut Vec<Effect>,
     ) {
-        let Some(at) = self.compensations.iter().position(|one| one.compensator() == index) else { return };
+        let Some(at) = self.head.compensations.iter().position(|one| one.compensator() == index) else { return };
         let whisker = &self.whiskers[index];
-        let running = &mut self.compensations[at];
+        let running = &mut self.head.compensations[at];
         let held = (whisker.air.setpoint.mpa() - running.pressure.mpa()).abs() < 1e-4;
         // Its baseline and noise are to be known first, if it is learned anew.
         if !running.settled || !held || whisker.condition == Condition::Learning {
@@ -86,9 +86,8 @@ impl Robot {
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
         running.after.add(contact.ratio, deviation, noise_variance);
         running.refining.since_gain.add(contact.ratio, deviation, noise_variance);
-        self.changed = true;
         let contacts = running.after.contacts();
-        let running = &self.compensations[at];
+        let running = &self.head.compensations[at];
         effects.extend(self.response(params, running, position, contact).map(Effect::Response));
         if contacts.is_multiple_of(params.measurement.every_contacts) {
             effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));

@@ -18,7 +18,7 @@ use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReas
 use crate::robot::event::ArrayKind;
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
-use crate::units::{Megapascal, Micros, Millimetre};
+use crate::units::{Megapascal, Millimetre};
 
 /// A compensation in force.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -112,35 +112,27 @@ impl Asked<'_> {
 impl Robot {
     /// The parameters are others.
     pub(in crate::robot) fn policy_changed(&mut self) {
-        for whisker in self.whiskers.iter_mut().filter(|one| !one.refused_servers.is_empty()) {
-            whisker.refused_servers.clear();
-            whisker.changed = true;
+        for index in 0..self.whiskers.len() {
+            if !self.whiskers[index].refused_servers.is_empty() {
+                self.whiskers[index].refused_servers.clear();
+            }
         }
-        self.undecided = true;
-        self.changed = true;
+        // Limits of health may be others, too.
+        self.quiet.end();
     }
 
-    /// Decides anew wherever something has changed that a decision rests on.
-    pub(in crate::robot) fn decide(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
-        if !std::mem::take(&mut self.undecided) {
-            return;
-        }
-        self.touch_all();
+    /// Decides anew about all arrays.
+    pub(in crate::robot) fn decide(&mut self, params: &Params, effects: &mut Vec<Effect>) {
         self.end_broken(effects);
-        for array in 0..self.arrays.len() {
+        for array in 0..self.head.arrays.len() {
             self.decide_array(params, array as u16, effects);
-        }
-        // What the decisions ended themselves is decided already.
-        self.undecided = false;
-        for index in 0..self.whiskers.len() {
-            self.reconcile(params, now, index, effects);
         }
     }
 
     /// Ends what cannot go on.
     fn end_broken(&mut self, effects: &mut Vec<Effect>) {
         let mut over = Vec::new();
-        for one in &self.compensations {
+        for one in &self.head.compensations {
             let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
             // A held target is not decided on: what serves it is better than nothing until it is.
             if target.undecided && !self.holds(one.target()) {
@@ -156,12 +148,9 @@ impl Robot {
 
     /// Ends a compensation; its compensator returns to its nominal pressure unless it is wanted otherwise.
     pub(in crate::robot) fn end(&mut self, id: u32, reason: EndReason, effects: &mut Vec<Effect>) {
-        let Some(at) = self.compensations.iter().position(|one| one.id == id) else { return };
-        let ended = self.compensations.remove(at);
-        self.changed = true;
-        self.undecided = true;
+        let Some(at) = self.head.compensations.iter().position(|one| one.id == id) else { return };
+        let ended = self.head.compensations.remove(at);
         self.whiskers[ended.target()].undecided = true;
-        self.whiskers[ended.target()].changed = true;
         effects.push(Effect::Ended { compensation: id, case: ended.case, reason });
         // Nothing was sent for a proposed one.
         if reason != EndReason::SetpointFailed && !ended.proposed {
@@ -206,7 +195,7 @@ impl Robot {
     }
 
     fn serving(&self, target: WhiskerIndex) -> impl Iterator<Item = &Compensation> {
-        self.compensations.iter().filter(move |one| one.target() == target)
+        self.head.compensations.iter().filter(move |one| one.target() == target)
     }
 
     /// The compensation that serves it, and by whom.
@@ -222,7 +211,7 @@ impl Robot {
     /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
     fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<Asked<'p>> {
         let whisker = &self.whiskers[target];
-        let neighbours: &[u16] = match self.arrays[usize::from(whisker.array)].kind {
+        let neighbours: &[u16] = match self.head.arrays[usize::from(whisker.array)].kind {
             ArrayKind::Type1 => &whisker.sheet.neighbours,
             ArrayKind::Type2 => &[],
         };
@@ -233,7 +222,7 @@ impl Robot {
 
     fn ask_one<'p>(&self, params: &'p Params, target: WhiskerIndex, compensator: WhiskerIndex) -> Asked<'p> {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
-        let running = self.compensations.iter();
+        let running = self.head.compensations.iter();
         let standing = running
             .filter(|running| running.target() == target && running.compensator() == compensator)
             .map(|running| (running.case, running.predicted_error))
@@ -253,7 +242,7 @@ impl Robot {
             }
             (reason, _, _) => (None, Err(reason.unwrap_or(Ineligible::Learning))),
         };
-        let mut running = self.compensations.iter();
+        let mut running = self.head.compensations.iter();
         let reserved = running.any(|one| one.compensator() == compensator && self.is_fixed(params, one));
         Asked { target, compensator, standing, fit, proposal, reserved }
     }
@@ -268,10 +257,8 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         self.whiskers[target].undecided = false;
-        self.whiskers[target].changed = true;
-        let compensation = self.next_compensation;
-        self.next_compensation += 1;
-        self.changed = true;
+        let compensation = self.head.next_compensation;
+        self.head.next_compensation += 1;
         let cases = cases_for_each(asked.len());
         let of_target: Vec<&Asked<'_>> = asked.iter().filter(|one| one.target == target).collect();
         let candidates: Vec<CandidateRecord> =
@@ -349,12 +336,11 @@ impl Robot {
             refining: Refining::new(setpoint.gain.by_ratio),
             proposed: params.policy.mode == Mode::Advise,
         };
-        self.changed = true;
         self.whiskers[chosen.target].unserved = false;
         if !begun.proposed {
             self.desire(chosen.compensator, begun.desired(Reason::Compensation(case)));
         }
-        self.compensations.push(begun);
+        self.head.compensations.push(begun);
     }
 }
 

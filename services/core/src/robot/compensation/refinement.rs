@@ -101,7 +101,7 @@ struct Look {
 impl Robot {
     /// Looks at a running compensation if that is due, and refines it.
     pub(in crate::robot) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
-        let running = &self.compensations[at];
+        let running = &self.head.compensations[at];
         let contacts = running.after.contacts();
         let due = running.refining.due.max(params.refinement.first_look_contacts);
         let one = &self.whiskers[running.compensator()];
@@ -113,9 +113,9 @@ impl Robot {
         if contacts < due || !calm || one.command.is_some() || self.holds(running.compensator()) {
             return;
         }
-        self.compensations[at].refining.due = contacts.saturating_mul(2);
+        self.head.compensations[at].refining.due = contacts.saturating_mul(2);
         self.remember(at);
-        let running = &self.compensations[at];
+        let running = &self.head.compensations[at];
         let Some(felt) = self.felt(params, running, &running.refining.carried, &running.after) else { return };
         let look = self.look(params, running, &felt);
         let outcome = outcome(params, running, look.as_ref());
@@ -147,7 +147,7 @@ impl Robot {
 
     /// What a compensator showed at its pressure, for this and later decisions.
     fn remember(&mut self, at: usize) {
-        let running = &self.compensations[at];
+        let running = &self.head.compensations[at];
         let one = &mut self.whiskers[running.compensator()];
         // An estimate goes on after the decision, but the visit is measured against the length at it.
         let length_sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
@@ -158,7 +158,6 @@ impl Robot {
             length_sd_mm,
             bins: running.after.clone(),
         });
-        one.changed = true;
     }
 
     /// The best pressure within the compensation's limits, by what is known of the compensator now.
@@ -211,7 +210,7 @@ impl Robot {
     }
 
     fn move_to(&mut self, at: usize, look: &Look) {
-        let running = &mut self.compensations[at];
+        let running = &mut self.head.compensations[at];
         running.pressure = look.best.pressure;
         running.refining.carried = look.carried;
         running.after = ResponseBins::default();
@@ -222,13 +221,12 @@ impl Robot {
 
     /// A new setpoint with the present pressure and this gain.
     fn publish_gain(&mut self, at: usize, gain: Curve) {
-        let running = &mut self.compensations[at];
+        let running = &mut self.head.compensations[at];
         // Not settled until the robot has taken it: that is what makes it be sent.
         running.settled = false;
         running.refining.gain = gain;
         running.refining.since_gain = ResponseBins::default();
         let (compensator, desired) = (running.compensator(), running.desired(Reason::Refinement));
-        self.changed = true;
         self.desire(compensator, desired);
     }
 }

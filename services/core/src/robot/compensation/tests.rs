@@ -6,6 +6,7 @@ use crate::mechanics::Formulation;
 use crate::policy::LongerForShorter;
 use crate::robot::Numbers;
 use crate::robot::event::{ArraySheet, Factsheet, WhiskerSheet};
+use crate::units::Micros;
 
 /// Numbers without a pattern, the same each time.
 struct Random(u64);
@@ -45,7 +46,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
     let factsheet = Factsheet { arrays: vec![ArraySheet { name: "a".to_owned(), kind, whiskers }] };
     let mut robot = Robot::new(1, Numbers::default());
     robot.lay_out(params, &factsheet, &mut Vec::new());
-    for whisker in &mut robot.whiskers {
+    for whisker in robot.whiskers.without_mark() {
         whisker.condition = Condition::Healthy;
     }
     robot
@@ -71,18 +72,18 @@ fn cut(params: &Params, robot: &mut Robot, index: usize, length_mm: f64) {
     set_length(params, whisker, length_mm);
     whisker.condition = Condition::Trimmed;
     whisker.undecided = true;
-    robot.undecided = true;
 }
 
 fn decide(params: &Params, robot: &mut Robot) -> Vec<Effect> {
     let mut effects = Vec::new();
-    robot.decide(params, Micros::default(), &mut effects);
+    robot.decide(params, &mut effects);
+    robot.reconcile_all(params, Micros::default(), &mut effects);
     effects
 }
 
 /// (target, compensator) of everything in force.
 fn pairs(robot: &Robot) -> Vec<(usize, usize)> {
-    let mut pairs: Vec<_> = robot.compensations.iter().map(|one| (one.target(), one.compensator())).collect();
+    let mut pairs: Vec<_> = robot.head.compensations.iter().map(|one| (one.target(), one.compensator())).collect();
     pairs.sort_unstable();
     pairs
 }
@@ -119,12 +120,12 @@ fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Op
     let (broken, one) = (&robot.whiskers[target], &robot.whiskers[compensator]);
     let is_self = target == compensator;
     if let Some(running) =
-        robot.compensations.iter().find(|one| (one.target(), one.compensator()) == (target, compensator))
+        robot.head.compensations.iter().find(|one| (one.target(), one.compensator()) == (target, compensator))
     {
         return Some(params.policy.cost(running.case, running.predicted_error, true));
     }
     let may_serve = is_self
-        || (robot.arrays[0].kind == ArrayKind::Type1
+        || (robot.head.arrays[0].kind == ArrayKind::Type1
             && one.condition == Condition::Healthy
             && broken.sheet.neighbours.contains(&one.sheet.number));
     if !may_serve || one.fault.is_some() || one.given_up {
@@ -180,7 +181,7 @@ fn check_against_all(params: &Params, robot: &mut Robot) -> usize {
     servants.sort_unstable();
     servants.dedup();
     assert_eq!(servants.len(), pairs.len(), "nobody serves twice");
-    for one in &robot.compensations {
+    for one in &robot.head.compensations {
         let desired = robot.whiskers[one.compensator()].desired.as_ref().expect("told");
         assert_eq!((desired.compensation, desired.pressure), (Some(one.id), one.pressure), "told what was decided");
     }
@@ -202,7 +203,7 @@ fn brute_force_of_10_000_arrays_the_most_are_served_at_the_least_cost() {
         served[check_against_all(&params, &mut robot)] += 1;
         // Something changes, so that what is in force is weighed against what could be.
         let before = pairs(&robot);
-        for whisker in &mut robot.whiskers {
+        for whisker in robot.whiskers.without_mark() {
             match random.below(8) {
                 0 => whisker.fault = None,
                 1 => whisker.fault = Some(Fault::SupplyLow),
@@ -210,10 +211,9 @@ fn brute_force_of_10_000_arrays_the_most_are_served_at_the_least_cost() {
                 _ => {}
             }
         }
-        for one in &mut robot.compensations {
+        for one in &mut robot.head.compensations {
             one.predicted_error += random.between(0.0, 0.4);
         }
-        robot.undecided = true;
         check_against_all(&params, &mut robot);
         changes += usize::from(pairs(&robot) != before);
     }
@@ -232,9 +232,8 @@ fn served_by_the_worse(margin: f64, gain: f64) -> (Params, Robot) {
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(1, 0)]);
     // The two would do equally well; what is in force is worse than was thought.
-    robot.compensations[0].predicted_error += gain;
+    robot.head.compensations[0].predicted_error += gain;
     robot.whiskers[2].fault = None;
-    robot.undecided = true;
     (params, robot)
 }
 
@@ -249,7 +248,6 @@ fn an_assignment_in_force_is_kept_unless_another_gains_more_than_the_margin() {
     assert_eq!(pairs(&robot), [(1, 2)]);
     assert!(matches!(effects[0], Effect::Ended { reason: EndReason::Reassigned, .. }), "{effects:?}");
     // Not back again: that would have to gain the margin once more.
-    robot.undecided = true;
     assert_eq!(decide(&params, &mut robot), []);
 }
 
@@ -260,11 +258,10 @@ fn what_runs_is_not_given_up_for_what_nobody_has_approved() {
     assert_eq!(decide(&params, &mut robot), []);
     assert_eq!(pairs(&robot), [(1, 0)]);
     // What is only proposed may be: nothing was sent for it.
-    robot.compensations[0].proposed = true;
-    robot.undecided = true;
+    robot.head.compensations[0].proposed = true;
     let effects = decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(1, 2)]);
-    assert!(robot.compensations[0].is_proposed(), "{effects:?}");
+    assert!(robot.head.compensations[0].is_proposed(), "{effects:?}");
     assert!(!effects.iter().any(|effect| matches!(effect, Effect::Command(_))), "{effects:?}");
 }
 
@@ -307,13 +304,12 @@ fn two_that_change_places_gain_the_margin_twice_or_stay() {
         decide(&params, &mut robot);
         let before = pairs(&robot);
         assert_eq!(before.len(), 2);
-        for one in &mut robot.compensations {
+        for one in &mut robot.head.compensations {
             one.predicted_error += gain_each;
         }
-        robot.undecided = true;
         decide(&params, &mut robot);
         assert_eq!(pairs(&robot) == before, stays, "{gain_each}");
-        for one in &robot.compensations {
+        for one in &robot.head.compensations {
             let desired = robot.whiskers[one.compensator()].desired.as_ref().expect("a pressure");
             assert_eq!(desired.compensation, Some(one.id), "no release comes after the new setpoint");
         }
@@ -339,20 +335,18 @@ fn a_pressure_that_is_on_its_way_back_decides_nothing() {
     let mut robot = robot(&params, ArrayKind::Type2, &[70.0], |_| Vec::new());
     cut(&params, &mut robot, 0, 65.0);
     decide(&params, &mut robot);
-    let first = robot.compensations[0].clone();
+    let first = robot.head.compensations[0].clone();
     robot.whiskers[0].pressure_set(first.pressure, &params);
     // A fault that comes and goes before the release is carried out; meanwhile the estimate has moved up.
     robot.whiskers[0].fault = Some(Fault::Leak);
-    robot.undecided = true;
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), []);
     robot.whiskers[0].fault = None;
     set_length(&params, &mut robot.whiskers[0], 65.2);
-    robot.undecided = true;
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(0, 0)]);
-    assert!(robot.compensations[0].pressure > first.pressure, "{:?}", robot.compensations[0]);
-    assert_eq!(robot.compensations[0].pressure_before, robot.whiskers[0].sheet.pressure);
+    assert!(robot.head.compensations[0].pressure > first.pressure, "{:?}", robot.head.compensations[0]);
+    assert_eq!(robot.head.compensations[0].pressure_before, robot.whiskers[0].sheet.pressure);
 }
 
 #[test]

@@ -59,44 +59,23 @@ impl BorshDeserialize for Standing {
 }
 
 impl Robot {
-    /// Raises what is due and does not stand, and clears what stands and is not due: of the whiskers that the step has
-    /// touched.
-    pub(in crate::robot) fn tell_alarms(&mut self, effects: &mut Vec<Effect>) {
-        // Few wait for approval, and none where nobody has to approve: then this is empty.
-        let waiting: Vec<WhiskerIndex> =
-            self.compensations.iter().filter(|one| one.proposed).map(|one| one.target()).collect();
-        // A long list is not kept: what is about all whiskers is seldom.
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.sort_unstable();
-        for index in touched.into_iter().map(|index| index as usize) {
-            let whisker = &mut self.whiskers[index];
-            whisker.touched = false;
-            let due = whisker.due(waiting.contains(&index));
-            if due == whisker.standing {
-                continue;
-            }
-            let was = std::mem::replace(&mut whisker.standing, due);
-            whisker.changed = true;
-            let (cleared, raised) = (was.without(&due), due.without(&was));
-            effects.extend(cleared.kinds().map(|kind| Effect::AlarmCleared { whisker: index, kind }));
-            effects.extend(raised.kinds().map(|kind| Effect::Alarm { whisker: index, kind }));
+    /// Raises the alarms of a whisker that are due and do not stand, and clears those that stand and are not due.
+    pub(in crate::robot) fn tell_alarms(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let due = self.alarms_due(index);
+        let was = self.whiskers[index].standing;
+        if due == was {
+            return;
         }
-        let waits = |index: &WhiskerIndex| waiting.contains(index);
-        let told = |(index, one): (WhiskerIndex, &Whisker)| one.due(waits(&index)) == one.standing;
-        debug_assert!(self.whiskers.iter().enumerate().all(told), "a whisker was changed that was not touched");
+        self.whiskers[index].standing = due;
+        let (cleared, raised) = (was.without(&due), due.without(&was));
+        effects.extend(cleared.kinds().map(|kind| Effect::AlarmCleared { whisker: index, kind }));
+        effects.extend(raised.kinds().map(|kind| Effect::Alarm { whisker: index, kind }));
     }
 
-    /// What people are told of a whisker is to be looked at, at the end of this step.
-    pub(in crate::robot) fn touch(&mut self, index: WhiskerIndex) {
-        let touched = &mut self.whiskers[index].touched;
-        if !std::mem::replace(touched, true) {
-            self.touched.push(index as u32);
-        }
-    }
-
-    /// The same of all whiskers.
-    pub(in crate::robot) fn touch_all(&mut self) {
-        (0..self.whiskers.len()).for_each(|index| self.touch(index));
+    /// The alarms that the state of a whisker asks for.
+    pub(in crate::robot) fn alarms_due(&self, index: WhiskerIndex) -> Standing {
+        let is_proposed = self.head.compensations.iter().any(|one| one.proposed && one.target() == index);
+        self.whiskers[index].due(is_proposed)
     }
 }
 

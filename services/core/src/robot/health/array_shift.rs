@@ -70,9 +70,10 @@ impl Robot {
     /// A whisker has raised an alarm: from now on the others' contacts count as answers to it.
     pub(in crate::robot) fn ask_others(&mut self, index: WhiskerIndex) {
         let array = self.whiskers[index].array;
-        for whisker in self.whiskers.iter_mut().filter(|whisker| whisker.array == array) {
-            whisker.told_since_alarm = 0.0;
-            whisker.changed = true;
+        for index in 0..self.whiskers.len() {
+            if self.whiskers[index].array == array {
+                self.whiskers[index].told_since_alarm = 0.0;
+            }
         }
     }
 
@@ -94,7 +95,7 @@ impl Robot {
             let Some(model) = whisker.model(params) else { continue };
             let log_shift = shift * whisker.log_slope_with_length(model);
             whisker.take_out(log_shift);
-            for running in self.compensations.iter_mut().filter(|one| one.compensator() == member) {
+            for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == member) {
                 running.after.shift(log_shift);
                 running.refining.since_gain.shift(log_shift);
                 if let Some(before) = &mut running.before {
@@ -105,7 +106,6 @@ impl Robot {
                 self.set_condition(member, Condition::Healthy, effects);
             }
         }
-        self.changed = true;
         self.whiskers[index].shift_told = true;
     }
 
@@ -158,6 +158,5 @@ impl crate::robot::Whisker {
             offset.level += log_shift;
         }
         self.detector = crate::detection::Detector::default();
-        self.changed = true;
     }
 }

@@ -23,7 +23,6 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
-        self.touch(index);
         let suspicious = self.whiskers[index].detector.is_suspicious();
         let others = if suspicious { self.others_feel(index) } else { Others::Not };
         let whisker = &mut self.whiskers[index];
@@ -32,7 +31,6 @@ impl Robot {
             return;
         };
         whisker.heard = Moment::at(now);
-        whisker.changed = true;
         let felt = whisker.feel(params, model, contact, others);
         effects.push(Effect::Contact(ContactRecord {
             position,
@@ -56,7 +54,6 @@ impl Robot {
         match verdict {
             Verdict::Quiet if whisker.condition == Condition::Learning && learned => {
                 self.set_condition(index, Condition::Healthy, effects);
-                self.undecided = true;
             }
             Verdict::Quiet | Verdict::Looking => {}
             Verdict::Alarm => {
@@ -161,12 +158,9 @@ impl Robot {
         let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.take()) else { return };
         let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
-        whisker.changed = true;
         whisker.refused_servers.clear();
-        self.undecided = true;
-        let id = self.next_trim;
-        self.next_trim += 1;
-        self.changed = true;
+        let id = self.head.next_trim;
+        self.head.next_trim += 1;
         effects.push(Effect::Trim(Trim {
             id,
             whisker: index,
@@ -179,13 +173,12 @@ impl Robot {
 
     /// Changes a condition and says so.
     pub(in crate::robot) fn set_condition(&mut self, index: WhiskerIndex, to: Condition, effects: &mut Vec<Effect>) {
-        let whisker = &mut self.whiskers[index];
-        let from = std::mem::replace(&mut whisker.condition, to);
+        let from = self.whiskers[index].condition;
         if from != to {
-            self.undecided = true;
+            let whisker = &mut self.whiskers[index];
+            whisker.condition = to;
             // Only who is trimmed needs to be served.
             whisker.unserved = false;
-            whisker.changed = true;
             effects.push(Effect::Condition { whisker: index, from, to });
         }
     }

@@ -19,10 +19,8 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let Some(index) = self.find(entry.array, entry.whisker) else { return };
-        self.touch(index);
         let whisker = &mut self.whiskers[index];
         whisker.heard = Moment::at(now);
-        whisker.changed = true;
         whisker.air.measure(entry.pressure);
         whisker.air.regulator = entry.regulator;
         whisker.gauge.reported = entry.gauge;
@@ -33,9 +31,6 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
-        if whisker.air.unheld_since != Moment::NONE {
-            self.quiet.end();
-        }
         self.refresh_fault(params, now, index, effects);
     }
 
@@ -57,7 +52,7 @@ impl Robot {
     fn is_stray(&self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) -> bool {
         let whisker = &self.whiskers[index];
         let wanted = whisker.desired.as_ref().is_some_and(|desired| desired.reason != Reason::Release);
-        if !self.is_taken_up || whisker.holds == Holds::Known || whisker.given_up || wanted || self.holds(index) {
+        if !self.head.is_taken_up || whisker.holds == Holds::Known || whisker.given_up || wanted || self.holds(index) {
             return false;
         }
         let explained = [whisker.air.setpoint, whisker.sheet.pressure, Megapascal::ZERO];
@@ -72,17 +67,16 @@ impl Robot {
         index: WhiskerIndex,
         effects: &mut Vec<Effect>,
     ) {
-        let (online, since) = (self.link == Link::Online, self.listening_since);
-        let whisker = &mut self.whiskers[index];
-        let to = whisker.present_fault(params, now, online, since);
-        let from = std::mem::replace(&mut whisker.fault, to);
-        if from == to {
-            return;
+        let (from, to) = (self.whiskers[index].fault, self.present_fault(params, now, index));
+        if from != to {
+            self.whiskers[index].fault = to;
+            effects.push(Effect::Fault { whisker: index, from, to });
         }
-        whisker.changed = true;
-        self.touch(index);
-        effects.push(Effect::Fault { whisker: index, from, to });
-        self.undecided = true;
+    }
+
+    pub(in crate::robot) fn present_fault(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Fault> {
+        let (online, since) = (self.head.link == Link::Online, self.head.listening_since);
+        self.whiskers[index].present_fault(params, now, online, since)
     }
 }
 

@@ -24,9 +24,6 @@ impl Robot {
         if let Some(rare) = whisker.rare.there() {
             rare.not_before = Micros::default();
         }
-        whisker.changed = true;
-        self.touch(index);
-        self.quiet.end();
     }
 
     /// Back to the nominal pressure, because a compensation is over.
@@ -45,21 +42,23 @@ impl Robot {
     ) {
         self.expire(params, now, index, effects);
         let held = self.holds(index);
-        let whisker = &mut self.whiskers[index];
+        let whisker = &self.whiskers[index];
         let Some(desired) = &whisker.desired else { return };
         let by_hand = desired.reason == Reason::Operator;
         if held && !by_hand {
             return;
         }
-        if let Some(flight) = &mut whisker.command {
+        if let Some(flight) = &whisker.command {
             let same = (flight.command.reason == Reason::Operator) == by_hand
                 && (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
                 && flight.command.compensation == desired.compensation;
             if same {
                 let waits = is_ahead(now, flight.resend_at, params.command.resend_after);
-                if !waits && flight.state == CommandState::Pending {
+                if !waits
+                    && flight.state == CommandState::Pending
+                    && let Some(flight) = &mut self.whiskers[index].command
+                {
                     flight.resend_at = now.after(params.command.resend_after);
-                    whisker.changed = true;
                     effects.push(Effect::Resend(Box::new(flight.command.clone())));
                 }
                 return;
@@ -68,28 +67,39 @@ impl Robot {
             && (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
         {
             if desired.reason == Reason::Release || by_hand {
-                whisker.desired = None;
-                whisker.changed = true;
+                self.whiskers[index].desired = None;
                 return;
             }
-            if self.compensations.iter().all(|one| Some(one.id) != desired.compensation || one.settled) {
+            if self.head.compensations.iter().all(|one| Some(one.id) != desired.compensation || one.settled) {
                 return;
             }
         }
         self.send(params, now, index, effects);
     }
 
+    /// [`Self::reconcile`] for all whiskers.
+    pub(in crate::robot) fn reconcile_all(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        for index in 0..self.whiskers.len() {
+            self.reconcile(params, now, index, effects);
+        }
+    }
+
     /// Whether a setpoint can reach it: it is connected, its clock is known, by which setpoints expire, and it is heard. Each setpoint
     /// expires after its time to live: to one who is not heard they would go out in vain, one after the other.
     pub(in crate::robot) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
-        let is_heard = self.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
-        self.link == Link::Online && self.boot_id.is_some() && self.clock.robot_time(now).is_some() && is_heard
+        let is_heard = self.head.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
+        self.head.link == Link::Online
+            && self.head.boot_id.is_some()
+            && self.head.clock.robot_time(now).is_some()
+            && is_heard
     }
 
     /// Manual setpoints that were not answered: they are not sent later.
     pub(in crate::robot) fn forget_manual(&mut self) {
-        for whisker in &mut self.whiskers {
-            whisker.forget_manual();
+        for index in 0..self.whiskers.len() {
+            if self.whiskers[index].desired.as_ref().is_some_and(|desired| desired.reason == Reason::Operator) {
+                self.whiskers[index].forget_manual();
+            }
         }
     }
 
@@ -97,8 +107,8 @@ impl Robot {
         if !self.can_be_told(params, now) {
             return;
         }
-        let (Some(boot_id), Some(robot_time)) = (&self.boot_id, self.clock.robot_time(now)) else { return };
-        let whisker = &mut self.whiskers[index];
+        let Some(robot_time) = self.head.clock.robot_time(now) else { return };
+        let whisker = &self.whiskers[index];
         let Some(desired) = whisker.desired.clone() else { return };
         let pause_max = params.command.resend_after.max(params.command.time_to_live);
         if whisker.given_up || is_ahead(now, whisker.rare.not_before, pause_max) {
@@ -108,18 +118,20 @@ impl Robot {
             self.give_up(index, effects);
             return;
         }
+        let Some(boot_id) = &self.head.boot_id else { return };
+        let robot_boot_id = boot_id.as_str().to_owned();
+        let whisker = &mut self.whiskers[index];
         whisker.rare.attempts += 1;
         whisker.rare.not_before = now.after(params.command.resend_after);
-        let key = CommandKey { epoch: self.epoch, version: self.next_version };
-        self.next_version += 1;
-        self.changed = true;
+        let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
+        self.head.next_version += 1;
         // The factsheet's limit and the paper's are kept here too, whatever was asked for.
         let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
         let valid_for = whisker.valid_for(params, pressure);
         let command = Command {
             key,
             whisker: index,
-            robot_boot_id: boot_id.as_str().to_owned(),
+            robot_boot_id,
             pressure,
             slew_mpa_per_s: params.command.slew_mpa_per_s,
             issued: now,
@@ -133,7 +145,6 @@ impl Robot {
             state: CommandState::Pending,
             resend_at: now.after(params.command.resend_after),
         };
-        whisker.changed = true;
         if let Some(replaced) = whisker.command.replace(Box::new(flight)) {
             effects.push(state_of(replaced.command.key, CommandState::Superseded));
         }
@@ -142,8 +153,8 @@ impl Robot {
 
     /// A setpoint that its robot would refuse as expired by now, or that has gone unanswered for so long by our own clock.
     fn expire(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let (clock, heard) = (&self.clock, self.clock.heard());
-        let whisker = &mut self.whiskers[index];
+        let (clock, heard) = (&self.head.clock, self.head.clock.heard());
+        let whisker = &self.whiskers[index];
         let Some(flight) = &whisker.command else { return };
         let Command { key, issued, expires, pressure, .. } = flight.command;
         let is_pending = flight.state == CommandState::Pending;
@@ -156,15 +167,16 @@ impl Robot {
         if !is_over && !is_unanswered {
             return;
         }
+        let epoch = self.head.epoch;
+        let whisker = &mut self.whiskers[index];
         whisker.command = None;
-        whisker.changed = true;
         effects.push(state_of(key, CommandState::Expired));
         if is_pending && heard.is_none_or(|heard| heard <= issued) {
             // The connection was away: that is no failure of the robot's. A manual setpoint is not sent later.
             whisker.rare.forget_attempt();
             whisker.forget_manual();
         }
-        if key.epoch < self.epoch {
+        if key.epoch < epoch {
             // Asked of a supervisor that is no more, who knows how long ago.
             whisker.forget_manual();
         }
@@ -180,9 +192,6 @@ impl Robot {
     fn give_up(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         whisker.given_up = true;
-        whisker.changed = true;
-        self.touch(index);
-        let whisker = &mut self.whiskers[index];
         whisker.desired = None;
         whisker.holds = Holds::Known;
         // Also what is only proposed: it could not be carried out.
@@ -201,7 +210,6 @@ impl Robot {
         let Some(index) = self.whiskers.iter().position(|one| one.is_under_way(key)) else { return };
         let whisker = &mut self.whiskers[index];
         whisker.heard = Moment::at(now);
-        whisker.changed = true;
         let Some(flight) = &mut whisker.command else { return };
         let pressure = flight.command.pressure;
         match report {
@@ -251,10 +259,9 @@ impl Robot {
             whisker.desired.take_if(|desired| desired.reason == Reason::Operator);
         }
         if let Some(compensation) =
-            self.compensations.iter_mut().find(|one| Some(one.id) == flight.command.compensation)
+            self.head.compensations.iter_mut().find(|one| Some(one.id) == flight.command.compensation)
         {
             compensation.settled = true;
-            self.changed = true;
         }
         effects.push(Effect::CommandState {
             command: key,
@@ -287,7 +294,7 @@ impl Robot {
             Rejection::Expired => self.whiskers[index].rare.not_before = now.after(params.command.time_to_live),
             // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
             // What an operator asked then is not asked now.
-            Rejection::Stale if key.epoch < self.epoch => self.whiskers[index].forget_manual(),
+            Rejection::Stale if key.epoch < self.head.epoch => self.whiskers[index].forget_manual(),
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
@@ -298,10 +305,10 @@ impl Robot {
     /// Setpoints that were under way to a boot that is no more.
     pub(in crate::robot) fn abandon_commands(&mut self, effects: &mut Vec<Effect>) {
         self.forget_manual();
-        for whisker in &mut self.whiskers {
+        for index in 0..self.whiskers.len() {
+            let whisker = &mut self.whiskers[index];
             whisker.given_up = false;
             whisker.rare.forget_attempts();
-            whisker.changed = true;
             if let Some(flight) = whisker.command.take() {
                 effects.push(state_of(flight.command.key, CommandState::Abandoned));
             }
@@ -317,7 +324,7 @@ impl crate::robot::Whisker {
     }
 
     fn forget_manual(&mut self) {
-        self.changed |= self.desired.take_if(|desired| desired.reason == Reason::Operator).is_some();
+        self.desired.take_if(|desired| desired.reason == Reason::Operator);
     }
 
     fn is_under_way(&self, key: CommandKey) -> bool {

@@ -36,21 +36,18 @@ impl Robot {
 
     /// Whether no automatic setpoint may go to a whisker.
     pub(in crate::robot) fn holds(&self, index: WhiskerIndex) -> bool {
-        self.held || self.whiskers[index].held
+        self.head.held || self.whiskers[index].held
     }
 
     fn approve(&mut self, id: u32, effects: &mut Vec<Effect>) -> Result<(), ActionProblem> {
         let at = self.proposed(id)?;
-        let compensator = self.compensations[at].compensator();
+        let compensator = self.head.compensations[at].compensator();
         if self.holds(compensator) {
             return Err(ActionProblem::Held);
         }
-        let approved = &mut self.compensations[at];
+        let approved = &mut self.head.compensations[at];
         approved.proposed = false;
         let desired = approved.desired(Reason::Compensation(approved.case));
-        self.changed = true;
-        // For the setpoint to be sent at once.
-        self.undecided = true;
         self.desire(compensator, desired);
         effects.push(Effect::Approved { compensation: id });
         Ok(())
@@ -58,16 +55,15 @@ impl Robot {
 
     fn refuse(&mut self, id: u32, effects: &mut Vec<Effect>) -> Result<(), ActionProblem> {
         let at = self.proposed(id)?;
-        let (target, compensator) = (self.compensations[at].target(), self.compensations[at].compensator());
+        let (target, compensator) = (self.head.compensations[at].target(), self.head.compensations[at].compensator());
         let number = self.whiskers[compensator].sheet.number;
         self.whiskers[target].refused_servers.push(number);
-        self.whiskers[target].changed = true;
         self.end(id, EndReason::Refused, effects);
         Ok(())
     }
 
     fn proposed(&self, id: u32) -> Result<usize, ActionProblem> {
-        let waits = self.compensations.iter().position(|one| one.id == id && one.proposed);
+        let waits = self.head.compensations.iter().position(|one| one.id == id && one.proposed);
         waits.ok_or(ActionProblem::NotProposed)
     }
 
@@ -90,39 +86,28 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.held = true;
         whisker.given_up = false;
-        self.undecided = true;
         self.desire(index, Desired { pressure, reason: Reason::Operator, compensation: None, gain: None });
         Ok(())
     }
 
     fn hold(&mut self, scope: Scope<'_>) -> Result<(), ActionProblem> {
         match scope {
-            Scope::Robot => {
-                self.held = true;
-                self.changed = true;
-            }
+            Scope::Robot => self.head.held = true,
             Scope::Whisker(place) => {
                 let index = self.at(place)?;
                 self.whiskers[index].held = true;
-                self.whiskers[index].changed = true;
             }
         }
-        // Others may have to serve instead of it, where it was not asked yet.
-        self.undecided = true;
         Ok(())
     }
 
     fn end_hold(&mut self, scope: Scope<'_>) -> Result<(), ActionProblem> {
         match scope {
-            Scope::Robot => {
-                self.held = false;
-                self.changed = true;
-            }
-            Scope::Whisker(_) if self.held => return Err(ActionProblem::RobotHeld),
+            Scope::Robot => self.head.held = false,
+            Scope::Whisker(_) if self.head.held => return Err(ActionProblem::RobotHeld),
             Scope::Whisker(place) => {
                 let index = self.at(place)?;
                 self.whiskers[index].held = false;
-                self.whiskers[index].changed = true;
             }
         }
         let released = match scope {
@@ -134,17 +119,15 @@ impl Robot {
                 self.back_to_automatic(index);
             }
         }
-        self.undecided = true;
         Ok(())
     }
 
     /// What a whisker that was held shall hold from now on.
     fn back_to_automatic(&mut self, index: WhiskerIndex) {
-        let running = self.compensations.iter().find(|one| one.compensator() == index && !one.proposed);
+        let running = self.head.compensations.iter().find(|one| one.compensator() == index && !one.proposed);
         let running = running.map(|one| one.desired(Reason::Compensation(one.case)));
         let whisker = &mut self.whiskers[index];
         whisker.given_up = false;
-        whisker.changed = true;
         let wanted = whisker.desired.take().map(|wanted| *wanted);
         match running {
             // As it was wanted before: it may be a refinement.
@@ -161,7 +144,7 @@ impl Robot {
         which: impl Fn(&crate::robot::Compensation) -> bool,
         effects: &mut Vec<Effect>,
     ) {
-        let served = self.compensations.iter().filter(|one| one.compensator() == index && which(one));
+        let served = self.head.compensations.iter().filter(|one| one.compensator() == index && which(one));
         let over: Vec<u32> = served.map(|one| one.id).collect();
         for id in over {
             self.end(id, reason, effects);

@@ -1,8 +1,8 @@
 //! Until when a tick has nothing to do: most robots are heard in time and hold what they shall hold.
 //!
 //! With time alone a whisker falls silent, a pressure is not held for too long, and a setpoint is sent, sent again or
-//! expires. Where nothing is under way, a look at all whiskers tells when the first of these can be; it is told anew after
-//! anything that could bring it nearer.
+//! expires. Where nothing is under way, a look at all whiskers tells when the first of these can be. Each step lowers that
+//! time to the deadline of every whisker that it has accessed: a whisker that was not accessed has the same deadline.
 
 use crate::robot::Robot;
 use crate::robot::effect::{Effect, WhiskerIndex};
@@ -27,11 +27,9 @@ impl Quiet {
         self.0 = None;
     }
 
-    /// Something can have to be done after `until`.
-    pub(in crate::robot) fn not_beyond(&mut self, until: Micros) {
-        if let Some((_, known)) = &mut self.0 {
-            *known = until.min(*known);
-        }
+    /// Something can have to be done after `until`, or now.
+    fn not_beyond(&mut self, until: Option<Micros>) {
+        self.0 = self.0.zip(until).map(|((from, known), until)| (from, until.min(known)));
     }
 
     fn holds(self, now: Micros) -> bool {
@@ -50,9 +48,21 @@ impl Robot {
             self.refresh_fault(params, now, index, effects);
             self.reconcile(params, now, index, effects);
         }
-        let each = |index: WhiskerIndex| self.whiskers[index].quiet_until(params, now, self.listening_since);
+        let each = |index: WhiskerIndex| self.quiet_until(params, now, index);
         let until = (0..self.whiskers.len()).map(each).try_fold(Micros(u64::MAX), |least, one| Some(least.min(one?)));
         self.quiet = Quiet(until.map(|until| (now, until)));
+    }
+
+    /// Takes the deadline of a whisker into account that this step has accessed.
+    pub(in crate::robot) fn meet_deadline(&mut self, params: &Params, now: Micros, index: WhiskerIndex) {
+        self.quiet.not_beyond(self.quiet_until(params, now, index));
+    }
+
+    /// Until when a tick has nothing to do for a whisker; none if it has something to do now.
+    fn quiet_until(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Micros> {
+        let whisker = &self.whiskers[index];
+        let is_up_to_date = whisker.fault == self.present_fault(params, now, index);
+        whisker.quiet_until(params, now, self.head.listening_since).filter(|_| is_up_to_date)
     }
 }
 

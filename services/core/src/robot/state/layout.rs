@@ -7,6 +7,7 @@ use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
 use crate::robot::params::Params;
 use crate::robot::setpoints::command::state_of;
 use crate::robot::state::sheet::{Sheet, share_models};
+use crate::robot::state::tracked::Whiskers;
 use crate::robot::state::whisker::{Air, Desired, Whisker};
 use crate::robot::{Array, Compensation, Robot};
 use crate::text::ShortText;
@@ -35,11 +36,11 @@ impl Robot {
     #[must_use]
     pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
         let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
-        let arrays = self.arrays.iter().map(|array| (array.name.as_str(), array.kind));
+        let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind));
         arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind)))
             && self.whiskers.len() == told().count()
             && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
-                self.arrays[usize::from(one.array)].name == **array && one.sheet.is_as_told(sheet)
+                self.head.arrays[usize::from(one.array)].name == **array && one.sheet.is_as_told(sheet)
             })
     }
 
@@ -48,23 +49,24 @@ impl Robot {
     pub(in crate::robot) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
-        let mut old: Vec<Option<Whisker>> = std::mem::take(&mut self.whiskers).into_iter().map(Some).collect();
-        let names: Vec<ShortText> = self.arrays.drain(..).map(|array| array.name).collect();
-        self.whiskers.reserve_exact(moves.from.len());
+        let mut old: Vec<Option<Whisker>> = self.whiskers.take().into_iter().map(Some).collect();
+        let names: Vec<ShortText> = self.head.arrays.drain(..).map(|array| array.name).collect();
+        let mut new = Vec::with_capacity(moves.from.len());
         for array in &factsheet.arrays {
-            self.add_array(params, array, &moves, &mut old, effects);
+            self.add_array(params, array, &moves, &mut old, &mut new, effects);
         }
         for gone in old.into_iter().flatten() {
             effects.extend(gone.gone(&names));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
-        share_models(&mut self.whiskers, params.model_names());
+        share_models(&mut new, params.model_names());
+        self.whiskers = Whiskers::changed(new);
         self.index_places();
-        for one in &mut self.compensations {
+        for one in &mut self.head.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
         }
-        self.undecided = true;
+        self.head.undecided = true;
     }
 
     fn moves(&self, factsheet: &Factsheet) -> Moves {
@@ -73,7 +75,7 @@ impl Robot {
         let told: BTreeMap<(&str, u16), (WhiskerIndex, &WhiskerSheet)> =
             sheets.enumerate().map(|(index, (array, sheet))| ((array, sheet.number), (index, sheet))).collect();
         let fate = |one: &Whisker| {
-            let name = self.arrays[usize::from(one.array)].name.as_str();
+            let name = self.head.arrays[usize::from(one.array)].name.as_str();
             match told.get(&(name, one.sheet.number)) {
                 None => Fate::Gone,
                 Some(&(index, sheet)) if one.sheet.is_same_whisker(sheet) => Fate::Stays(index),
@@ -93,6 +95,7 @@ impl Robot {
     /// Ends the compensations of whiskers that are not what they were; by old indices.
     fn end_moved(&mut self, factsheet: &Factsheet, moves: &Moves, effects: &mut Vec<Effect>) {
         let over: Vec<(u32, EndReason)> = self
+            .head
             .compensations
             .iter()
             .filter_map(|one| {
@@ -116,7 +119,7 @@ impl Robot {
         if one.target() == one.compensator() {
             return true;
         }
-        let name = &self.arrays[usize::from(target.array)].name;
+        let name = &self.head.arrays[usize::from(target.array)].name;
         factsheet.arrays.iter().find(|array| *name == *array.name).is_some_and(|array| {
             let sheet = array.whiskers.iter().find(|sheet| sheet.number == target.sheet.number);
             array.kind == ArrayKind::Type1
@@ -130,11 +133,12 @@ impl Robot {
         array: &ArraySheet,
         moves: &Moves,
         old: &mut [Option<Whisker>],
+        new: &mut Vec<Whisker>,
         effects: &mut Vec<Effect>,
     ) {
-        let at = self.arrays.len() as u16;
+        let at = self.head.arrays.len() as u16;
         for sheet in &array.whiskers {
-            let index = self.whiskers.len();
+            let index = new.len();
             let from = moves.from[index];
             let stays = from.is_some_and(|from| matches!(moves.to[from], Fate::Stays(_)));
             let mut whisker = match from.and_then(|from| old[from].take()) {
@@ -149,16 +153,16 @@ impl Robot {
             if let Some(flight) = &mut whisker.command {
                 flight.command.whisker = index;
             }
-            whisker.changed = true;
-            self.whiskers.push(whisker);
+            new.push(whisker);
         }
-        self.arrays.push(Array { name: array.name.as_str().into(), kind: array.kind, first: (0, 0) });
+        self.head.arrays.push(Array { name: array.name.as_str().into(), kind: array.kind });
     }
 
     /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it
     /// served, is let go.
     pub(in crate::robot) fn replaced(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let concerned = self.compensations.iter().filter(|one| one.target() == index || one.compensator() == index);
+        let concerned =
+            self.head.compensations.iter().filter(|one| one.target() == index || one.compensator() == index);
         let over: Vec<u32> = concerned.map(|one| one.id).collect();
         for id in over {
             self.end(id, EndReason::Replaced, effects);
@@ -166,8 +170,6 @@ impl Robot {
         let old = &self.whiskers[index];
         effects.extend(old.leaves(index));
         self.whiskers[index] = old.clone().renewed(old.sheet.clone(), params);
-        self.changed = true;
-        self.undecided = true;
     }
 }
 

@@ -3,6 +3,7 @@
 pub(in crate::robot) mod clock;
 pub(in crate::robot) mod deadline;
 pub mod few;
+pub(in crate::robot) mod head;
 pub(in crate::robot) mod layout;
 pub(in crate::robot) mod moment;
 pub(in crate::robot) mod places;
@@ -10,4 +11,5 @@ pub(in crate::robot) mod rare;
 pub(in crate::robot) mod rebaseline;
 pub mod sequence;
 pub mod sheet;
+pub(in crate::robot) mod tracked;
 pub mod whisker;

@@ -30,13 +30,11 @@ impl Robot {
         if whisker.condition != Condition::Trimmed {
             self.set_condition(index, Condition::Learning, effects);
         }
-        for running in self.compensations.iter_mut().filter(|one| one.compensator() == index) {
+        for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == index) {
             running.after = ResponseBins::default();
             running.before = running.before.is_some().then(ResponseBins::default);
             running.refining = running.refining.felt_anew();
-            self.changed = true;
         }
-        self.undecided = true;
     }
 }
 
@@ -56,6 +54,5 @@ impl Whisker {
         self.drifting = false;
         self.drift_told = false;
         self.air.learned_at = self.air.setpoint;
-        self.changed = true;
     }
 }

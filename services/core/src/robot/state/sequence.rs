@@ -102,9 +102,9 @@ impl Sequence {
         self.place(seq)
     }
 
-    /// What may change also where nothing new is taken.
-    fn waits(&self) -> (u64, Option<Micros>, Option<Micros>) {
-        (self.next, self.blocked_since, self.standing_since)
+    /// Whether a number was seen before and no gap is open: then [`Self::admit`] changes nothing.
+    pub(in crate::robot) fn is_plain_duplicate(&self, seq: u64) -> bool {
+        self.held.is_empty() && seq < self.next
     }
 
     /// A gap that stays open costs a robot that looks at the watermark only everything beyond it.
@@ -210,14 +210,10 @@ impl Sequences {
             || !self.older.is_empty() && self.older.contains(&mark(boot_id))
     }
 
-    /// Takes a number in; also whether anything has changed by that.
-    pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> (Admission, bool) {
-        let Some(sequence) = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == *boot_id) else {
-            return (Admission::UnknownBoot, false);
-        };
-        let before = sequence.waits();
-        let admission = sequence.admit(seq, now);
-        (admission, admission == Admission::New || sequence.waits() != before)
+    /// Takes a number in.
+    pub fn admit(&mut self, boot_id: &str, seq: u64, now: Micros) -> Admission {
+        let sequence = self.boots.iter_mut().rev().find(|sequence| sequence.boot_id == *boot_id);
+        sequence.map_or(Admission::UnknownBoot, |sequence| sequence.admit(seq, now))
     }
 
     /// Nothing could be heard meanwhile: no gap was left open by the robot until now.
@@ -282,11 +278,11 @@ mod tests {
     #[test]
     fn a_boot_without_factsheet_is_not_known() {
         let mut sequences = Sequences::default();
-        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::UnknownBoot);
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::UnknownBoot);
         sequences.begin("b1");
-        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::New);
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::New);
         sequences.begin("b1");
-        assert_eq!(sequences.admit("b1", 0, NOW).0, Admission::Duplicate, "a factsheet said again forgets nothing");
+        assert_eq!(sequences.admit("b1", 0, NOW), Admission::Duplicate, "a factsheet said again forgets nothing");
     }
 
     #[test]
@@ -300,8 +296,8 @@ mod tests {
             assert!(boots[..at].iter().all(|before| sequences.is_old(before)));
         }
         // Late messages of those just before are still numbered.
-        assert_eq!(sequences.admit("b56", 0, NOW).0, Admission::New);
-        assert_eq!(sequences.admit("b55", 0, NOW).0, Admission::UnknownBoot);
+        assert_eq!(sequences.admit("b56", 0, NOW), Admission::New);
+        assert_eq!(sequences.admit("b55", 0, NOW), Admission::UnknownBoot);
         let bytes = borsh::to_vec(&sequences).unwrap();
         assert_eq!(borsh::from_slice::<Sequences>(&bytes).unwrap(), sequences);
         (0..1000).for_each(|boot| sequences.begin(&format!("c{boot}")));
@@ -341,7 +337,7 @@ mod tests {
 
         let mut sequences = Sequences { boots: vec![sequence(&[0, 10])], older: Vec::new() };
         sequences.wait_anew();
-        assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)).0, Admission::New);
+        assert_eq!(sequences.admit("b", 11, after(STANDSTILL.0)), Admission::New);
         assert_eq!(sequences.of("b").map(Sequence::given_up), Some(0));
     }
 }

@@ -17,6 +17,7 @@ use crate::robot::state::few::Fewer;
 use crate::robot::state::moment::Moment;
 use crate::robot::state::rare::Rares;
 use crate::robot::state::sheet::Sheet;
+use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{Megapascal, Micros};
 
 /// The state of one whisker.
@@ -65,10 +66,8 @@ pub struct Whisker {
     /// What people were told and what is still so.
     pub(in crate::robot) standing: Standing,
     pub(in crate::robot) holds: Holds,
-    /// Since it was stored.
-    pub(in crate::robot) changed: bool,
-    /// What people are told of it is to be looked at, at the end of this step.
-    pub(in crate::robot) touched: bool,
+    /// State as of the last decision; not stored.
+    pub(in crate::robot) decided_on: DecisionBasis,
 }
 
 /// Whether a pressure is one that this program knows of, since it has the robot.
@@ -191,19 +190,26 @@ impl Whisker {
             refused_servers: Fewer::default(),
             standing: Standing::default(),
             holds: Holds::default(),
-            changed: true,
-            touched: false,
+            decided_on: DecisionBasis {
+                condition: Condition::Learning,
+                fault: None,
+                given_up: false,
+                held: false,
+                undecided: false,
+            },
             sheet,
         }
     }
 
-    /// Of a whisker whose stored numbers are infinite (a version before this one could learn them), everything is learned anew.
-    pub(in crate::robot) fn mend(&mut self) {
+    /// Whether all stored numbers are finite: a version before this one could learn infinite ones.
+    pub(in crate::robot) fn is_sound(&self) -> bool {
         let numbers = [self.noise.variance(), self.told_since_alarm.into(), self.detector.statistic(false)];
         let is_sound = |bin: Bin| bin.mean().is_finite() && bin.variance() > 0.0;
-        if self.filter.is_sound() && numbers.iter().all(|one| one.is_finite()) && self.whole.felt().all(is_sound) {
-            return;
-        }
+        self.filter.is_sound() && numbers.iter().all(|one| one.is_finite()) && self.whole.felt().all(is_sound)
+    }
+
+    /// Learns everything anew.
+    pub(in crate::robot) fn mend(&mut self) {
         self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
@@ -212,7 +218,6 @@ impl Whisker {
             (rare.pending_trim, rare.whole_offset, rare.own, rare.erosion, rare.unsteady) =
                 (None, None, None, None, None);
         }
-        self.changed = true;
     }
 
     /// The whole whisker, as a target.

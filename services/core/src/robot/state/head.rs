@@ -1,0 +1,66 @@
+//! The part of a robot's state that is stored as one piece: everything except the whiskers.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use crate::robot::event::{ArrayKind, Link};
+use crate::robot::state::clock::Clock;
+use crate::robot::{Compensation, Numbers, Sequences};
+use crate::text::ShortText;
+use crate::units::Micros;
+
+/// The head of a robot's stored bytes, in this order.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct Head {
+    pub epoch: u64,
+    pub link: Link,
+    /// The newest boot, as its birth said.
+    pub boot_id: Option<ShortText>,
+    /// The clock of that boot.
+    pub clock: Clock,
+    pub sequences: Sequences,
+    pub arrays: Vec<Array>,
+    pub compensations: Vec<Compensation>,
+    pub next_version: u64,
+    pub next_trim: u32,
+    pub next_compensation: u32,
+    /// The policy must look at all arrays at the end of the next step.
+    pub undecided: bool,
+    /// An operator holds all whiskers, including those of a later layout.
+    pub held: bool,
+    /// Time from which this supervisor has listened: silence before it is not the robot's.
+    pub listening_since: Micros,
+    /// The robot was restored, not met for the first time: the pressures of its whiskers may have been set by commands that
+    /// are not known here, because the database was restored or the state could not be read.
+    pub is_taken_up: bool,
+}
+
+/// An array of the factsheet.
+#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub struct Array {
+    /// Name, unique on the robot.
+    pub name: ShortText,
+    /// Type 1 or Type 2 of the paper.
+    pub kind: ArrayKind,
+}
+
+impl Head {
+    /// The head of a robot of which nothing is known.
+    pub(in crate::robot) fn new(epoch: u64, numbers: Numbers) -> Self {
+        Self {
+            epoch,
+            link: Link::Offline,
+            boot_id: None,
+            clock: Clock::default(),
+            sequences: Sequences::default(),
+            arrays: Vec::new(),
+            compensations: Vec::new(),
+            next_version: 0,
+            next_trim: numbers.next_trim,
+            next_compensation: numbers.next_compensation,
+            undecided: false,
+            held: false,
+            listening_since: Micros::default(),
+            is_taken_up: false,
+        }
+    }
+}
