@@ -16,6 +16,7 @@ mod health;
 pub mod moment;
 pub mod number;
 pub mod page;
+mod parse_error;
 pub mod passage;
 pub mod problem;
 pub mod server;
