@@ -5,7 +5,7 @@
 //! longer chance), [`policy`] (who compensates for whom), and [`robot`], where
 //! `step(state, params, now, event)` puts them together.
 
-mod counts;
+mod encoding;
 pub mod text;
 pub mod units;
 

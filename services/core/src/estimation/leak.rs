@@ -23,7 +23,7 @@ use super::pool::Pool;
 use super::refill::Refills;
 use super::stretch::Stretch;
 use super::trend::Interval;
-use crate::counts;
+use crate::encoding;
 use crate::units::{Megapascal, Micros};
 
 /// How leaks are estimated, and what is called one.
@@ -253,13 +253,13 @@ impl BorshSerialize for LeakWatch {
         let closed = self.closed != Pool::default();
         let is =
             [is_quiet, by_status, by_contact, closed, self.open.is_some(), self.rate != Rate::NONE, self.is_leaking];
-        (counts::bits(is) as u8).serialize(writer)?;
+        (encoding::pack_flags(is) as u8).serialize(writer)?;
         let Bin { since: from, readings, seconds, mpa } = self.bin;
         from.serialize(writer)?;
-        counts::write(readings, writer)?;
+        encoding::write_u32(readings, writer)?;
         (seconds, mpa).serialize(writer)?;
         if is_quiet {
-            counts::write_time(self.quiet_from, from, writer)?;
+            encoding::write_time(self.quiet_from, from, writer)?;
         }
         for refills in self.refills.iter().filter(|&one| *one != Refills::default()) {
             refills.write(from, writer)?;
@@ -275,13 +275,13 @@ impl BorshSerialize for LeakWatch {
 impl BorshDeserialize for LeakWatch {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking] =
-            counts::are(u8::deserialize_reader(reader)?.into())?;
+            encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let from = Micros::deserialize_reader(reader)?;
-        let readings = counts::read(reader)?;
+        let readings = encoding::read_u32(reader)?;
         let (seconds, mpa) = BorshDeserialize::deserialize_reader(reader)?;
         let mut read = Self { is_leaking, bin: Bin { since: from, readings, seconds, mpa }, ..Self::default() };
         if is_quiet {
-            read.quiet_from = counts::read_time(from, reader)?;
+            read.quiet_from = encoding::read_time(from, reader)?;
         }
         for (refills, _) in read.refills.iter_mut().zip([by_status, by_contact]).filter(|(_, is_there)| *is_there) {
             *refills = Refills::read_again(from, reader)?;

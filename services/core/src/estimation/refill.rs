@@ -14,7 +14,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::counts;
+use crate::encoding;
 use crate::units::Micros;
 
 /// Averages over one reading are compared, and over twice as many on each scale: 2, 4, 8 and 16.
@@ -157,7 +157,7 @@ impl Scale {
 impl Refills {
     /// Writes it, its time by how far it is from another.
     pub fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
-        counts::write_time(self.last_at, from, writer)?;
+        encoding::write_time(self.last_at, from, writer)?;
         (self.leaps, self.seconds, self.readings, self.averaged).serialize(writer)?;
         for (index, scale) in self.scales.iter().enumerate() {
             (scale.cubes, scale.squared_cubes).serialize(writer)?;
@@ -173,10 +173,10 @@ impl Refills {
     /// # Errors
     /// The bytes cannot have been written.
     pub fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
-        let mut read = Self { last_at: counts::read_time(from, reader)?, ..Self::default() };
+        let mut read = Self { last_at: encoding::read_time(from, reader)?, ..Self::default() };
         (read.leaps, read.seconds, read.readings, read.averaged) = BorshDeserialize::deserialize_reader(reader)?;
         if read.readings >= LONGEST || read.averaged >= 1 << SCALES {
-            return Err(counts::refused("more readings than an average has"));
+            return Err(encoding::invalid("more readings than an average has"));
         }
         for (index, scale) in read.scales.iter_mut().enumerate() {
             (scale.cubes, scale.squared_cubes) = BorshDeserialize::deserialize_reader(reader)?;

@@ -10,7 +10,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::trend::{BLOCKS, Slope};
-use crate::counts;
+use crate::encoding;
 use crate::units::Micros;
 
 /// Steps of the time of a full block in a second: up to 1024 s.
@@ -123,11 +123,11 @@ impl Stretch {
 
     /// Writes it, its time by how far it is from another; of the blocks those that are there.
     pub(super) fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
-        counts::write_time(self.since, from, writer)?;
+        encoding::write_time(self.since, from, writer)?;
         (self.mpa, self.waiting, self.blocks).serialize(writer)?;
         if self.blocks > 0 {
-            counts::write(self.in_last.into(), writer)?;
-            counts::write(self.in_each.get().into(), writer)?;
+            encoding::write_u32(self.in_last.into(), writer)?;
+            encoding::write_u32(self.in_each.get().into(), writer)?;
             (self.before_mpa, self.last).serialize(writer)?;
         }
         self.full.iter().take(usize::from(self.blocks).saturating_sub(1)).try_for_each(|block| block.serialize(writer))
@@ -135,16 +135,16 @@ impl Stretch {
 
     /// Reads it again.
     pub(super) fn read<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
-        let mut read = Self::new(counts::read_time(from, reader)?, 0.0, 0.0);
+        let mut read = Self::new(encoding::read_time(from, reader)?, 0.0, 0.0);
         (read.mpa, read.waiting, read.blocks) = BorshDeserialize::deserialize_reader(reader)?;
         if usize::from(read.blocks) > BLOCKS {
-            return Err(counts::refused("a stretch has too many blocks"));
+            return Err(encoding::invalid("a stretch has too many blocks"));
         }
         if read.blocks > 0 {
-            let [in_last, in_each] = [counts::read(reader)?, counts::read(reader)?];
+            let [in_last, in_each] = [encoding::read_u32(reader)?, encoding::read_u32(reader)?];
             let is_possible = in_each <= AVERAGES_MAX.into() && (1..=in_each).contains(&in_last);
             let in_each = NonZeroU16::new(in_each as u16).filter(|_| is_possible);
-            read.in_each = in_each.ok_or_else(|| counts::refused("a stretch has other readings"))?;
+            read.in_each = in_each.ok_or_else(|| encoding::invalid("a stretch has other readings"))?;
             read.in_last = in_last as u16;
             (read.before_mpa, read.last) = BorshDeserialize::deserialize_reader(reader)?;
         }

@@ -42,7 +42,6 @@ use event::{Factsheet, Link};
 use state::clock::{Clock, Told};
 use state::deadline::Quiet;
 use state::head::Head;
-use state::moment::Moment;
 use state::places::Places;
 use state::tracked::{KnownCompensations, Tracked, Whiskers};
 
@@ -273,8 +272,8 @@ impl Robot {
         }
         // A whisker that the robot has and that never says anything becomes stale, too.
         for index in 0..self.whiskers.len() {
-            if self.whiskers[index].heard == Moment::NONE {
-                self.whiskers[index].heard = Moment::at(now);
+            if self.whiskers[index].heard.is_none() {
+                self.whiskers[index].heard = Some(now);
             }
         }
         Outcome::Taken

@@ -72,8 +72,8 @@ impl Whisker {
         if self.desired.is_some() || self.command.is_some() {
             return None;
         }
-        let silent = self.heard.get().map(|heard| heard.max(listening_since).after(params.health.stale_after));
-        let unheld = self.air.unheld_since.get().map(|since| since.after(params.health.unheld_after));
+        let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));
+        let unheld = self.air.unheld_since.map(|since| since.after(params.health.unheld_after));
         // What has come about already stays as it is.
         let to_come = [silent, unheld].into_iter().flatten().filter(|&at| now <= at);
         Some(to_come.min().unwrap_or(Micros(u64::MAX)))

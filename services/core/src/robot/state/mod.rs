@@ -2,12 +2,10 @@
 
 pub(in crate::robot) mod clock;
 pub(in crate::robot) mod deadline;
-pub mod few;
 pub(in crate::robot) mod head;
 pub(in crate::robot) mod layout;
-pub(in crate::robot) mod moment;
 pub(in crate::robot) mod places;
-pub(in crate::robot) mod rare;
+pub(in crate::robot) mod rare_state;
 pub(in crate::robot) mod rebaseline;
 pub mod sequence;
 pub mod sheet;

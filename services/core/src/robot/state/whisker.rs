@@ -13,9 +13,7 @@ use crate::robot::health::alarms::Standing;
 use crate::robot::health::array_shift::UNSTEADY_SHARE;
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
-use crate::robot::state::few::Fewer;
-use crate::robot::state::moment::Moment;
-use crate::robot::state::rare::Rares;
+use crate::robot::state::rare_state::Rare;
 use crate::robot::state::sheet::Sheet;
 use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{Megapascal, Micros};
@@ -38,10 +36,10 @@ pub struct Whisker {
     pub(in crate::robot) air: Air,
     pub(in crate::robot) leak: LeakWatch,
     pub(in crate::robot) gauge: GaugeWatch,
-    pub(in crate::robot) rare: Rares,
+    pub(in crate::robot) rare: Rare,
     pub(in crate::robot) fault: Option<Fault>,
     /// By the supervisor's clock.
-    pub(in crate::robot) heard: Moment,
+    pub(in crate::robot) heard: Option<Micros>,
     pub(in crate::robot) desired: Option<Box<Desired>>,
     pub(in crate::robot) command: Option<Box<InFlight>>,
     /// The last setpoint failed for good, in this boot.
@@ -62,7 +60,7 @@ pub struct Whisker {
     /// An operator holds it.
     pub(in crate::robot) held: bool,
     /// Numbers of the whiskers that an operator has refused as its compensators.
-    pub(in crate::robot) refused_servers: Fewer,
+    pub(in crate::robot) refused_servers: Vec<u16>,
     /// What people were told and what is still so.
     pub(in crate::robot) standing: Standing,
     pub(in crate::robot) holds: Holds,
@@ -116,14 +114,14 @@ pub(in crate::robot) struct Air {
     /// The pressure at which the offset was learned.
     pub learned_at: Megapascal,
     pub regulator: RegulatorState,
-    pub unheld_since: Moment,
+    pub unheld_since: Option<Micros>,
 }
 
 impl Air {
     /// What a robot holds where nothing was measured yet.
     pub(in crate::robot) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
         let regulator = RegulatorState::Ok;
-        Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: Moment::NONE }
+        Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: None }
     }
 
     /// The pressure as last measured.
@@ -174,9 +172,9 @@ impl Whisker {
             air: Air::held(sheet.pressure, sheet.pressure),
             leak: LeakWatch::default(),
             gauge: GaugeWatch::default(),
-            rare: Rares::default(),
+            rare: Rare::default(),
             fault: None,
-            heard: Moment::NONE,
+            heard: None,
             desired: None,
             command: None,
             given_up: false,
@@ -187,7 +185,7 @@ impl Whisker {
             unserved: false,
             shift_told: false,
             held: false,
-            refused_servers: Fewer::default(),
+            refused_servers: Vec::new(),
             standing: Standing::default(),
             holds: Holds::default(),
             decided_on: DecisionBasis {
@@ -214,7 +212,7 @@ impl Whisker {
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
         (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
-        if let Some(rare) = self.rare.there() {
+        if let Some(rare) = self.rare.get_mut() {
             (rare.pending_trim, rare.whole_offset, rare.own, rare.erosion, rare.unsteady) =
                 (None, None, None, None, None);
         }
@@ -287,8 +285,8 @@ impl Whisker {
         if !self.filter.learn(seen, self.wander(params)) {
             return Felt::unused(ContactUse::Implausible);
         }
-        if let Some(unsteady) = self.rare.unsteady {
-            self.rare.unsteady = unsteady.after_contact();
+        if let Some(rare) = self.rare.get_mut() {
+            rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
         }
         self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
@@ -320,14 +318,14 @@ impl Whisker {
     /// While it erodes: how fast, and how long it will still do.
     fn follow_erosion(&mut self, params: &Params) {
         if self.condition != Condition::Eroding {
-            if let Some(rare) = self.rare.there() {
+            if let Some(rare) = self.rare.get_mut() {
                 rare.erosion = None;
             }
             return;
         }
         let Some(model) = self.model(params) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
-        let watch = self.rare.erosion.get_or_insert_with(|| {
+        let watch = self.rare.get_or_insert().erosion.get_or_insert_with(|| {
             let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
             Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
         });
@@ -350,11 +348,11 @@ impl Whisker {
             return;
         }
         self.air.setpoint = setpoint;
-        self.air.unheld_since = Moment::NONE;
+        self.air.unheld_since = None;
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.rare.whole_offset = Some(self.filter.offset());
+                self.rare.get_or_insert().whole_offset = Some(self.filter.offset());
             }
             self.filter.pressure_moved(moved_mpa, &params.filter);
             self.detector = Detector::default();
