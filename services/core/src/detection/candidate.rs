@@ -44,7 +44,7 @@ pub struct Candidates {
 
 /// What a contact says under each supposed change.
 #[derive(Debug, Clone)]
-pub struct Felt {
+pub struct ContactSignature {
     /// What a unit of the change lets expect, in standard deviations.
     pub signature: [f32; LANES],
     /// Probability that it is no outlier.
@@ -67,7 +67,7 @@ struct Supposed {
 
 impl Candidates {
     /// Takes one innovation in; what it was under each.
-    pub fn update(&mut self, seen: &Innovation) -> Felt {
+    pub fn update(&mut self, seen: &Innovation) -> ContactSignature {
         let sd = seen.variance.sqrt();
         let row: [f32; STATES] = seen.row.map(|one| (one / sd) as f32);
         let gain: [f32; STATES] = seen.gain.map(|one| (one * sd) as f32);
@@ -76,7 +76,7 @@ impl Candidates {
         self.starts.by_change(&expected, &mut signature);
         signature[BEGUN..BEGUN + OF_ANY_SIZE.len()].fill(row[LENGTH]);
         let (ratio, sound) = self.likelihood_ratios(seen, &signature);
-        let mut felt = Felt { signature, sound };
+        let mut felt = ContactSignature { signature, sound };
         let ratio = self.rather_begin(&mut felt, ratio);
         let mut goes_on = self.judge(&ratio);
         self.starts.follow(&gain, &expected, &mut goes_on);
@@ -119,7 +119,7 @@ impl Candidates {
 
     /// Where this contact alone, as the first one of a change of any size, is likelier than all since the supposed
     /// start, it is the start: an estimate that took chance for a small change would take a large one for outliers.
-    fn rather_begin(&mut self, felt: &mut Felt, mut ratio: [f32; LANES]) -> [f32; LANES] {
+    fn rather_begin(&mut self, felt: &mut ContactSignature, mut ratio: [f32; LANES]) -> [f32; LANES] {
         for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
             let begun = BEGUN + lane;
             if self.contacts(index) > 0 && ratio[begun] > self.cusum[index] * ratio[index] {
@@ -148,7 +148,7 @@ impl Candidates {
     }
 
     /// Adds up, for those that go on.
-    fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &Felt, standardised: f32) {
+    fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &ContactSignature, standardised: f32) {
         for (index, goes_on) in goes_on.iter().enumerate() {
             let kept = |one: f32| if *goes_on { one } else { 0.0 };
             let (signature, sound) = (felt.signature[index], felt.sound[index]);

@@ -4,7 +4,7 @@
 //! exponentials would take longer than everything else in it. This one has no branches, so that compilers make several at
 //! a time; it agrees with [`f64::exp`] to a few units in the last place.
 
-use super::spread::Curve;
+use super::uncertainty::Curve;
 
 /// What is beyond e^700 or below its inverse is no sensitivity.
 const LARGEST: f64 = 700.0;

@@ -21,7 +21,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::pool::Pool;
 use super::refill::Refills;
-use super::stretch::Stretch;
+use super::sealed_interval::SealedInterval;
 use super::trend::Interval;
 use crate::encoding;
 use crate::units::{Megapascal, Micros};
@@ -89,7 +89,7 @@ pub struct LeakWatch {
     /// Readings before this, by the robot's clock, are not used.
     quiet_from: Micros,
     bin: Bin,
-    open: Option<Stretch>,
+    open: Option<SealedInterval>,
     closed: Pool,
     refills: [Refills; 2],
     is_leaking: bool,
@@ -169,8 +169,8 @@ impl LeakWatch {
         if mpa < LEAST_MPA {
             return self.close(params);
         }
-        let too_long = |open: &Stretch| open.is_full() || since.since(open.since) >= params.interval_max;
-        let leapt = |open: &Stretch| {
+        let too_long = |open: &SealedInterval| open.is_full() || since.since(open.since) >= params.interval_max;
+        let leapt = |open: &SealedInterval| {
             let refilled = |before_mpa: f32| mpa - f64::from(before_mpa) > JUMP_REFILLS * params.refill_mpa;
             let vented = f64::from(open.waiting.1) - mpa > VENT_REFILLS * params.refill_mpa;
             vented || refilled(open.waiting.1) || open.before_mpa().is_some_and(refilled)
@@ -180,7 +180,7 @@ impl LeakWatch {
         }
         match &mut self.open {
             Some(open) => open.follow(since.since(open.since).as_s() + seconds, mpa),
-            None => self.open = Some(Stretch::new(since, seconds, mpa)),
+            None => self.open = Some(SealedInterval::new(since, seconds, mpa)),
         }
         self.judge(params);
     }
@@ -290,7 +290,7 @@ impl BorshDeserialize for LeakWatch {
             read.closed = Pool::deserialize_reader(reader)?;
         }
         if open {
-            read.open = Some(Stretch::read(from, reader)?);
+            read.open = Some(SealedInterval::read(from, reader)?);
         }
         if rate {
             read.rate = Rate::deserialize_reader(reader)?;

@@ -5,8 +5,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::encoding;
 use crate::estimation::ResponseBins;
+use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
-use crate::robot::state::sheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::tracked::DecisionBasis;
 use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};

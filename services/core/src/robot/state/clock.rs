@@ -55,11 +55,11 @@ const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
 
 /// How a message's time relates to the moment at which the robot sent it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::robot) enum Told {
+pub(in crate::robot) enum TimeKind {
     /// Sent at that time: `status` and `setpoint_state`.
     Live,
     /// Sent at that time or later: `contacts`.
-    Later,
+    Recorded,
 }
 
 /// The clock of one boot of a robot.
@@ -81,12 +81,12 @@ struct Sample {
 
 impl Clock {
     /// A message was received at `now`, and says that it was `robot_time`; 0 stands for a message without a time.
-    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: Told) {
+    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: TimeKind) {
         self.heard = Some(now);
         if robot_time == Micros::default() {
             return;
         }
-        let is_live = told == Told::Live;
+        let is_live = told == TimeKind::Live;
         let newest_live = self.samples.iter().rev().find(|one| one.is_live);
         let has_recent_live = newest_live.is_some_and(|one| now.since(one.at) < LIVE_FOR);
         if !is_live && has_recent_live && self.live() >= SETTLED {

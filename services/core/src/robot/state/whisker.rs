@@ -13,8 +13,8 @@ use crate::robot::health::alarms::Standing;
 use crate::robot::health::array_shift::UNSTEADY_SHARE;
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
+use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::rare_state::Rare;
-use crate::robot::state::sheet::Sheet;
 use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{Megapascal, Micros};
 
@@ -152,7 +152,7 @@ pub(in crate::robot) struct InFlight {
 }
 
 /// What came of one contact.
-pub(in crate::robot) struct Felt {
+pub(in crate::robot) struct ContactResult {
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
     pub verdict: Verdict,
@@ -236,11 +236,11 @@ impl Whisker {
         model: &Model,
         contact: &Contact<'_>,
         others: Others,
-    ) -> Felt {
+    ) -> ContactResult {
         self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
-            return Felt::unused(ContactUse::Unsettled);
+            return ContactResult::unused(ContactUse::Unsettled);
         }
         if self.command.is_none() {
             self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
@@ -253,17 +253,17 @@ impl Whisker {
         };
         let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
         if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
-            return Felt::unused(ContactUse::GaugeFault);
+            return ContactResult::unused(ContactUse::GaugeFault);
         }
         match seen {
-            Err(NoInformation::OnChamber(_)) => Felt::unused(ContactUse::OnChamber),
-            Err(NoInformation::TooWeak) => Felt::unused(ContactUse::TooWeak),
-            Err(NoInformation::Implausible) => Felt::unused(ContactUse::Implausible),
+            Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
+            Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
+            Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
             Ok(seen) => self.take(params, contact, &seen, others),
         }
     }
 
-    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> Felt {
+    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> ContactResult {
         self.contacts += 1;
         self.told_since_alarm += (seen.row[LENGTH].powi(2) / seen.variance) as f32;
         let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
@@ -283,7 +283,7 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         if !self.filter.learn(seen, self.wander(params)) {
-            return Felt::unused(ContactUse::Implausible);
+            return ContactResult::unused(ContactUse::Implausible);
         }
         if let Some(rare) = self.rare.get_mut() {
             rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
@@ -291,7 +291,7 @@ impl Whisker {
         self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
-        Felt { used, innovation: Some(*seen), verdict }
+        ContactResult { used, innovation: Some(*seen), verdict }
     }
 
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
@@ -373,7 +373,7 @@ impl Whisker {
     }
 }
 
-impl Felt {
+impl ContactResult {
     fn unused(used: ContactUse) -> Self {
         Self { used, innovation: None, verdict: Verdict::Quiet }
     }

@@ -13,7 +13,7 @@ const USUAL: [usize; 4] = [7, 9, 12, 14];
 
 /// The cases, worked out once: quantiles of the normal distribution take longer than all that is asked of them.
 #[derive(Debug, Clone)]
-pub struct EvenCases {
+pub struct CubatureCases {
     tables: Vec<Table>,
 }
 
@@ -24,14 +24,14 @@ struct Table {
     amounts: Vec<f64>,
 }
 
-impl Default for EvenCases {
+impl Default for CubatureCases {
     fn default() -> Self {
         let table = |causes| Table { causes, amounts: amounts(causes, CASES) };
         Self { tables: USUAL.map(table).into() }
     }
 }
 
-impl EvenCases {
+impl CubatureCases {
     /// Case after case, by how many standard deviations each of so many causes is off. Above none where there are no
     /// causes.
     #[must_use]
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn what_was_worked_out_is_what_would_be() {
-        let cases = EvenCases::default();
+        let cases = CubatureCases::default();
         for (causes, count) in [(0, 400), (1, 400), (7, 16), (9, 400), (12, 127), (14, 401)] {
             let told = cases.amounts(causes, count);
             assert_eq!(*told, amounts(causes, count), "{causes} {count}");

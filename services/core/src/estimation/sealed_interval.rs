@@ -23,7 +23,7 @@ const AVERAGES_MAX: u16 = 1 << 14;
 
 /// The stretch: averages of the pressure over a few readings each.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct SealedInterval {
     /// When it began.
     pub since: Micros,
     /// The first average, MPa.
@@ -40,7 +40,7 @@ pub(super) struct Stretch {
     in_each: NonZeroU16,
 }
 
-impl Stretch {
+impl SealedInterval {
     pub(super) fn new(since: Micros, seconds: f64, mpa: f64) -> Self {
         Self {
             since,
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn property_its_line_is_that_of_blocks_in_full() {
-        let mut stretch = Stretch::new(Micros(7), 0.0, 0.1);
+        let mut stretch = SealedInterval::new(Micros(7), 0.0, 0.1);
         let mut trend = Trend::new(u32::MAX / 2);
         let mpa = |k: u32| 0.1 * (-3e-4 * f64::from(k)).exp() + 4e-4 * (f64::from(k * 37 % 23) / 11.0 - 1.0);
         for k in 1..400 {
@@ -184,6 +184,6 @@ mod tests {
         let mut bytes = Vec::new();
         stretch.write(Micros(3), &mut bytes).unwrap();
         assert!(bytes.len() <= 90, "{}", bytes.len());
-        assert_eq!(Stretch::read(Micros(3), &mut bytes.as_slice()).unwrap(), stretch);
+        assert_eq!(SealedInterval::read(Micros(3), &mut bytes.as_slice()).unwrap(), stretch);
     }
 }
