@@ -4,7 +4,7 @@
 //! whisker's length and offset from its contacts), [`detection`] (changes that are no longer chance), [`policy`]
 //! (the choice of compensators), and [`robot`], whose `step(params, now, event)` puts them together.
 
-mod counts;
+mod encoding;
 pub mod text;
 pub mod units;
 

@@ -45,7 +45,7 @@ pub struct Candidates {
 
 /// Evaluation of one contact under each hypothesis.
 #[derive(Debug, Clone)]
-pub struct Felt {
+pub struct ContactSignature {
     /// Expected innovation for a unit of the change, in standard deviations.
     pub signature: [f32; LANES],
     /// Probability that the contact is not an outlier.
@@ -68,7 +68,7 @@ struct Supposed {
 
 impl Candidates {
     /// Updates all statistics with one innovation and returns its evaluation under each hypothesis.
-    pub fn update(&mut self, seen: &Innovation) -> Felt {
+    pub fn update(&mut self, seen: &Innovation) -> ContactSignature {
         let sd = seen.variance.sqrt();
         let row: [f32; STATES] = seen.row.map(|one| (one / sd) as f32);
         let gain: [f32; STATES] = seen.gain.map(|one| (one * sd) as f32);
@@ -77,7 +77,7 @@ impl Candidates {
         self.starts.by_change(&expected, &mut signature);
         signature[BEGUN..BEGUN + OF_ANY_SIZE.len()].fill(row[LENGTH]);
         let (ratio, sound) = self.likelihood_ratios(seen, &signature);
-        let mut felt = Felt { signature, sound };
+        let mut felt = ContactSignature { signature, sound };
         let ratio = self.rather_begin(&mut felt, ratio);
         let mut goes_on = self.judge(&ratio);
         self.starts.follow(&gain, &expected, &mut goes_on);
@@ -122,7 +122,7 @@ impl Candidates {
     /// Restarts a hypothesis of any size at this contact if the contact alone, as the first one of a change, is
     /// more likely than all contacts since the present start. Otherwise a size estimate that mistook chance for a
     /// small change would treat a large change as outliers.
-    fn rather_begin(&mut self, felt: &mut Felt, mut ratio: [f32; LANES]) -> [f32; LANES] {
+    fn rather_begin(&mut self, felt: &mut ContactSignature, mut ratio: [f32; LANES]) -> [f32; LANES] {
         for (lane, index) in OF_ANY_SIZE.into_iter().enumerate() {
             let begun = BEGUN + lane;
             if self.contacts(index) > 0 && ratio[begun] > self.cusum[index] * ratio[index] {
@@ -151,7 +151,7 @@ impl Candidates {
     }
 
     /// Adds the contact to the sums of the hypotheses that continue, and clears the others.
-    fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &Felt, standardised: f32) {
+    fn add_up(&mut self, goes_on: &[bool; COUNT], felt: &ContactSignature, standardised: f32) {
         for (index, goes_on) in goes_on.iter().enumerate() {
             let kept = |one: f32| if *goes_on { one } else { 0.0 };
             let (signature, sound) = (felt.signature[index], felt.sound[index]);

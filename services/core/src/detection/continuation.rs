@@ -6,7 +6,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::candidate::{Candidates, Evidence, Felt};
+use super::candidate::{Candidates, ContactSignature, Evidence};
 use super::hypothesis::CUTS;
 use super::start::STEPS;
 use crate::estimation::Innovation;
@@ -30,7 +30,7 @@ pub struct Continuations {
 
 impl Continuations {
     /// Adds a contact that the candidates have already evaluated.
-    pub fn update(&mut self, seen: &Innovation, candidates: &Candidates, felt: &Felt) {
+    pub fn update(&mut self, seen: &Innovation, candidates: &Candidates, felt: &ContactSignature) {
         let sd = seen.variance.sqrt();
         let standardised = seen.standardised as f32;
         let slope = self.slopes(seen, sd);

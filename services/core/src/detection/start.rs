@@ -9,7 +9,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::hypothesis::{COUNT, GRADUAL_FROM, OF_LENGTH};
-use crate::counts;
+use crate::encoding;
 use crate::estimation::filter::{BASELINE, LENGTH, STATES};
 
 /// Number of starts that all steps share.
@@ -158,7 +158,7 @@ impl Starts {
 
     fn take_before(&mut self, place: usize) -> Result<()> {
         if place <= STEPS || self.contacts[place - 1] == 0 {
-            return Err(counts::refused("a start refers to a missing one"));
+            return Err(encoding::invalid("a start refers to a missing one"));
         }
         self.contacts[place] = self.contacts[place - 1];
         self.lacking.iter_mut().for_each(|one| one[place] = one[place - 1]);
@@ -169,15 +169,15 @@ impl Starts {
 /// Encoding: a bit mask of the used starts, then the places of the steps, two to a byte, then the used starts.
 impl BorshSerialize for Starts {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        let bits = counts::bits(self.contacts.map(|contacts| contacts > 0));
+        let bits = encoding::pack_flags(self.contacts.map(|contacts| contacts > 0));
         bits.serialize(writer)?;
         self.of_steps.chunks(2).try_for_each(|pair| (pair[0] | pair[1] << 4).serialize(writer))?;
         for place in (0..STARTS).filter(|&place| self.contacts[place] > 0) {
             if self.is_as_before(place) {
-                counts::write(0, writer)?;
+                encoding::write_u32(0, writer)?;
                 continue;
             }
-            counts::write(self.contacts[place].into(), writer)?;
+            encoding::write_u32(self.contacts[place].into(), writer)?;
             self.lacking.iter().try_for_each(|one| one[place].serialize(writer))?;
         }
         Ok(())
@@ -187,17 +187,17 @@ impl BorshSerialize for Starts {
 impl BorshDeserialize for Starts {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
-        let are: [bool; STARTS] = counts::are(u16::deserialize_reader(reader)?)?;
+        let are: [bool; STARTS] = encoding::unpack_flags(u16::deserialize_reader(reader)?)?;
         for pair in read.of_steps.chunks_mut(2) {
             let both = u8::deserialize_reader(reader)?;
             (pair[0], pair[1]) = (both & 0xf, both >> 4);
         }
         let is_step = |place: u8| usize::from(place) == NOW || usize::from(place) < STEPS && are[usize::from(place)];
         if !read.of_steps.iter().all(|&place| is_step(place)) {
-            return Err(counts::refused("a step without a start"));
+            return Err(encoding::invalid("a step without a start"));
         }
         for place in (0..STARTS).filter(|&place| are[place]) {
-            let contacts = counts::read(reader)?;
+            let contacts = encoding::read_u32(reader)?;
             if contacts == 0 {
                 read.take_before(place)?;
                 continue;

@@ -7,7 +7,7 @@
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::counts;
+use crate::encoding;
 use crate::mechanics::CONTACT_RATIOS;
 use crate::units::ContactRatio;
 
@@ -102,7 +102,7 @@ impl Kept {
 /// An empty bin takes one byte.
 impl BorshSerialize for Kept {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        counts::write(self.contacts_and_ratio, writer)?;
+        encoding::write_u32(self.contacts_and_ratio, writer)?;
         if self.contacts() > 0 {
             (self.weight, self.mean).serialize(writer)?;
         }
@@ -112,7 +112,7 @@ impl BorshSerialize for Kept {
 
 impl BorshDeserialize for Kept {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let mut read = Self { contacts_and_ratio: counts::read(reader)?, ..Self::default() };
+        let mut read = Self { contacts_and_ratio: encoding::read_u32(reader)?, ..Self::default() };
         if read.contacts() > 0 {
             (read.weight, read.mean) = BorshDeserialize::deserialize_reader(reader)?;
         }

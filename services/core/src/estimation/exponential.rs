@@ -4,7 +4,7 @@
 //! longer than everything else in it. This function has no branches, so that compilers vectorise it. It agrees with
 //! [`f64::exp`] to a few units in the last place.
 
-use super::spread::Curve;
+use super::uncertainty::Curve;
 
 /// Limit of the exponent: values beyond e^±700 cannot be sensitivities.
 const LARGEST: f64 = 700.0;

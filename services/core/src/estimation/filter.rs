@@ -24,7 +24,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::noise::{NoiseScale, SensorNoise};
 use super::outlier::{InnovationDensity, Seen};
 use super::symmetric::Symmetric;
-use crate::counts;
+use crate::encoding;
 use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
@@ -101,11 +101,11 @@ pub struct LengthFilter {
 }
 
 fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
-    counts::write_number(*whole_length_mm, writer)
+    encoding::write_number(*whole_length_mm, writer)
 }
 
 fn read_whole<R: Read>(reader: &mut R) -> Result<f64, Error> {
-    counts::read_number(reader)
+    encoding::read_number(reader)
 }
 
 /// Random walk of the state from one contact to the next, as standard deviations.

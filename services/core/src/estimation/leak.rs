@@ -23,9 +23,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::pool::Pool;
 use super::refill::Refills;
-use super::stretch::Stretch;
+use super::sealed_interval::SealedInterval;
 use super::trend::Interval;
-use crate::counts;
+use crate::encoding;
 use crate::units::{Megapascal, Micros};
 
 /// Parameters of the leak estimation.
@@ -94,7 +94,7 @@ pub struct LeakWatch {
     /// Readings before this time by the robot's clock are ignored.
     quiet_from: Micros,
     bin: Bin,
-    open: Option<Stretch>,
+    open: Option<SealedInterval>,
     closed: Pool,
     refills: [Refills; 2],
     is_leaking: bool,
@@ -174,8 +174,8 @@ impl LeakWatch {
         if mpa < LEAST_MPA {
             return self.close(params);
         }
-        let too_long = |open: &Stretch| open.is_full() || since.since(open.since) >= params.interval_max;
-        let leapt = |open: &Stretch| {
+        let too_long = |open: &SealedInterval| open.is_full() || since.since(open.since) >= params.interval_max;
+        let leapt = |open: &SealedInterval| {
             let refilled = |before_mpa: f32| mpa - f64::from(before_mpa) > JUMP_REFILLS * params.refill_mpa;
             let vented = f64::from(open.waiting.1) - mpa > VENT_REFILLS * params.refill_mpa;
             vented || refilled(open.waiting.1) || open.before_mpa().is_some_and(refilled)
@@ -185,7 +185,7 @@ impl LeakWatch {
         }
         match &mut self.open {
             Some(open) => open.follow(since.since(open.since).as_s() + seconds, mpa),
-            None => self.open = Some(Stretch::new(since, seconds, mpa)),
+            None => self.open = Some(SealedInterval::new(since, seconds, mpa)),
         }
         self.judge(params);
     }
@@ -262,13 +262,13 @@ impl BorshSerialize for LeakWatch {
         let closed = self.closed != Pool::default();
         let is =
             [is_quiet, by_status, by_contact, closed, self.open.is_some(), self.rate != Rate::NONE, self.is_leaking];
-        (counts::bits(is) as u8).serialize(writer)?;
+        (encoding::pack_flags(is) as u8).serialize(writer)?;
         let Bin { since: from, readings, seconds, mpa } = self.bin;
         from.serialize(writer)?;
-        counts::write(readings, writer)?;
+        encoding::write_u32(readings, writer)?;
         (seconds, mpa).serialize(writer)?;
         if is_quiet {
-            counts::write_time(self.quiet_from, from, writer)?;
+            encoding::write_time(self.quiet_from, from, writer)?;
         }
         for refills in self.refills.iter().filter(|&one| *one != Refills::default()) {
             refills.write(from, writer)?;
@@ -284,13 +284,13 @@ impl BorshSerialize for LeakWatch {
 impl BorshDeserialize for LeakWatch {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking] =
-            counts::are(u8::deserialize_reader(reader)?.into())?;
+            encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let from = Micros::deserialize_reader(reader)?;
-        let readings = counts::read(reader)?;
+        let readings = encoding::read_u32(reader)?;
         let (seconds, mpa) = BorshDeserialize::deserialize_reader(reader)?;
         let mut read = Self { is_leaking, bin: Bin { since: from, readings, seconds, mpa }, ..Self::default() };
         if is_quiet {
-            read.quiet_from = counts::read_time(from, reader)?;
+            read.quiet_from = encoding::read_time(from, reader)?;
         }
         for (refills, _) in read.refills.iter_mut().zip([by_status, by_contact]).filter(|(_, is_there)| *is_there) {
             *refills = Refills::read_again(from, reader)?;
@@ -299,7 +299,7 @@ impl BorshDeserialize for LeakWatch {
             read.closed = Pool::deserialize_reader(reader)?;
         }
         if open {
-            read.open = Some(Stretch::read(from, reader)?);
+            read.open = Some(SealedInterval::read(from, reader)?);
         }
         if rate {
             read.rate = Rate::deserialize_reader(reader)?;

@@ -4,13 +4,14 @@
 //! Knows numbers, not robots. [`noise`] gives the uncertainty of one contact and [`outlier`] its density.
 //! [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline). [`bins`] averages responses
 //! by contact ratio, [`smooth`] fits a curve to them, [`own_calibration`] compares them between pressures,
-//! [`spread`] gives the uncertainty of Eq. 35 over the cases of [`even`]. [`trend`] fits lines to long series;
+//! [`uncertainty`] gives the uncertainty of Eq. 35 over the cases of [`cubature`]. [`trend`] fits lines to long series;
 //! [`erosion`] and [`leak`] use it, and [`refill`] detects a regulator that refills a leak.
 
 pub mod bins;
+pub mod cubature;
 pub mod erosion;
-pub mod even;
 mod exponential;
+mod fast_math;
 pub mod filter;
 pub mod leak;
 pub mod noise;
@@ -18,16 +19,15 @@ pub mod outlier;
 pub mod own_calibration;
 mod pool;
 pub mod refill;
-mod single;
+mod sealed_interval;
 pub mod smooth;
-pub mod spread;
-mod stretch;
 mod symmetric;
 pub mod trend;
+pub mod uncertainty;
 
 pub use bins::{Bin, ResponseBins, Waiting};
+pub use cubature::CubatureCases;
 pub use erosion::{ContactsLeft, Erosion, ErosionWatch};
-pub use even::EvenCases;
 pub use filter::{Innovation, LengthEstimate, LengthFilter};
 pub use leak::{LeakParams, LeakWatch};
 pub use noise::{NoiseScale, SensorNoise};

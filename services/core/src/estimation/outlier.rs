@@ -6,7 +6,7 @@
 //! two hundred may be an outlier of ten times the noise. So a likelihood ratio stays below some thousand whatever a
 //! single contact shows, and an outlier hardly affects the length.
 
-use super::single;
+use super::fast_math;
 
 /// Assumed share of outliers; it bounds the effect of one contact.
 const OUTLIERS: f64 = 0.005;
@@ -71,8 +71,8 @@ impl InnovationDensity {
         let mut one = Densities { density: [0.0; LANES], sound: [0.0; LANES] };
         for (index, &standardised) in standardised.iter().enumerate() {
             let square = least(standardised * standardised, SQUARE_MAX);
-            let core = (1.0 - OUTLIERS) as f32 * single::exp(power * single::ln_one_plus(square * per_freedom));
-            let wide = single::exp(largest((-0.5 / (OUTLIER_SD * OUTLIER_SD)) as f32 * square, LEAST_LOG_WIDE));
+            let core = (1.0 - OUTLIERS) as f32 * fast_math::exp(power * fast_math::ln_one_plus(square * per_freedom));
+            let wide = fast_math::exp(largest((-0.5 / (OUTLIER_SD * OUTLIER_SD)) as f32 * square, LEAST_LOG_WIDE));
             let density = core + (OUTLIERS / OUTLIER_SD) as f32 * wide;
             one.density[index] = density;
             one.sound[index] = core / density;

@@ -3,7 +3,7 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::leak::LeakParams;
-use super::stretch::Stretch;
+use super::sealed_interval::SealedInterval;
 use super::trend::{Interval, Slope};
 
 /// Least degrees of freedom of a reported rate.
@@ -45,7 +45,7 @@ impl Pool {
         self.scatter = self.scatter.map(|sum| sum * keep);
     }
 
-    pub(super) fn add(&mut self, params: &LeakParams, open: &Stretch) {
+    pub(super) fn add(&mut self, params: &LeakParams, open: &SealedInterval) {
         let Some(Slope { per_x, weight, squares, freedom }) = open.slope() else { return };
         let mpa = f64::from(open.mpa);
         let by_pressure = mpa.powi(2);

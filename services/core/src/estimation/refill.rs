@@ -13,7 +13,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::counts;
+use crate::encoding;
 use crate::units::Micros;
 
 /// Number of scales: averages over 1, 2, 4, 8 and 16 readings.
@@ -156,7 +156,7 @@ impl Scale {
 impl Refills {
     /// Writes the statistics; the time is written relative to `from`.
     pub fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
-        counts::write_time(self.last_at, from, writer)?;
+        encoding::write_time(self.last_at, from, writer)?;
         (self.leaps, self.seconds, self.readings, self.averaged).serialize(writer)?;
         for (index, scale) in self.scales.iter().enumerate() {
             (scale.cubes, scale.squared_cubes).serialize(writer)?;
@@ -172,10 +172,10 @@ impl Refills {
     /// # Errors
     /// The bytes are not a valid encoding.
     pub fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
-        let mut read = Self { last_at: counts::read_time(from, reader)?, ..Self::default() };
+        let mut read = Self { last_at: encoding::read_time(from, reader)?, ..Self::default() };
         (read.leaps, read.seconds, read.readings, read.averaged) = BorshDeserialize::deserialize_reader(reader)?;
         if read.readings >= LONGEST || read.averaged >= 1 << SCALES {
-            return Err(counts::refused("too many readings or scales in the refill statistics"));
+            return Err(encoding::invalid("too many readings or scales in the refill statistics"));
         }
         for (index, scale) in read.scales.iter_mut().enumerate() {
             (scale.cubes, scale.squared_cubes) = BorshDeserialize::deserialize_reader(reader)?;

@@ -8,7 +8,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use nalgebra::{Cholesky, Matrix3, SMatrix, Vector3};
 
 use super::bins::ResponseBins;
-use super::spread::Curve;
+use super::uncertainty::Curve;
 use crate::mechanics::{CONTACT_RATIOS, Offset};
 
 /// Prior standard deviations: level, slope per unit of contact ratio, curvature per unit squared.

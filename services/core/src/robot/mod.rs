@@ -30,20 +30,19 @@ pub use compensation::Compensation;
 pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;
+pub use state::factsheet::Sheet;
 pub use state::head::Array;
 pub use state::sequence::{Admission, Sequence, Sequences};
-pub use state::sheet::Sheet;
 pub use state::whisker::Whisker;
 pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
 
 use crate::units::Micros;
 use event::{Factsheet, Link};
-use state::clock::{Clock, Told};
-use state::deadline::Quiet;
+use state::clock::{Clock, TimeKind};
+use state::deadline::TickDeadline;
 use state::head::Head;
-use state::moment::Moment;
-use state::places::Places;
+use state::index::WhiskerIndexTable;
 use state::tracked::{KnownCompensations, Tracked, Whiskers};
 
 /// One robot: its numbers, its whiskers, its compensations.
@@ -57,11 +56,11 @@ pub struct Robot {
     /// The factsheet of the newest boot, as long as it is missing.
     awaited: Awaited,
     /// Index of whiskers by array and number; follows from the layout.
-    places: Places,
+    index: WhiskerIndexTable,
     /// Compensations as of the last step, to find what has changed since.
     known_compensations: KnownCompensations,
     /// Time until which a tick has nothing to do.
-    quiet: Quiet,
+    tick_deadline: TickDeadline,
 }
 
 /// The first free numbers of a robot's trims and compensations.
@@ -85,7 +84,7 @@ enum Awaited {
     /// It follows a birth, since then.
     Since(Micros),
     /// It was asked for then: again only where contacts wait for it.
-    Asked(Micros),
+    Requested(Micros),
 }
 
 /// What was made of an event as a whole.
@@ -118,11 +117,11 @@ impl Robot {
             head,
             whiskers,
             awaited: Awaited::Not,
-            places: Places::default(),
+            index: WhiskerIndexTable::default(),
             known_compensations: KnownCompensations::new(),
-            quiet: Quiet::default(),
+            tick_deadline: TickDeadline::default(),
         };
-        robot.index_places();
+        robot.renew_index();
         robot.know_compensations();
         robot
     }
@@ -155,7 +154,7 @@ impl Robot {
                     return Outcome::OldBoot;
                 }
                 let is_plausible = self.head.clock.plausible(now).contains(&robot_time);
-                self.head.clock.hear(now, robot_time, Told::Live);
+                self.head.clock.hear(now, robot_time, TimeKind::Live);
                 if !is_plausible {
                     // The next one comes within seconds.
                     return Outcome::BadTime;
@@ -170,7 +169,7 @@ impl Robot {
                     return Outcome::OldBoot;
                 }
                 // Nothing but the clock's estimate rests on the time of an answer.
-                self.head.clock.hear(now, robot_time, Told::Live);
+                self.head.clock.hear(now, robot_time, TimeKind::Live);
                 self.setpoint_reported(params, now, command, report, effects);
                 Outcome::Taken
             }
@@ -240,10 +239,10 @@ impl Robot {
     fn ask_for_factsheet(&mut self, now: Micros, effects: &mut Vec<Effect>) {
         let is_expected = match self.awaited {
             Awaited::Not => false,
-            Awaited::Since(since) | Awaited::Asked(since) => now.since(since) < FACTSHEET_PATIENCE,
+            Awaited::Since(since) | Awaited::Requested(since) => now.since(since) < FACTSHEET_PATIENCE,
         };
         if !is_expected {
-            self.awaited = Awaited::Asked(now);
+            self.awaited = Awaited::Requested(now);
             effects.push(Effect::AskForFactsheet);
         }
     }
@@ -273,8 +272,8 @@ impl Robot {
         }
         // A whisker that the robot has and that never says anything becomes stale, too.
         for index in 0..self.whiskers.len() {
-            if self.whiskers[index].heard == Moment::NONE {
-                self.whiskers[index].heard = Moment::at(now);
+            if self.whiskers[index].heard.is_none() {
+                self.whiskers[index].heard = Some(now);
             }
         }
         Outcome::Taken
@@ -312,7 +311,7 @@ impl Robot {
             // One sample of a message, however many contacts it has; if none of its times can be right, any of them says so.
             let mut times = contacts.iter().map(|contact| contact.robot_time);
             let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
-            self.head.clock.hear(now, newest.unwrap_or_default(), Told::Later);
+            self.head.clock.hear(now, newest.unwrap_or_default(), TimeKind::Recorded);
         }
         for (position, contact) in contacts.iter().enumerate() {
             if plausible.contains(&contact.robot_time) {

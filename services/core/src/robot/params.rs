@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::compensation::refinement::RefinementParams;
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
-use crate::estimation::{EvenCases, LeakParams, SensorNoise};
+use crate::estimation::{CubatureCases, LeakParams, SensorNoise};
 use crate::mechanics::{Formulation, Model};
 use crate::policy::PolicyParams;
 use crate::units::Micros;
@@ -32,7 +32,7 @@ pub struct Params {
     /// Refinement of setpoints.
     pub refinement: RefinementParams,
     /// The cases by which it is told how uncertain an error is.
-    pub even: EvenCases,
+    pub cubature: CubatureCases,
 }
 
 /// How setpoints are sent.
@@ -92,7 +92,7 @@ impl Params {
             health: HealthParams::default(),
             measurement: MeasurementParams::default(),
             refinement: RefinementParams::default(),
-            even: EvenCases::default(),
+            cubature: CubatureCases::default(),
         }
     }
 

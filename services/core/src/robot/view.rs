@@ -36,7 +36,7 @@ impl Robot {
             erosion: whisker.rare.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.filter.length())),
             pressure: whisker.air.measured(),
             setpoint: whisker.air.setpoint,
-            heard: whisker.heard.get(),
+            heard: whisker.heard,
             held: whisker.held,
             standing: whisker.standing,
         })

@@ -64,7 +64,7 @@ impl Robot {
         copy.cut(whisker, length)?;
         // Who would be asked and told does not hang on whether anybody listens just now.
         copy.head.link = Link::Online;
-        let now = copy.whiskers.iter().filter_map(|one| one.heard.get()).max().unwrap_or_default();
+        let now = copy.whiskers.iter().filter_map(|one| one.heard).max().unwrap_or_default();
         copy.head.clock.assume_known(now);
         let mut effects = Vec::new();
         // The decision is shown, whoever must approve it.
@@ -93,9 +93,11 @@ impl Robot {
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
         one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0, 0.0]);
         if one.is_at_nominal_pressure() {
-            one.rare.whole_offset.get_or_insert_with(|| one.filter.offset());
+            one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.offset());
         }
-        one.rare.pending_trim = None;
+        if let Some(rare) = one.rare.get_mut() {
+            rare.pending_trim = None;
+        }
         one.refused_servers.clear();
         one.condition = Condition::Trimmed;
         one.undecided = true;

@@ -7,9 +7,9 @@ use crate::robot::effect::WhiskerIndex;
 use crate::robot::event::Link;
 use crate::robot::params::Params;
 use crate::robot::state::clock::Clock;
+use crate::robot::state::factsheet::share_models;
 use crate::robot::state::head::Head;
 use crate::robot::state::sequence::SequencesOfVersion4;
-use crate::robot::state::sheet::share_models;
 use crate::robot::state::tracked::{Tracked, Whiskers};
 use crate::robot::state::whisker::{Holds, Whisker};
 use crate::robot::{Array, Numbers, Robot};
@@ -168,7 +168,7 @@ impl Robot {
         let head = self.head.without_mark();
         head.listening_since = head.listening_since.max(now);
         head.sequences.wait_anew();
-        self.quiet.end();
+        self.tick_deadline.end();
     }
 
     /// Whether the head or a whisker has changed since that was last taken.

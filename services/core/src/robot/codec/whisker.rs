@@ -3,12 +3,10 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::counts;
+use crate::encoding;
 use crate::estimation::ResponseBins;
-use crate::robot::state::few::Few;
-use crate::robot::state::moment::Moment;
-use crate::robot::state::rare::{Rare, Rares};
-use crate::robot::state::sheet::Sheet;
+use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
+use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
 use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
@@ -17,6 +15,8 @@ use crate::units::{Megapascal, Micros};
 const VERSION: u32 = 6;
 /// Added to the version. A whisker of version 5 or older has none and begins with nine flags, which are less than this.
 const VERSION_MARK: u32 = 1 << 9;
+/// Stored as the time of a whisker that was never heard.
+const NEVER: Micros = Micros(u64::MAX);
 
 impl Whisker {
     /// What is so of it.
@@ -52,10 +52,10 @@ impl Whisker {
 
 impl BorshSerialize for Whisker {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        counts::write(VERSION_MARK + VERSION, writer)?;
-        counts::write(counts::bits(self.is()).into(), writer)?;
-        counts::write(counts::bits(self.has()).into(), writer)?;
-        counts::write(self.array.into(), writer)?;
+        encoding::write_u32(VERSION_MARK + VERSION, writer)?;
+        encoding::write_u32(encoding::pack_flags(self.is()).into(), writer)?;
+        encoding::write_u32(encoding::pack_flags(self.has()).into(), writer)?;
+        encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
         (&self.filter, &self.noise, &self.detector, &self.leak, &self.gauge).serialize(writer)?;
@@ -63,8 +63,8 @@ impl BorshSerialize for Whisker {
         if self.whole != ResponseBins::default() {
             self.whole.serialize(writer)?;
         }
-        counts::write_long(self.contacts, writer)?;
-        (self.heard, self.told_since_alarm).serialize(writer)?;
+        encoding::write_u64(self.contacts, writer)?;
+        (self.heard.unwrap_or(NEVER), self.told_since_alarm).serialize(writer)?;
         self.fault.iter().try_for_each(|one| one.serialize(writer))?;
         self.rare.pending_trim.iter().try_for_each(|one| one.serialize(writer))?;
         self.rare.whole_offset.iter().try_for_each(|one| one.serialize(writer))?;
@@ -75,7 +75,7 @@ impl BorshSerialize for Whisker {
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
         let [.., refused, waits] = self.has();
         if refused {
-            Few::from(&self.refused_servers[..]).serialize(writer)?;
+            write_numbers(&self.refused_servers, writer)?;
         }
         if waits { (self.rare.attempts, self.rare.not_before).serialize(writer) } else { Ok(()) }
     }
@@ -83,25 +83,26 @@ impl BorshSerialize for Whisker {
 
 impl BorshDeserialize for Whisker {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let first = counts::read(reader)?;
+        let first = encoding::read_u32(reader)?;
         // Up to version 5 the flags came first; the rest has not changed since.
         let flags = match first.checked_sub(VERSION_MARK) {
             None => first,
-            Some(VERSION) => counts::read(reader)?,
-            Some(_) => return Err(counts::refused("a whisker of a later version")),
+            Some(VERSION) => encoding::read_u32(reader)?,
+            Some(_) => return Err(encoding::invalid("a whisker of a later version")),
         };
-        let flags_of = |bits: u32| counts::are(bits.min(u16::MAX.into()) as u16);
+        let flags_of = |bits: u32| encoding::unpack_flags(bits.min(u16::MAX.into()) as u16);
         let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] = flags_of(flags)?;
-        let has = flags_of(counts::read(reader)?)?;
+        let has = flags_of(encoding::read_u32(reader)?)?;
         let [pending_trim, whole_offset, own, erosion, desired, command, unsteady, refused, waits] = has;
-        let array = u16::try_from(counts::read(reader)?).map_err(|_| counts::refused("no index of an array"))?;
+        let array =
+            u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
         let air = Air::read(&sheet, reader)?;
         let (filter, noise, detector, leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
         let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
-        let contacts = counts::read_long(reader)?;
-        let (heard, told_since_alarm) = BorshDeserialize::deserialize_reader(reader)?;
+        let contacts = encoding::read_u64(reader)?;
+        let (heard, told_since_alarm) = <(Micros, f32)>::deserialize_reader(reader)?;
         let fault = of(fault, reader)?;
         let mut read = Self {
             array,
@@ -116,7 +117,7 @@ impl BorshDeserialize for Whisker {
             air,
             leak,
             gauge,
-            heard,
+            heard: Some(heard).filter(|heard| *heard != NEVER),
             given_up,
             told_since_alarm,
             drifting,
@@ -129,7 +130,7 @@ impl BorshDeserialize for Whisker {
             holds,
             decided_on: DecisionBasis { condition, fault, given_up, held, undecided },
             fault,
-            rare: Rares::from(Rare {
+            rare: Rare::from(RareState {
                 pending_trim: of(pending_trim, reader)?,
                 whole_offset: of(whole_offset, reader)?,
                 own: of(own, reader)?,
@@ -140,10 +141,11 @@ impl BorshDeserialize for Whisker {
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
-            refused_servers: of::<Few, _>(refused, reader)?.unwrap_or_default().into(),
+            refused_servers: if refused { read_numbers(reader)? } else { Vec::new() },
         };
         if waits {
-            (read.rare.attempts, read.rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;
+            let rare = read.rare.get_or_insert();
+            (rare.attempts, rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;
         }
         Ok(read)
     }
@@ -158,24 +160,22 @@ impl Air {
     /// Writes it; `sheet` is the factsheet's word.
     fn write<W: Write>(&self, sheet: &Sheet, writer: &mut W) -> Result<()> {
         let [moved, learned] = [self.setpoint != sheet.pressure, self.learned_at != self.setpoint];
-        let is = [self.measured().is_some(), moved, learned, self.unheld_since != Moment::NONE];
-        (counts::bits(is) as u8).serialize(writer)?;
-        self.measured().iter().try_for_each(|one| counts::write_number(one.mpa(), writer))?;
+        let is = [self.measured().is_some(), moved, learned, self.unheld_since.is_some()];
+        (encoding::pack_flags(is) as u8).serialize(writer)?;
+        self.measured().iter().try_for_each(|one| encoding::write_number(one.mpa(), writer))?;
         for (pressure, _) in [(self.setpoint, moved), (self.learned_at, learned)].iter().filter(|(_, is)| *is) {
-            counts::write_number(pressure.mpa(), writer)?;
+            encoding::write_number(pressure.mpa(), writer)?;
         }
-        if self.unheld_since != Moment::NONE {
-            self.unheld_since.serialize(writer)?;
-        }
+        self.unheld_since.iter().try_for_each(|one| one.serialize(writer))?;
         self.regulator.serialize(writer)
     }
 
     /// Reads it again.
     fn read<R: Read>(sheet: &Sheet, reader: &mut R) -> Result<Self> {
-        let [measured, moved, learned, unheld] = counts::are(u8::deserialize_reader(reader)?.into())?;
+        let [measured, moved, learned, unheld] = encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let mut pressure = |is_there: bool| -> Result<Option<Megapascal>> {
-            let mpa = is_there.then(|| counts::read_number(reader)).transpose()?;
-            mpa.map(Megapascal::new).transpose().map_err(|_| counts::refused("a pressure out of range"))
+            let mpa = is_there.then(|| encoding::read_number(reader)).transpose()?;
+            mpa.map(Megapascal::new).transpose().map_err(|_| encoding::invalid("a pressure out of range"))
         };
         let (measured, setpoint) = (pressure(measured)?, pressure(moved)?.unwrap_or(sheet.pressure));
         let learned_at = pressure(learned)?.unwrap_or(setpoint);
@@ -183,7 +183,7 @@ impl Air {
         if let Some(measured) = measured {
             air.measure(measured);
         }
-        air.unheld_since = of(unheld, reader)?.unwrap_or(Moment::NONE);
+        air.unheld_since = of(unheld, reader)?;
         air.regulator = BorshDeserialize::deserialize_reader(reader)?;
         Ok(air)
     }

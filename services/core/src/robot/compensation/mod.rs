@@ -84,7 +84,7 @@ impl Compensation {
 }
 
 /// One candidate with what it proposes.
-struct Asked<'p> {
+struct CandidateProposal<'p> {
     target: WhiskerIndex,
     compensator: WhiskerIndex,
     /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
@@ -96,7 +96,7 @@ struct Asked<'p> {
     reserved: bool,
 }
 
-impl Asked<'_> {
+impl CandidateProposal<'_> {
     fn cost(&self, params: &Params) -> Option<f64> {
         if self.reserved {
             return None;
@@ -118,7 +118,7 @@ impl Robot {
             }
         }
         // Limits of health may be others, too.
-        self.quiet.end();
+        self.tick_deadline.end();
     }
 
     /// Decides anew about all arrays.
@@ -166,7 +166,7 @@ impl Robot {
         if targets.is_empty() {
             return;
         }
-        let asked: Vec<Asked<'_>> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
+        let asked: Vec<CandidateProposal<'_>> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
         let chosen = choose(params, &targets, &asked);
         let chosen_for = |target: usize| chosen.get(&target).copied();
         let news: Vec<usize> = targets.into_iter().filter(|&target| self.is_news(target, chosen_for(target))).collect();
@@ -209,7 +209,7 @@ impl Robot {
     }
 
     /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
-    fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<Asked<'p>> {
+    fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<CandidateProposal<'p>> {
         let whisker = &self.whiskers[target];
         let neighbours: &[u16] = match self.head.arrays[usize::from(whisker.array)].kind {
             ArrayKind::Type1 => &whisker.sheet.neighbours,
@@ -220,7 +220,12 @@ impl Robot {
         candidates.map(|compensator| self.ask_one(params, target, compensator)).collect()
     }
 
-    fn ask_one<'p>(&self, params: &'p Params, target: WhiskerIndex, compensator: WhiskerIndex) -> Asked<'p> {
+    fn ask_one<'p>(
+        &self,
+        params: &'p Params,
+        target: WhiskerIndex,
+        compensator: WhiskerIndex,
+    ) -> CandidateProposal<'p> {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
         let running = self.head.compensations.iter();
         let standing = running
@@ -244,7 +249,7 @@ impl Robot {
         };
         let mut running = self.head.compensations.iter();
         let reserved = running.any(|one| one.compensator() == compensator && self.is_fixed(params, one));
-        Asked { target, compensator, standing, fit, proposal, reserved }
+        CandidateProposal { target, compensator, standing, fit, proposal, reserved }
     }
 
     /// Carries out what was chosen for one target that nobody serves.
@@ -253,14 +258,14 @@ impl Robot {
         params: &Params,
         target: WhiskerIndex,
         chosen: Option<WhiskerIndex>,
-        asked: &[Asked<'_>],
+        asked: &[CandidateProposal<'_>],
         effects: &mut Vec<Effect>,
     ) {
         self.whiskers[target].undecided = false;
         let compensation = self.head.next_compensation;
         self.head.next_compensation += 1;
         let cases = cases_for_each(asked.len());
-        let of_target: Vec<&Asked<'_>> = asked.iter().filter(|one| one.target == target).collect();
+        let of_target: Vec<&CandidateProposal<'_>> = asked.iter().filter(|one| one.target == target).collect();
         let candidates: Vec<CandidateRecord> =
             of_target.iter().map(|one| self.record(params, one, chosen, cases)).collect();
         let whole = self.whiskers[target].target();
@@ -279,7 +284,13 @@ impl Robot {
         }
     }
 
-    fn record(&self, params: &Params, asked: &Asked<'_>, chosen: Option<WhiskerIndex>, cases: u32) -> CandidateRecord {
+    fn record(
+        &self,
+        params: &Params,
+        asked: &CandidateProposal<'_>,
+        chosen: Option<WhiskerIndex>,
+        cases: u32,
+    ) -> CandidateRecord {
         let one = &self.whiskers[asked.compensator];
         let is_self = asked.target == asked.compensator;
         let proposal = asked.proposal.as_ref().ok();
@@ -316,7 +327,7 @@ impl Robot {
     }
 
     /// A compensation begins, or is proposed.
-    fn begin(&mut self, params: &Params, id: u32, chosen: &Asked<'_>) {
+    fn begin(&mut self, params: &Params, id: u32, chosen: &CandidateProposal<'_>) {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
@@ -345,8 +356,9 @@ impl Robot {
 }
 
 /// The assignment with the least total cost: for each served target its compensator.
-fn choose(params: &Params, targets: &[usize], asked: &[Asked<'_>]) -> BTreeMap<usize, usize> {
-    let able: Vec<(&Asked<'_>, f64)> = asked.iter().filter_map(|one| Some((one, one.cost(params)?))).collect();
+fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -> BTreeMap<usize, usize> {
+    let able: Vec<(&CandidateProposal<'_>, f64)> =
+        asked.iter().filter_map(|one| Some((one, one.cost(params)?))).collect();
     // Only those who can serve anybody: the others would be empty columns.
     let mut columns: Vec<usize> = able.iter().map(|(one, _)| one.compensator).collect();
     columns.sort_unstable();

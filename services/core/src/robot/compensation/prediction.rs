@@ -4,8 +4,8 @@
 //! how whole target and compensator differ from the model at their nominal pressures, and the compensator's
 //! length. All of it is gone through together; 95 % of the cases lie in the interval.
 
-use crate::estimation::even::CASES;
-use crate::estimation::spread::{Curve, Uncertain, interval95, mean_error};
+use crate::estimation::cubature::CASES;
+use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
 use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
 use crate::policy::Fitness;
@@ -67,7 +67,7 @@ impl Robot {
         let sd_mm = one.filter.length().sd_mm;
         responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
         let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &known);
-        let errors = responses.some_cases(&params.even, cases, of);
+        let errors = responses.some_cases(&params.cubature, cases, of);
         let (low, high) = interval95(errors);
         Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))
     }

@@ -13,13 +13,13 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
+use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
 use crate::mechanics::{CONTACT_RATIOS, Compensator, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
-use crate::robot::compensation::responses::{Felt, sum};
+use crate::robot::compensation::responses::{MeasuredResponses, sum};
 use crate::robot::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
@@ -116,12 +116,14 @@ impl Robot {
         self.head.compensations[at].refining.due = contacts.saturating_mul(2);
         self.remember(at);
         let running = &self.head.compensations[at];
-        let Some(felt) = self.felt(params, running, &running.refining.carried, &running.after) else { return };
+        let Some(felt) = self.measured_responses(params, running, &running.refining.carried, &running.after) else {
+            return;
+        };
         let look = self.look(params, running, &felt);
         let outcome = outcome(params, running, look.as_ref());
-        let (error, error_sd) = (felt.error(None), felt.error_sd(&params.even, None));
+        let (error, error_sd) = (felt.error(None), felt.error_sd(&params.cubature, None));
         let gain_error = felt.error(Some(&running.refining.gain));
-        let own_gain_error = felt.error_of_own_gain(&params.even);
+        let own_gain_error = felt.error_of_own_gain(&params.cubature);
         let moves = outcome == RefinementOutcome::Refined;
         let gain_better = gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error);
         let record = Refinement {
@@ -151,7 +153,7 @@ impl Robot {
         let one = &mut self.whiskers[running.compensator()];
         // An estimate goes on after the decision, but the visit is measured against the length at it.
         let length_sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
-        one.rare.own.get_or_insert_default().remember(Visit {
+        one.rare.get_or_insert().own.get_or_insert_default().remember(Visit {
             compensation: running.id,
             pressure: running.pressure,
             length: running.length,
@@ -161,7 +163,7 @@ impl Robot {
     }
 
     /// The best pressure within the compensation's limits, by what is known of the compensator now.
-    fn look(&self, params: &Params, running: &Compensation, felt: &Felt) -> Option<Look> {
+    fn look(&self, params: &Params, running: &Compensation, felt: &MeasuredResponses) -> Option<Look> {
         let one = &self.whiskers[running.compensator()];
         let model = one.model(params)?;
         let (belief, family) = (one.belief(model), model.family());
@@ -198,7 +200,7 @@ impl Robot {
         both.causes.extend(felt.responses.causes.iter().map(|[a, b, t]| [*a, *b, *t, *a]));
         let causes = belief.causes(&from, &to);
         both.moves(&causes, &[3]);
-        let cases = both.cases(&params.even, |[here, before, target, there]| {
+        let cases = both.cases(&params.cubature, |[here, before, target, there]| {
             (mean_error(here, before, target, &known), mean_error(there, before, target, &known))
         });
         let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
@@ -246,9 +248,9 @@ impl Compensation {
             return None;
         }
         // From these contacts alone: what was believed before went into the gain.
-        let felt = robot.felt(params, self, &Carried::default(), since)?;
+        let felt = robot.measured_responses(params, self, &Carried::default(), since)?;
         let gain = Some(&self.refining.gain);
-        Some((felt.error(gain), felt.error_sd(&params.even, gain)))
+        Some((felt.error(gain), felt.error_sd(&params.cubature, gain)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The responses of Eq. 35 as they were felt: smooth curves with what makes them uncertain.
 
-use crate::estimation::spread::{Curve, Uncertain, mean_error, moments};
-use crate::estimation::{Belief, Carried, EvenCases, Nominal, OwnCalibration, ResponseBins, Smooth};
+use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
+use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset};
 use crate::policy::Case;
 use crate::robot::Robot;
@@ -16,7 +16,7 @@ pub(in crate::robot) const BEFORE: usize = 1;
 pub(in crate::robot) const TARGET: usize = 2;
 
 /// The three responses of Eq. 35, ln s by contact ratio.
-pub(in crate::robot) struct Felt {
+pub(in crate::robot) struct MeasuredResponses {
     pub responses: Uncertain<3>,
     /// The compensator's difference from the model.
     pub held: Smooth,
@@ -24,14 +24,14 @@ pub(in crate::robot) struct Felt {
     pub known: [bool; CONTACT_RATIOS.len()],
 }
 
-impl Felt {
+impl MeasuredResponses {
     /// Eq. 35 with the compensator's response multiplied by a gain: its mean over the contact ratios.
     pub(in crate::robot) fn error(&self, gain: Option<&Curve>) -> f64 {
         self.error_of(log_gain(gain))(&self.responses.mean)
     }
 
     /// The standard deviation of [`Self::error`].
-    pub(in crate::robot) fn error_sd(&self, even: &EvenCases, gain: Option<&Curve>) -> f64 {
+    pub(in crate::robot) fn error_sd(&self, even: &CubatureCases, gain: Option<&Curve>) -> f64 {
         moments(&self.responses.cases(even, self.error_of(log_gain(gain)))).1
     }
 
@@ -46,7 +46,7 @@ impl Felt {
     }
 
     /// The error that a gain measured now would leave, for it is measured no better than the responses.
-    pub(in crate::robot) fn error_of_own_gain(&self, even: &EvenCases) -> f64 {
+    pub(in crate::robot) fn error_of_own_gain(&self, even: &CubatureCases) -> f64 {
         moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain()))))).0
     }
 
@@ -58,13 +58,13 @@ impl Felt {
 
 impl Robot {
     /// The responses of a running compensation, the compensator's from `after` and what was believed before.
-    pub(in crate::robot) fn felt(
+    pub(in crate::robot) fn measured_responses(
         &self,
         params: &Params,
         running: &Compensation,
         carried: &Carried,
         after: &ResponseBins,
-    ) -> Option<Felt> {
+    ) -> Option<MeasuredResponses> {
         let (one, target) = (&self.whiskers[running.compensator()], &self.whiskers[running.target()]);
         let (model, target_model) = (one.model(params)?, target.model(params)?);
         let held = Smooth::from(carried, after);
@@ -99,7 +99,7 @@ impl Robot {
                 responses.moves(&[by_length(model, running.length, running.pressure_before, sd_mm)], &[BEFORE]);
             }
         }
-        Some(Felt { responses, held, known })
+        Some(MeasuredResponses { responses, held, known })
     }
 }
 

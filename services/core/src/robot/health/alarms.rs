@@ -4,7 +4,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::counts;
+use crate::encoding;
 use crate::robot::Robot;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::state::whisker::Whisker;
@@ -91,6 +91,6 @@ impl Whisker {
             self.unserved,
             proposed,
         ];
-        Standing { fault: self.fault, kinds: counts::bits(is) as u8 }
+        Standing { fault: self.fault, kinds: encoding::pack_flags(is) as u8 }
     }
 }

@@ -139,22 +139,23 @@ impl crate::robot::Whisker {
 
     /// Whether a change may be the rest of the array's shift: then it is no length either, and taken out. True if so.
     pub(in crate::robot) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
-        let Some(unsteady) = self.rare.there().and_then(|rare| rare.unsteady.take()) else { return false };
+        let Some(unsteady) = self.rare.get_mut().and_then(|rare| rare.unsteady.take()) else { return false };
         let lacking = change.lacking[LENGTH].abs().max(1.0);
         let log_shift = change.size * lacking * self.log_slope_with_length(model);
         let rest = log_shift.abs() <= REST_MAX * unsteady.log_shift;
         if rest {
             self.take_out(log_shift);
         }
-        self.rare.unsteady = Some(unsteady);
+        self.rare.get_or_insert().unsteady = Some(unsteady);
         rest
     }
 
     fn take_out(&mut self, log_shift: f64) {
         self.filter.shared_shift(log_shift);
-        self.rare.unsteady = Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
+        self.rare.get_or_insert().unsteady =
+            Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
         self.whole.shift(log_shift);
-        if let Some(offset) = &mut self.rare.whole_offset {
+        if let Some(offset) = &mut self.rare.get_or_insert().whole_offset {
             offset.level += log_shift;
         }
         self.detector = crate::detection::Detector::default();

@@ -6,7 +6,6 @@ use crate::robot::Robot;
 use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
 use crate::robot::params::Params;
-use crate::robot::state::moment::Moment;
 use crate::robot::state::whisker::PendingTrim;
 use crate::units::Micros;
 
@@ -30,7 +29,7 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
-        whisker.heard = Moment::at(now);
+        whisker.heard = Some(now);
         let felt = whisker.feel(params, model, contact, others);
         effects.push(Effect::Contact(ContactRecord {
             position,
@@ -98,10 +97,10 @@ impl Robot {
             Kind::Shorter => {
                 whisker.jump(change);
                 if whisker.is_at_nominal_pressure() {
-                    whisker.rare.whole_offset.get_or_insert_with(|| whisker.filter.offset());
+                    whisker.rare.get_or_insert().whole_offset.get_or_insert_with(|| whisker.filter.offset());
                 }
                 let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
-                whisker.rare.pending_trim = Some(PendingTrim {
+                whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
                     length_before_mm: before,
                     contacts_since_change: change.contacts,
                     contacts_since_confirmed: 0,
@@ -140,7 +139,7 @@ impl Robot {
     /// A confirmed cut is acted on once its length is certain enough.
     fn settle_trim(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.as_mut()) else { return };
+        let Some(pending) = whisker.rare.get_mut().and_then(|rare| rare.pending_trim.as_mut()) else { return };
         let length: LengthEstimate = whisker.filter.length();
         // After a large cut the model's own error keeps this from being reached: then the full number of contacts is
         // waited for, in which the filter gets over its linearisation, too.
@@ -155,7 +154,7 @@ impl Robot {
     /// Calls a confirmed cut a trim, with the length as it is estimated now.
     pub(in crate::robot) fn call_trim(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let Some(pending) = whisker.rare.there().and_then(|rare| rare.pending_trim.take()) else { return };
+        let Some(pending) = whisker.rare.get_mut().and_then(|rare| rare.pending_trim.take()) else { return };
         let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
         whisker.refused_servers.clear();

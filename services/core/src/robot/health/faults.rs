@@ -5,7 +5,6 @@ use crate::robot::Robot;
 use crate::robot::effect::{Effect, Fault, Reason, WhiskerIndex};
 use crate::robot::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
 use crate::robot::params::Params;
-use crate::robot::state::moment::Moment;
 use crate::robot::state::whisker::{Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
@@ -20,7 +19,7 @@ impl Robot {
     ) {
         let Some(index) = self.find(entry.array, entry.whisker) else { return };
         let whisker = &mut self.whiskers[index];
-        whisker.heard = Moment::at(now);
+        whisker.heard = Some(now);
         whisker.air.measure(entry.pressure);
         whisker.air.regulator = entry.regulator;
         whisker.gauge.reported = entry.gauge;
@@ -104,7 +103,7 @@ impl Whisker {
         let Some(measured) = self.air.measured() else { return };
         let off_by_mpa = (measured.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa <= params.health.settled_within_mpa || self.command.is_some() {
-            self.air.unheld_since = Moment::NONE;
+            self.air.unheld_since = None;
         } else {
             self.air.unheld_since.get_or_insert(now);
         }
@@ -112,15 +111,14 @@ impl Whisker {
 
     /// The worst that is known now; the cause before the symptom.
     fn present_fault(&self, params: &Params, now: Micros, online: bool, listening_since: Micros) -> Option<Fault> {
-        let silent =
-            self.heard.get().is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
+        let silent = self.heard.is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
         if silent || !online {
             return Some(Fault::Stale);
         }
         if self.gauge.state() != GaugeState::Ok {
             return Some(Fault::Gauge(self.gauge.state()));
         }
-        let unheld = self.air.unheld_since.get().is_some_and(|since| now.since(since) > params.health.unheld_after);
+        let unheld = self.air.unheld_since.is_some_and(|since| now.since(since) > params.health.unheld_after);
         match self.air.regulator {
             RegulatorState::Leak => Some(Fault::Leak),
             RegulatorState::Fault => Some(Fault::Regulator),

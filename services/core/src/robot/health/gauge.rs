@@ -63,7 +63,7 @@ struct Level {
 
 /// What one contact is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reading {
+enum StrainClass {
     /// Next to no strain.
     Dead,
     /// At the level, from another contact.
@@ -83,53 +83,55 @@ impl GaugeWatch {
         let expected = seen.map(|seen| seen.predicted_sensitivity_per_mm * contact.deflection_mm);
         let reading = self.reading(contact, expected);
         match reading {
-            Reading::Dead => (self.dead, self.plausible) = (self.dead.saturating_add(1), 0),
-            Reading::Repeated => (self.dead, self.plausible) = (0, 0),
-            Reading::Above | Reading::Plain => (self.dead, self.plausible) = (0, self.plausible.saturating_add(1)),
-            Reading::Unclear => {}
+            StrainClass::Dead => (self.dead, self.plausible) = (self.dead.saturating_add(1), 0),
+            StrainClass::Repeated => (self.dead, self.plausible) = (0, 0),
+            StrainClass::Above | StrainClass::Plain => {
+                (self.dead, self.plausible) = (0, self.plausible.saturating_add(1))
+            }
+            StrainClass::Unclear => {}
         }
         let far_above = expected.is_some_and(|expected| contact.strain > END_OF_SCALE * expected)
             || contact.strain < -NEXT_TO_NOTHING;
         self.follow_level(reading, far_above);
         let may_be_ceiling = far_above || seen.is_some_and(|seen| seen.standardised < SHORT_OF);
-        if may_be_ceiling && reading != Reading::Dead && self.level.is_none_or(|level| level.repeats == 0) {
+        if may_be_ceiling && reading != StrainClass::Dead && self.level.is_none_or(|level| level.repeats == 0) {
             self.level = Some(Level::new(contact));
         }
         self.conclude(contacts);
-        !matches!(reading, Reading::Above | Reading::Plain) || self.state() != GaugeState::Ok
+        !matches!(reading, StrainClass::Above | StrainClass::Plain) || self.state() != GaugeState::Ok
     }
 
-    fn reading(&self, contact: &Observation, expected: Option<f64>) -> Reading {
+    fn reading(&self, contact: &Observation, expected: Option<f64>) -> StrainClass {
         let strain = contact.strain;
         if let Some(level) = &self.level {
             let at = f64::from(level.strain);
             if (strain - at).abs() <= SAME * at.abs() {
-                return if level.is_another(contact) { Reading::Repeated } else { Reading::Unclear };
+                return if level.is_another(contact) { StrainClass::Repeated } else { StrainClass::Unclear };
             }
             if strain > 0.0 && strain > ABOVE * at {
-                return Reading::Above;
+                return StrainClass::Above;
             }
         }
         match expected {
-            Some(expected) if strain.abs() < DEAD * expected => Reading::Dead,
-            Some(_) => Reading::Plain,
-            None if strain > 0.0 => Reading::Unclear,
-            None if strain >= -NEXT_TO_NOTHING => Reading::Dead,
-            None => Reading::Plain,
+            Some(expected) if strain.abs() < DEAD * expected => StrainClass::Dead,
+            Some(_) => StrainClass::Plain,
+            None if strain > 0.0 => StrainClass::Unclear,
+            None if strain >= -NEXT_TO_NOTHING => StrainClass::Dead,
+            None => StrainClass::Plain,
         }
     }
 
     /// Counts how often the level came again; a strain above it ends it, unless a fault rests on it.
-    fn follow_level(&mut self, reading: Reading, far_above: bool) {
+    fn follow_level(&mut self, reading: StrainClass, far_above: bool) {
         let Some(level) = &mut self.level else { return };
         match reading {
-            Reading::Repeated => {
+            StrainClass::Repeated => {
                 level.repeats = level.repeats.saturating_add(1);
                 level.far_above = level.far_above.saturating_add(u8::from(far_above));
             }
-            Reading::Above if self.observed == GaugeState::Ok => self.level = None,
-            Reading::Above => level.above = level.above.saturating_add(1),
-            Reading::Dead | Reading::Plain | Reading::Unclear => {}
+            StrainClass::Above if self.observed == GaugeState::Ok => self.level = None,
+            StrainClass::Above => level.above = level.above.saturating_add(1),
+            StrainClass::Dead | StrainClass::Plain | StrainClass::Unclear => {}
         }
     }
 

@@ -4,7 +4,6 @@ use crate::robot::Robot;
 use crate::robot::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use crate::robot::event::{Link, Rejection, SetpointReport};
 use crate::robot::params::Params;
-use crate::robot::state::moment::Moment;
 use crate::robot::state::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
@@ -21,7 +20,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.desired = Some(Box::new(desired));
         whisker.rare.forget_attempts();
-        if let Some(rare) = whisker.rare.there() {
+        if let Some(rare) = whisker.rare.get_mut() {
             rare.not_before = Micros::default();
         }
     }
@@ -121,8 +120,9 @@ impl Robot {
         let Some(boot_id) = &self.head.boot_id else { return };
         let robot_boot_id = boot_id.as_str().to_owned();
         let whisker = &mut self.whiskers[index];
-        whisker.rare.attempts += 1;
-        whisker.rare.not_before = now.after(params.command.resend_after);
+        let rare = whisker.rare.get_or_insert();
+        rare.attempts += 1;
+        rare.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
         self.head.next_version += 1;
         // The factsheet's limit and the paper's are kept here too, whatever was asked for.
@@ -209,7 +209,7 @@ impl Robot {
     ) {
         let Some(index) = self.whiskers.iter().position(|one| one.is_under_way(key)) else { return };
         let whisker = &mut self.whiskers[index];
-        whisker.heard = Moment::at(now);
+        whisker.heard = Some(now);
         let Some(flight) = &mut whisker.command else { return };
         let pressure = flight.command.pressure;
         match report {
@@ -291,7 +291,9 @@ impl Robot {
             // Another try can succeed: with a new number, a new expiry.
             Rejection::NotReady => {}
             // Its clock may have been stepped: the next messages tell.
-            Rejection::Expired => self.whiskers[index].rare.not_before = now.after(params.command.time_to_live),
+            Rejection::Expired => {
+                self.whiskers[index].rare.get_or_insert().not_before = now.after(params.command.time_to_live);
+            }
             // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
             // What an operator asked then is not asked now.
             Rejection::Stale if key.epoch < self.head.epoch => self.whiskers[index].forget_manual(),

@@ -33,7 +33,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 use smallvec::SmallVec;
 
-use crate::counts;
+use crate::encoding;
 use crate::units::Micros;
 
 /// Samples that count. Odd, so that there is one in the middle.
@@ -55,11 +55,11 @@ const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
 
 /// How a message's time relates to the moment at which the robot sent it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::robot) enum Told {
+pub(in crate::robot) enum TimeKind {
     /// Sent at that time: `status` and `setpoint_state`.
     Live,
     /// Sent at that time or later: `contacts`.
-    Later,
+    Recorded,
 }
 
 /// The clock of one boot of a robot.
@@ -81,12 +81,12 @@ struct Sample {
 
 impl Clock {
     /// A message was received at `now`, and says that it was `robot_time`; 0 stands for a message without a time.
-    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: Told) {
+    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: TimeKind) {
         self.heard = Some(now);
         if robot_time == Micros::default() {
             return;
         }
-        let is_live = told == Told::Live;
+        let is_live = told == TimeKind::Live;
         let newest_live = self.samples.iter().rev().find(|one| one.is_live);
         let has_recent_live = newest_live.is_some_and(|one| now.since(one.at) < LIVE_FOR);
         if !is_live && has_recent_live && self.live() >= SETTLED {
@@ -192,11 +192,11 @@ impl BorshSerialize for Clock {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         let heard = self.heard.unwrap_or_default();
         (self.heard.is_some(), self.samples.len() as u8).serialize(writer)?;
-        counts::write_long(heard.0, writer)?;
+        encoding::write_u64(heard.0, writer)?;
         self.samples.iter().try_for_each(|one| {
             one.is_live.serialize(writer)?;
-            counts::write_time(one.at, heard, writer)?;
-            counts::write_time(Micros(one.offset_us as u64), Micros::default(), writer)
+            encoding::write_time(one.at, heard, writer)?;
+            encoding::write_time(Micros(one.offset_us as u64), Micros::default(), writer)
         })
     }
 }
@@ -205,14 +205,14 @@ impl BorshDeserialize for Clock {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let (is_heard, count) = <(bool, u8)>::deserialize_reader(reader)?;
         if usize::from(count) > SAMPLES {
-            return Err(counts::refused("a clock has too many samples"));
+            return Err(encoding::invalid("a clock has too many samples"));
         }
-        let heard = Micros(counts::read_long(reader)?);
+        let heard = Micros(encoding::read_u64(reader)?);
         let mut read = Self { samples: SmallVec::new(), heard: is_heard.then_some(heard) };
         for _ in 0..count {
             let is_live = bool::deserialize_reader(reader)?;
-            let at = counts::read_time(heard, reader)?;
-            let offset_us = counts::read_time(Micros::default(), reader)?.0 as i64;
+            let at = encoding::read_time(heard, reader)?;
+            let offset_us = encoding::read_time(Micros::default(), reader)?.0 as i64;
             read.samples.push(Sample { at, offset_us, is_live });
         }
         Ok(read)

@@ -12,16 +12,16 @@ use crate::units::Micros;
 
 /// From the last look at all whiskers until the first of them can have something to be done.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in crate::robot) struct Quiet(Option<(Micros, Micros)>);
+pub(in crate::robot) struct TickDeadline(Option<(Micros, Micros)>);
 
 /// It follows from what a robot is, and makes none another.
-impl PartialEq for Quiet {
+impl PartialEq for TickDeadline {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl Quiet {
+impl TickDeadline {
     /// The next tick looks at all whiskers.
     pub(in crate::robot) fn end(&mut self) {
         self.0 = None;
@@ -41,7 +41,7 @@ impl Robot {
     /// Time has passed.
     pub(in crate::robot) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         self.await_factsheet(now, effects);
-        if self.quiet.holds(now) {
+        if self.tick_deadline.holds(now) {
             return;
         }
         for index in 0..self.whiskers.len() {
@@ -50,12 +50,12 @@ impl Robot {
         }
         let each = |index: WhiskerIndex| self.quiet_until(params, now, index);
         let until = (0..self.whiskers.len()).map(each).try_fold(Micros(u64::MAX), |least, one| Some(least.min(one?)));
-        self.quiet = Quiet(until.map(|until| (now, until)));
+        self.tick_deadline = TickDeadline(until.map(|until| (now, until)));
     }
 
     /// Takes the deadline of a whisker into account that this step has accessed.
     pub(in crate::robot) fn meet_deadline(&mut self, params: &Params, now: Micros, index: WhiskerIndex) {
-        self.quiet.not_beyond(self.quiet_until(params, now, index));
+        self.tick_deadline.not_beyond(self.quiet_until(params, now, index));
     }
 
     /// Until when a tick has nothing to do for a whisker; none if it has something to do now.
@@ -72,8 +72,8 @@ impl Whisker {
         if self.desired.is_some() || self.command.is_some() {
             return None;
         }
-        let silent = self.heard.get().map(|heard| heard.max(listening_since).after(params.health.stale_after));
-        let unheld = self.air.unheld_since.get().map(|since| since.after(params.health.unheld_after));
+        let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));
+        let unheld = self.air.unheld_since.map(|since| since.after(params.health.unheld_after));
         // What has come about already stays as it is.
         let to_come = [silent, unheld].into_iter().flatten().filter(|&at| now <= at);
         Some(to_come.min().unwrap_or(Micros(u64::MAX)))

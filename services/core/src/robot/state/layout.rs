@@ -6,7 +6,7 @@ use crate::robot::effect::{AlarmKind, CommandState, Condition, Effect, EndReason
 use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
 use crate::robot::params::Params;
 use crate::robot::setpoints::command::state_of;
-use crate::robot::state::sheet::{Sheet, share_models};
+use crate::robot::state::factsheet::{Sheet, share_models};
 use crate::robot::state::tracked::Whiskers;
 use crate::robot::state::whisker::{Air, Desired, Whisker};
 use crate::robot::{Array, Compensation, Robot};
@@ -61,7 +61,7 @@ impl Robot {
         }
         share_models(&mut new, params.model_names());
         self.whiskers = Whiskers::changed(new);
-        self.index_places();
+        self.renew_index();
         for one in &mut self.head.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));

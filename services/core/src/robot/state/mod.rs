@@ -2,14 +2,12 @@
 
 pub(in crate::robot) mod clock;
 pub(in crate::robot) mod deadline;
-pub mod few;
+pub mod factsheet;
 pub(in crate::robot) mod head;
+pub(in crate::robot) mod index;
 pub(in crate::robot) mod layout;
-pub(in crate::robot) mod moment;
-pub(in crate::robot) mod places;
-pub(in crate::robot) mod rare;
+pub(in crate::robot) mod rare_state;
 pub(in crate::robot) mod rebaseline;
 pub mod sequence;
-pub mod sheet;
 pub(in crate::robot) mod tracked;
 pub mod whisker;

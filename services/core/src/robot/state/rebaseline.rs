@@ -17,7 +17,7 @@ use crate::estimation::{NoiseScale, ResponseBins, Waiting};
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, EndReason, WhiskerIndex};
 use crate::robot::params::Params;
-use crate::robot::state::rare::Rares;
+use crate::robot::state::rare_state::Rare;
 use crate::robot::state::whisker::Whisker;
 
 impl Robot {
@@ -49,7 +49,7 @@ impl Whisker {
         let reported = std::mem::take(&mut self.gauge).reported;
         self.gauge.reported = reported;
         self.told_since_alarm = 0.0;
-        self.rare = Rares::default();
+        self.rare = Rare::default();
         self.shift_told = false;
         self.drifting = false;
         self.drift_told = false;

@@ -281,8 +281,10 @@ impl Robot {
         let mut is_other = false;
         let mut next = self.whiskers.next_touched(0);
         while let Some(index) = next {
-            let basis = self.whiskers[index].decision_basis();
-            is_other |= std::mem::replace(&mut self.whiskers[index].decided_on, basis) != basis;
+            // Not stored, and the whisker is marked already.
+            let whisker = &mut self.whiskers.without_mark()[index];
+            let basis = whisker.decision_basis();
+            is_other |= std::mem::replace(&mut whisker.decided_on, basis) != basis;
             next = self.whiskers.next_touched(index + 1);
         }
         let has_other_compensations = !self.present_compensations().eq(self.known_compensations.iter().copied());

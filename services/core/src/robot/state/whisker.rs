@@ -13,10 +13,8 @@ use crate::robot::health::alarms::Standing;
 use crate::robot::health::array_shift::UNSTEADY_SHARE;
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
-use crate::robot::state::few::Fewer;
-use crate::robot::state::moment::Moment;
-use crate::robot::state::rare::Rares;
-use crate::robot::state::sheet::Sheet;
+use crate::robot::state::factsheet::Sheet;
+use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{Megapascal, Micros};
 
@@ -38,10 +36,10 @@ pub struct Whisker {
     pub(in crate::robot) air: Air,
     pub(in crate::robot) leak: LeakWatch,
     pub(in crate::robot) gauge: GaugeWatch,
-    pub(in crate::robot) rare: Rares,
+    pub(in crate::robot) rare: Rare,
     pub(in crate::robot) fault: Option<Fault>,
     /// By the supervisor's clock.
-    pub(in crate::robot) heard: Moment,
+    pub(in crate::robot) heard: Option<Micros>,
     pub(in crate::robot) desired: Option<Box<Desired>>,
     pub(in crate::robot) command: Option<Box<InFlight>>,
     /// The last setpoint failed for good, in this boot.
@@ -62,7 +60,7 @@ pub struct Whisker {
     /// An operator holds it.
     pub(in crate::robot) held: bool,
     /// Numbers of the whiskers that an operator has refused as its compensators.
-    pub(in crate::robot) refused_servers: Fewer,
+    pub(in crate::robot) refused_servers: Vec<u16>,
     /// What people were told and what is still so.
     pub(in crate::robot) standing: Standing,
     pub(in crate::robot) holds: Holds,
@@ -116,14 +114,14 @@ pub(in crate::robot) struct Air {
     /// The pressure at which the offset was learned.
     pub learned_at: Megapascal,
     pub regulator: RegulatorState,
-    pub unheld_since: Moment,
+    pub unheld_since: Option<Micros>,
 }
 
 impl Air {
     /// What a robot holds where nothing was measured yet.
     pub(in crate::robot) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
         let regulator = RegulatorState::Ok;
-        Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: Moment::NONE }
+        Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: None }
     }
 
     /// The pressure as last measured.
@@ -154,7 +152,7 @@ pub(in crate::robot) struct InFlight {
 }
 
 /// What came of one contact.
-pub(in crate::robot) struct Felt {
+pub(in crate::robot) struct ContactResult {
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
     pub verdict: Verdict,
@@ -174,9 +172,9 @@ impl Whisker {
             air: Air::held(sheet.pressure, sheet.pressure),
             leak: LeakWatch::default(),
             gauge: GaugeWatch::default(),
-            rare: Rares::default(),
+            rare: Rare::default(),
             fault: None,
-            heard: Moment::NONE,
+            heard: None,
             desired: None,
             command: None,
             given_up: false,
@@ -187,7 +185,7 @@ impl Whisker {
             unserved: false,
             shift_told: false,
             held: false,
-            refused_servers: Fewer::default(),
+            refused_servers: Vec::new(),
             standing: Standing::default(),
             holds: Holds::default(),
             decided_on: DecisionBasis {
@@ -214,7 +212,7 @@ impl Whisker {
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
         (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
-        if let Some(rare) = self.rare.there() {
+        if let Some(rare) = self.rare.get_mut() {
             (rare.pending_trim, rare.whole_offset, rare.own, rare.erosion, rare.unsteady) =
                 (None, None, None, None, None);
         }
@@ -238,11 +236,11 @@ impl Whisker {
         model: &Model,
         contact: &Contact<'_>,
         others: Others,
-    ) -> Felt {
+    ) -> ContactResult {
         self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
-            return Felt::unused(ContactUse::Unsettled);
+            return ContactResult::unused(ContactUse::Unsettled);
         }
         if self.command.is_none() {
             self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
@@ -255,17 +253,17 @@ impl Whisker {
         };
         let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
         if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
-            return Felt::unused(ContactUse::GaugeFault);
+            return ContactResult::unused(ContactUse::GaugeFault);
         }
         match seen {
-            Err(NoInformation::OnChamber(_)) => Felt::unused(ContactUse::OnChamber),
-            Err(NoInformation::TooWeak) => Felt::unused(ContactUse::TooWeak),
-            Err(NoInformation::Implausible) => Felt::unused(ContactUse::Implausible),
+            Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
+            Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
+            Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
             Ok(seen) => self.take(params, contact, &seen, others),
         }
     }
 
-    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> Felt {
+    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> ContactResult {
         self.contacts += 1;
         self.told_since_alarm += (seen.row[LENGTH].powi(2) / seen.variance) as f32;
         let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
@@ -285,15 +283,15 @@ impl Whisker {
         let verdict =
             if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
         if !self.filter.learn(seen, self.wander(params)) {
-            return Felt::unused(ContactUse::Implausible);
+            return ContactResult::unused(ContactUse::Implausible);
         }
-        if let Some(unsteady) = self.rare.unsteady {
-            self.rare.unsteady = unsteady.after_contact();
+        if let Some(rare) = self.rare.get_mut() {
+            rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
         }
         self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
-        Felt { used, innovation: Some(*seen), verdict }
+        ContactResult { used, innovation: Some(*seen), verdict }
     }
 
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
@@ -320,14 +318,14 @@ impl Whisker {
     /// While it erodes: how fast, and how long it will still do.
     fn follow_erosion(&mut self, params: &Params) {
         if self.condition != Condition::Eroding {
-            if let Some(rare) = self.rare.there() {
+            if let Some(rare) = self.rare.get_mut() {
                 rare.erosion = None;
             }
             return;
         }
         let Some(model) = self.model(params) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
-        let watch = self.rare.erosion.get_or_insert_with(|| {
+        let watch = self.rare.get_or_insert().erosion.get_or_insert_with(|| {
             let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
             Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
         });
@@ -350,11 +348,11 @@ impl Whisker {
             return;
         }
         self.air.setpoint = setpoint;
-        self.air.unheld_since = Moment::NONE;
+        self.air.unheld_since = None;
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.rare.whole_offset = Some(self.filter.offset());
+                self.rare.get_or_insert().whole_offset = Some(self.filter.offset());
             }
             self.filter.pressure_moved(moved_mpa, &params.filter);
             self.detector = Detector::default();
@@ -375,7 +373,7 @@ impl Whisker {
     }
 }
 
-impl Felt {
+impl ContactResult {
     fn unused(used: ContactUse) -> Self {
         Self { used, innovation: None, verdict: Verdict::Quiet }
     }

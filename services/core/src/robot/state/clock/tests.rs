@@ -14,7 +14,7 @@ fn told(now: Micros, offset_us: i64) -> Micros {
 }
 
 /// Hears a message every 500 ms from `from_ms` on.
-fn hear(clock: &mut Clock, from_ms: u64, messages: u64, offset_us: i64, kind: Told) {
+fn hear(clock: &mut Clock, from_ms: u64, messages: u64, offset_us: i64, kind: TimeKind) {
     for message in 0..messages {
         let now = at(from_ms + 500 * message);
         clock.hear(now, told(now, offset_us), kind);
@@ -29,7 +29,7 @@ fn ahead_us(clock: &Clock, now: Micros, offset_us: i64) -> i64 {
 
 #[test]
 fn no_single_message_moves_it_wherever_it_comes() {
-    for kind in [Told::Live, Told::Later] {
+    for kind in [TimeKind::Live, TimeKind::Recorded] {
         for place in 0..40 {
             for wrong_us in [YEAR_US, -YEAR_US / 100, 23 * SECOND_US, 9 * SECOND_US, -23 * SECOND_US] {
                 let mut clock = Clock::default();
@@ -52,11 +52,11 @@ fn no_single_message_moves_it_wherever_it_comes() {
 #[test]
 fn wrong_messages_in_every_slot_do_not_outweigh_right_ones() {
     let mut clock = Clock::default();
-    hear(&mut clock, 0, 7, 0, Told::Live);
+    hear(&mut clock, 0, 7, 0, TimeKind::Live);
     for message in 0..2000 {
         let now = at(4_000 + 100 * message);
         let offset_us = if message % 10 == 0 { 0 } else { YEAR_US };
-        clock.hear(now, told(now, offset_us), Told::Live);
+        clock.hear(now, told(now, offset_us), TimeKind::Live);
     }
     assert_eq!(ahead_us(&clock, at(300_000), 0), 0);
 }
@@ -67,30 +67,30 @@ fn a_robot_in_1970_is_known_by_its_third_message_and_one_in_time_by_its_first() 
     let since_1970_us = 5_000_000 - START.0 as i64;
     for message in 0..3 {
         assert_eq!(clock.robot_time(at(100)), None, "{message}");
-        clock.hear(at(message), told(at(message), since_1970_us), Told::Later);
+        clock.hear(at(message), told(at(message), since_1970_us), TimeKind::Recorded);
     }
     assert_eq!(ahead_us(&clock, at(10_000), since_1970_us), 0);
     assert!(clock.plausible(at(10_000)).contains(&Micros(15_000_000)));
 
     let mut clock = Clock::default();
-    clock.hear(at(0), told(at(0), -30_000), Told::Later);
+    clock.hear(at(0), told(at(0), -30_000), TimeKind::Recorded);
     assert_eq!(ahead_us(&clock, at(60_000), 0), -30_000);
 }
 
 #[test]
 fn a_first_time_that_is_years_off_lets_no_setpoint_out() {
     let mut clock = Clock::default();
-    clock.hear(at(0), told(at(0), YEAR_US), Told::Live);
+    clock.hear(at(0), told(at(0), YEAR_US), TimeKind::Live);
     assert!(!clock.plausible(at(0)).contains(&told(at(0), YEAR_US)) && clock.robot_time(at(0)).is_none());
-    clock.hear(at(10), at(10), Told::Live);
+    clock.hear(at(10), at(10), TimeKind::Live);
     assert_eq!(ahead_us(&clock, at(20), 0), 0);
 }
 
 #[test]
 fn a_clock_that_is_stepped_is_followed_within_a_minute_in_either_direction() {
-    for (step_us, kind) in [(3_600 * SECOND_US, Told::Live), (-3_600 * SECOND_US, Told::Live)]
+    for (step_us, kind) in [(3_600 * SECOND_US, TimeKind::Live), (-3_600 * SECOND_US, TimeKind::Live)]
         .into_iter()
-        .chain([(-3 * SECOND_US, Told::Later), (YEAR_US, Told::Later)])
+        .chain([(-3 * SECOND_US, TimeKind::Recorded), (YEAR_US, TimeKind::Recorded)])
     {
         let mut clock = Clock::default();
         hear(&mut clock, 0, 60, 0, kind);
@@ -102,7 +102,7 @@ fn a_clock_that_is_stepped_is_followed_within_a_minute_in_either_direction() {
     let mut clock = Clock::default();
     for message in 0..20 {
         let now = at(10_000 * message);
-        clock.hear(now, told(now, if message < 16 { 0 } else { 3_600 * SECOND_US }), Told::Live);
+        clock.hear(now, told(now, if message < 16 { 0 } else { 3_600 * SECOND_US }), TimeKind::Live);
     }
     assert_eq!(ahead_us(&clock, at(200_000), 3_600 * SECOND_US), 0);
 }
@@ -110,12 +110,12 @@ fn a_clock_that_is_stepped_is_followed_within_a_minute_in_either_direction() {
 #[test]
 fn old_contacts_that_are_sent_again_do_not_lower_it_while_statuses_come() {
     let mut clock = Clock::default();
-    hear(&mut clock, 0, 20, 0, Told::Live);
+    hear(&mut clock, 0, 20, 0, TimeKind::Live);
     for ms in (10_000..100_000).step_by(20) {
         // Two minutes old, then a status every ten seconds.
-        clock.hear(at(ms), told(at(ms), -120 * SECOND_US), Told::Later);
+        clock.hear(at(ms), told(at(ms), -120 * SECOND_US), TimeKind::Recorded);
         if ms % 10_000 == 0 {
-            clock.hear(at(ms), at(ms), Told::Live);
+            clock.hear(at(ms), at(ms), TimeKind::Live);
         }
         assert_eq!(ahead_us(&clock, at(ms), 0), 0, "{ms}");
     }
@@ -125,17 +125,17 @@ fn old_contacts_that_are_sent_again_do_not_lower_it_while_statuses_come() {
 #[test]
 fn old_contacts_alone_lower_it_until_new_ones_come() {
     let mut clock = Clock::default();
-    hear(&mut clock, 0, 60, -120 * SECOND_US, Told::Later);
+    hear(&mut clock, 0, 60, -120 * SECOND_US, TimeKind::Recorded);
     assert_eq!(ahead_us(&clock, at(30_000), 0), -120 * SECOND_US, "too early is safe");
-    hear(&mut clock, 30_000, 24, 0, Told::Later);
+    hear(&mut clock, 30_000, 24, 0, TimeKind::Recorded);
     assert_eq!(ahead_us(&clock, at(42_000), 0), 0);
 }
 
 #[test]
 fn contacts_count_again_where_statuses_have_ceased() {
     let mut clock = Clock::default();
-    hear(&mut clock, 0, 20, 0, Told::Live);
-    hear(&mut clock, 80_000, 40, 5 * SECOND_US, Told::Later);
+    hear(&mut clock, 0, 20, 0, TimeKind::Live);
+    hear(&mut clock, 80_000, 40, 5 * SECOND_US, TimeKind::Recorded);
     assert_eq!(ahead_us(&clock, at(100_000), 5 * SECOND_US), 0);
 }
 
@@ -146,7 +146,7 @@ fn a_drift_of_100_ppm_and_a_delay_are_errors_of_milliseconds() {
         let sent = at(10_000 * message);
         let drift_us = (sent.0 - START.0) as i64 / 10_000;
         let now = Micros(sent.0 + 20_000 + 977 * (message % 7));
-        clock.hear(now, told(sent, drift_us), Told::Live);
+        clock.hear(now, told(sent, drift_us), TimeKind::Live);
         if message >= 7 {
             let ahead_us = ahead_us(&clock, now, drift_us);
             assert!((-40_000..=0).contains(&ahead_us), "{ahead_us}");
@@ -157,7 +157,7 @@ fn a_drift_of_100_ppm_and_a_delay_are_errors_of_milliseconds() {
 #[test]
 fn times_that_cannot_be_are_told_from_those_that_can() {
     let mut clock = Clock::default();
-    hear(&mut clock, 0, 20, 0, Told::Live);
+    hear(&mut clock, 0, 20, 0, TimeKind::Live);
     let now = at(10_000);
     for (offset_us, is_plausible) in [
         (0, true),
@@ -180,7 +180,7 @@ fn regress_a_clock_at_the_end_of_the_contracts_times_lets_no_setpoint_expire() {
     for second in 0..4 {
         let now = at(1_000 * second);
         let robot_time = if second == 0 { now } else { Micros((1 << 53) - 1) };
-        clock.hear(now, robot_time, Told::Live);
+        clock.hear(now, robot_time, TimeKind::Live);
     }
     assert_eq!(clock.robot_time(at(3_000)), None);
 }
@@ -192,7 +192,7 @@ fn property_what_is_stored_is_read_again() {
         let bytes = borsh::to_vec(&clock).unwrap();
         assert!(bytes.len() <= 160, "{}", bytes.len());
         assert_eq!(borsh::from_slice::<Clock>(&bytes).unwrap(), clock);
-        let kind = if message % 3 == 0 { Told::Live } else { Told::Later };
+        let kind = if message % 3 == 0 { TimeKind::Live } else { TimeKind::Recorded };
         let offset_us = [0, -YEAR_US, i64::MAX, 7, -1][message as usize % 5];
         clock.hear(at(1_700 * message), told(at(1_700 * message), offset_us), kind);
     }

@@ -13,7 +13,7 @@ const USUAL: [usize; 4] = [7, 9, 12, 14];
 
 /// Precomputed cases: quantiles of the normal distribution take longer than all other work on a case.
 #[derive(Debug, Clone)]
-pub struct EvenCases {
+pub struct CubatureCases {
     tables: Vec<Table>,
 }
 
@@ -24,14 +24,14 @@ struct Table {
     amounts: Vec<f64>,
 }
 
-impl Default for EvenCases {
+impl Default for CubatureCases {
     fn default() -> Self {
         let table = |causes| Table { causes, amounts: amounts(causes, CASES) };
         Self { tables: USUAL.map(table).into() }
     }
 }
 
-impl EvenCases {
+impl CubatureCases {
     /// The cases in order, each as the values of all variables in standard deviations. Empty if `causes` is 0.
     #[must_use]
     pub fn amounts(&self, causes: usize, count: u32) -> Cow<'_, [f64]> {
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn what_was_worked_out_is_what_would_be() {
-        let cases = EvenCases::default();
+        let cases = CubatureCases::default();
         for (causes, count) in [(0, 400), (1, 400), (7, 16), (9, 400), (12, 127), (14, 401)] {
             let told = cases.amounts(causes, count);
             assert_eq!(*told, amounts(causes, count), "{causes} {count}");

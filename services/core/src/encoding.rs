@@ -3,6 +3,7 @@
 
 use borsh::BorshDeserialize;
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
+use integer_encoding::{VarIntReader, VarIntWriter};
 
 use crate::units::Micros;
 
@@ -10,52 +11,35 @@ const MILLION: f64 = 1e6;
 /// The most millionths that are written as such.
 const MILLIONTHS_MAX: f64 = (1_u32 << 30) as f64;
 
-/// Digits to the base 128, the lowest first; all but the last have the highest bit set.
-pub(crate) fn write<W: Write>(count: u32, writer: &mut W) -> Result<()> {
-    write_long(count.into(), writer)
+/// A count as a varint: seven bits a byte, the lowest first.
+pub(crate) fn write_u32<W: Write>(count: u32, writer: &mut W) -> Result<()> {
+    writer.write_varint(count).map(drop)
 }
 
-/// Reads one again.
-pub(crate) fn read<R: Read>(reader: &mut R) -> Result<u32> {
-    u32::try_from(read_long(reader)?).map_err(|_| refused("a count is too large"))
+/// Reads what [`write_u32`] wrote.
+pub(crate) fn read_u32<R: Read>(reader: &mut R) -> Result<u32> {
+    reader.read_varint()
 }
 
-/// The same of a count that may be longer.
-pub(crate) fn write_long<W: Write>(mut count: u64, writer: &mut W) -> Result<()> {
-    while count >= 0x80 {
-        writer.write_all(&[count as u8 | 0x80])?;
-        count >>= 7;
-    }
-    writer.write_all(&[count as u8])
+/// A longer count as a varint.
+pub(crate) fn write_u64<W: Write>(count: u64, writer: &mut W) -> Result<()> {
+    writer.write_varint(count).map(drop)
 }
 
-/// Reads one again.
-pub(crate) fn read_long<R: Read>(reader: &mut R) -> Result<u64> {
-    let mut count = 0;
-    for shift in (0..u64::BITS).step_by(7) {
-        let digit = u8::deserialize_reader(reader)?;
-        let digits = u64::from(digit & 0x7f);
-        if digits << shift >> shift != digits {
-            break;
-        }
-        count |= digits << shift;
-        if digit < 0x80 {
-            return Ok(count);
-        }
-    }
-    Err(refused("a count has too many digits"))
+/// Reads what [`write_u64`] wrote.
+pub(crate) fn read_u64<R: Read>(reader: &mut R) -> Result<u64> {
+    reader.read_varint()
 }
 
 /// A time by how far it is from another one.
 pub(crate) fn write_time<W: Write>(time: Micros, from: Micros, writer: &mut W) -> Result<()> {
-    let apart = time.0.wrapping_sub(from.0) as i64;
-    write_long((apart << 1 ^ apart >> 63) as u64, writer)
+    writer.write_varint(time.0.wrapping_sub(from.0) as i64).map(drop)
 }
 
 /// Reads one again.
 pub(crate) fn read_time<R: Read>(from: Micros, reader: &mut R) -> Result<Micros> {
-    let folded = read_long(reader)?;
-    Ok(Micros(from.0.wrapping_add(folded >> 1 ^ (folded & 1).wrapping_neg())))
+    let apart: i64 = reader.read_varint()?;
+    Ok(Micros(from.0.wrapping_add(apart as u64)))
 }
 
 /// A number as its millionths where that is exactly what it is, as of all that people write down; else as it is.
@@ -65,36 +49,36 @@ pub(crate) fn write_number<W: Write>(number: f64, writer: &mut W) -> Result<()> 
     let millionths = millionths as i32;
     // A negative zero is another number.
     if is_near && (f64::from(millionths) / MILLION).to_bits() == number.to_bits() {
-        return write((millionths << 1 ^ millionths >> 31) as u32 + 1, writer);
+        return write_u32((millionths << 1 ^ millionths >> 31) as u32 + 1, writer);
     }
-    write(0, writer)?;
+    write_u32(0, writer)?;
     writer.write_all(&number.to_bits().to_le_bytes())
 }
 
 /// Reads one again: never one that is not a number.
 pub(crate) fn read_number<R: Read>(reader: &mut R) -> Result<f64> {
-    let number = match read(reader)?.checked_sub(1) {
+    let number = match read_u32(reader)?.checked_sub(1) {
         Some(folded) => f64::from((folded >> 1) as i32 ^ -((folded & 1) as i32)) / MILLION,
         None => f64::from_bits(u64::deserialize_reader(reader)?),
     };
-    if number.is_nan() { Err(refused("a number is none")) } else { Ok(number) }
+    if number.is_nan() { Err(invalid("a number is none")) } else { Ok(number) }
 }
 
 /// Whether things are so, the first in the lowest bit.
-pub(crate) fn bits<const N: usize>(are: [bool; N]) -> u16 {
+pub(crate) fn pack_flags<const N: usize>(are: [bool; N]) -> u16 {
     are.into_iter().rev().fold(0, |bits, is| bits << 1 | u16::from(is))
 }
 
 /// Whether each of them is so; none if more are so than there are.
-pub(crate) fn are<const N: usize>(bits: u16) -> Result<[bool; N]> {
+pub(crate) fn unpack_flags<const N: usize>(bits: u16) -> Result<[bool; N]> {
     if u32::from(bits) >> N != 0 {
-        return Err(refused("there are not so many things that could be so"));
+        return Err(invalid("there are not so many things that could be so"));
     }
     Ok(std::array::from_fn(|at| bits & 1 << at != 0))
 }
 
 /// What cannot have been written.
-pub(crate) fn refused(why: &'static str) -> Error {
+pub(crate) fn invalid(why: &'static str) -> Error {
     Error::new(ErrorKind::InvalidData, why)
 }
 
@@ -106,19 +90,19 @@ mod tests {
     fn property_what_is_written_is_read() {
         for count in [0, 1, 127, 128, 16_383, 16_384, 4_000_000, u32::MAX] {
             let mut bytes = Vec::new();
-            super::write(count, &mut bytes).unwrap();
+            super::write_u32(count, &mut bytes).unwrap();
             assert!(bytes.len() <= 5);
-            assert_eq!(super::read(&mut bytes.as_slice()).unwrap(), count);
+            assert_eq!(super::read_u32(&mut bytes.as_slice()).unwrap(), count);
         }
         for count in [0, 1 << 32, 1 << 62, u64::MAX] {
             let mut bytes = Vec::new();
-            super::write_long(count, &mut bytes).unwrap();
-            assert_eq!(super::read_long(&mut bytes.as_slice()).unwrap(), count);
-            assert!(count == 0 || super::read(&mut bytes.as_slice()).is_err());
+            super::write_u64(count, &mut bytes).unwrap();
+            assert_eq!(super::read_u64(&mut bytes.as_slice()).unwrap(), count);
+            assert!(count == 0 || super::read_u32(&mut bytes.as_slice()).is_err());
         }
-        assert!(super::read(&mut [0xff; 6].as_slice()).is_err());
-        assert!(super::read_long(&mut [0xff; 12].as_slice()).is_err());
-        assert!(super::read(&mut [0x80].as_slice()).is_err());
+        assert!(super::read_u32(&mut [0xff; 6].as_slice()).is_err());
+        assert!(super::read_u64(&mut [0xff; 12].as_slice()).is_err());
+        assert!(super::read_u32(&mut [0x80].as_slice()).is_err());
     }
 
     #[test]
@@ -148,8 +132,8 @@ mod tests {
     #[test]
     fn bits_are_what_is_so() {
         let are = [true, false, false, true, true];
-        assert_eq!(super::bits(are), 0b11001);
-        assert_eq!(super::are::<5>(0b11001).unwrap(), are);
-        assert!(super::are::<5>(0b100000).is_err());
+        assert_eq!(super::pack_flags(are), 0b11001);
+        assert_eq!(super::unpack_flags::<5>(0b11001).unwrap(), are);
+        assert!(super::unpack_flags::<5>(0b100000).is_err());
     }
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
+use smallvec::SmallVec;
 
-use crate::counts;
+use crate::encoding;
 use crate::robot::event::WhiskerSheet;
-use crate::robot::state::few::Few;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
 
@@ -20,7 +20,7 @@ pub struct Sheet {
     /// Number, unique in its array.
     pub number: u16,
     /// Numbers of its neighbours in the array.
-    pub neighbours: Few,
+    pub neighbours: SmallVec<[u16; 6]>,
     /// Position on the array.
     pub x_mm: f64,
     /// Position on the array.
@@ -39,7 +39,7 @@ impl From<&WhiskerSheet> for Sheet {
     fn from(told: &WhiskerSheet) -> Self {
         Self {
             number: told.number,
-            neighbours: Few::from(&told.neighbours[..]),
+            neighbours: SmallVec::from_slice(&told.neighbours),
             x_mm: told.x_mm,
             y_mm: told.y_mm,
             model: Arc::new(told.model.clone()),
@@ -75,7 +75,7 @@ impl Sheet {
 
     /// Whether a factsheet says nothing new of it.
     pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
-        self.is_same_whisker(told) && *self.neighbours == *told.neighbours
+        self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..]
     }
 }
 
@@ -89,35 +89,55 @@ pub(in crate::robot) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Ar
     }
 }
 
+/// Writes numbers of whiskers, in their order.
+pub(in crate::robot) fn write_numbers<W: Write>(numbers: &[u16], writer: &mut W) -> Result<()> {
+    encoding::write_u32(numbers.len() as u32, writer)?;
+    numbers.iter().try_for_each(|&number| encoding::write_u32(number.into(), writer))
+}
+
+/// Reads what [`write_numbers`] wrote.
+pub(in crate::robot) fn read_numbers<R: Read>(reader: &mut R) -> Result<Vec<u16>> {
+    let count =
+        u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("more whiskers than numbers"))?;
+    // A count that is wrong must not reserve memory: the vector grows with the bytes that are there.
+    let mut numbers = Vec::new();
+    for _ in 0..count {
+        let number = u16::try_from(encoding::read_u32(reader)?);
+        numbers.push(number.map_err(|_| encoding::invalid("the number of a whisker is too large"))?);
+    }
+    Ok(numbers)
+}
+
 impl BorshSerialize for Sheet {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        counts::write(self.number.into(), writer)?;
-        self.neighbours.serialize(writer)?;
-        counts::write(self.model.len() as u32, writer)?;
+        encoding::write_u32(self.number.into(), writer)?;
+        write_numbers(&self.neighbours, writer)?;
+        encoding::write_u32(self.model.len() as u32, writer)?;
         writer.write_all(self.model.as_bytes())?;
         let numbers = [self.x_mm, self.y_mm, self.length.mm(), self.pressure.mpa(), self.pressure_max.mpa()];
-        numbers.iter().try_for_each(|&number| counts::write_number(number, writer))
+        numbers.iter().try_for_each(|&number| encoding::write_number(number, writer))
     }
 }
 
 impl BorshDeserialize for Sheet {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let number = u16::try_from(counts::read(reader)?).map_err(|_| counts::refused("no number of a whisker"))?;
-        let neighbours = Few::deserialize_reader(reader)?;
-        let length = counts::read(reader)?;
+        let number =
+            u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no number of a whisker"))?;
+        let neighbours = read_numbers(reader)?.into();
+        let length = encoding::read_u32(reader)?;
         if length > NAME_MAX {
-            return Err(counts::refused("no name of a model"));
+            return Err(encoding::invalid("no name of a model"));
         }
         let mut name = Vec::new();
         for _ in 0..length {
             name.push(u8::deserialize_reader(reader)?);
         }
-        let name = String::from_utf8(name).map_err(|_| counts::refused("no name of a model"))?;
-        let mut number_of = || counts::read_number(reader);
+        let name = String::from_utf8(name).map_err(|_| encoding::invalid("no name of a model"))?;
+        let mut number_of = || encoding::read_number(reader);
         let [x_mm, y_mm, length, pressure, pressure_max] =
             [number_of()?, number_of()?, number_of()?, number_of()?, number_of()?];
-        let mpa = |mpa| Megapascal::new(mpa).map_err(|_| counts::refused("a pressure out of range"));
-        let length = Millimetre::new(length).map_err(|_| counts::refused("a length out of range"))?;
+        let mpa = |mpa| Megapascal::new(mpa).map_err(|_| encoding::invalid("a pressure out of range"));
+        let length = Millimetre::new(length).map_err(|_| encoding::invalid("a length out of range"))?;
         let (pressure, pressure_max) = (mpa(pressure)?, mpa(pressure_max)?);
         Ok(Self { number, neighbours, x_mm, y_mm, model: Arc::new(name), length, pressure, pressure_max })
     }

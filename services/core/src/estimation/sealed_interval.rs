@@ -10,7 +10,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::trend::{BLOCKS, Slope};
-use crate::counts;
+use crate::encoding;
 use crate::units::Micros;
 
 /// Resolution of a full block's time, in steps per second; its range is 1024 s.
@@ -23,7 +23,7 @@ const AVERAGES_MAX: u16 = 1 << 14;
 
 /// The stretch; each average covers a few readings.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Stretch {
+pub(super) struct SealedInterval {
     /// Time of the first reading, by the robot's clock.
     pub since: Micros,
     /// First average, MPa.
@@ -41,7 +41,7 @@ pub(super) struct Stretch {
     in_each: NonZeroU16,
 }
 
-impl Stretch {
+impl SealedInterval {
     pub(super) fn new(since: Micros, seconds: f64, mpa: f64) -> Self {
         Self {
             since,
@@ -124,11 +124,11 @@ impl Stretch {
 
     /// Writes the stretch with its used blocks; the time is written relative to `from`.
     pub(super) fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
-        counts::write_time(self.since, from, writer)?;
+        encoding::write_time(self.since, from, writer)?;
         (self.mpa, self.waiting, self.blocks).serialize(writer)?;
         if self.blocks > 0 {
-            counts::write(self.in_last.into(), writer)?;
-            counts::write(self.in_each.get().into(), writer)?;
+            encoding::write_u32(self.in_last.into(), writer)?;
+            encoding::write_u32(self.in_each.get().into(), writer)?;
             (self.before_mpa, self.last).serialize(writer)?;
         }
         self.full.iter().take(usize::from(self.blocks).saturating_sub(1)).try_for_each(|block| block.serialize(writer))
@@ -136,16 +136,17 @@ impl Stretch {
 
     /// Reads the output of [`Self::write`].
     pub(super) fn read<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
-        let mut read = Self::new(counts::read_time(from, reader)?, 0.0, 0.0);
+        let mut read = Self::new(encoding::read_time(from, reader)?, 0.0, 0.0);
         (read.mpa, read.waiting, read.blocks) = BorshDeserialize::deserialize_reader(reader)?;
         if usize::from(read.blocks) > BLOCKS {
-            return Err(counts::refused("a stretch has too many blocks"));
+            return Err(encoding::invalid("a stretch has too many blocks"));
         }
         if read.blocks > 0 {
-            let [in_last, in_each] = [counts::read(reader)?, counts::read(reader)?];
+            let [in_last, in_each] = [encoding::read_u32(reader)?, encoding::read_u32(reader)?];
             let is_possible = in_each <= AVERAGES_MAX.into() && (1..=in_each).contains(&in_last);
             let in_each = NonZeroU16::new(in_each as u16).filter(|_| is_possible);
-            read.in_each = in_each.ok_or_else(|| counts::refused("a stretch has an impossible number of readings"))?;
+            read.in_each =
+                in_each.ok_or_else(|| encoding::invalid("a stretch has an impossible number of readings"))?;
             read.in_last = in_last as u16;
             (read.before_mpa, read.last) = BorshDeserialize::deserialize_reader(reader)?;
         }
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn property_its_line_is_that_of_blocks_in_full() {
-        let mut stretch = Stretch::new(Micros(7), 0.0, 0.1);
+        let mut stretch = SealedInterval::new(Micros(7), 0.0, 0.1);
         let mut trend = Trend::new(u32::MAX / 2);
         let mpa = |k: u32| 0.1 * (-3e-4 * f64::from(k)).exp() + 4e-4 * (f64::from(k * 37 % 23) / 11.0 - 1.0);
         for k in 1..400 {
@@ -185,6 +186,6 @@ mod tests {
         let mut bytes = Vec::new();
         stretch.write(Micros(3), &mut bytes).unwrap();
         assert!(bytes.len() <= 90, "{}", bytes.len());
-        assert_eq!(Stretch::read(Micros(3), &mut bytes.as_slice()).unwrap(), stretch);
+        assert_eq!(SealedInterval::read(Micros(3), &mut bytes.as_slice()).unwrap(), stretch);
     }
 }

@@ -1,15 +1,15 @@
-//! What few whiskers have: those that have it give it room.
+//! State that few whiskers have, in a box: the others pay for a pointer only.
 
-use std::ops::{Deref, DerefMut};
+use std::ops::Deref;
 
 use crate::estimation::{ErosionWatch, OwnCalibration};
 use crate::mechanics::Offset;
 use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::units::Micros;
 
-/// What is known of a whisker that was cut, erodes, serves, is sent setpoints, or is in an array that shifts.
+/// State of a whisker that was cut, erodes, serves, is sent setpoints, or is in an array that shifts.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::robot) struct Rare {
+pub(in crate::robot) struct RareState {
     /// A confirmed cut whose length is not certain enough yet to act on.
     pub pending_trim: Option<PendingTrim>,
     /// Its offset while whole at nominal pressure, once it is not any more.
@@ -26,7 +26,7 @@ pub(in crate::robot) struct Rare {
     pub not_before: Micros,
 }
 
-static NONE: Rare = Rare {
+static NONE: RareState = RareState {
     pending_trim: None,
     whole_offset: None,
     own: None,
@@ -36,54 +36,52 @@ static NONE: Rare = Rare {
     not_before: Micros(0),
 };
 
-/// Room for it, once there is something.
+/// The rare state of a whisker. It reads as [`NONE`] until something is put into it.
 #[derive(Debug, Clone, Default)]
-pub(in crate::robot) struct Rares(Option<Box<Rare>>);
+pub(in crate::robot) struct Rare(Option<Box<RareState>>);
 
-impl Rares {
-    /// What there is, to be changed; looking for what is not there makes no room.
-    pub(in crate::robot) fn there(&mut self) -> Option<&mut Rare> {
+impl Rare {
+    /// The state, unless nothing was put into it yet.
+    pub(in crate::robot) fn get_mut(&mut self) -> Option<&mut RareState> {
         self.0.as_deref_mut()
+    }
+
+    /// The state; the first call allocates it.
+    pub(in crate::robot) fn get_or_insert(&mut self) -> &mut RareState {
+        self.0.get_or_insert_with(|| Box::new(NONE.clone()))
     }
 
     /// The next setpoint is the first one.
     pub(in crate::robot) fn forget_attempts(&mut self) {
-        if let Some(rare) = self.there() {
+        if let Some(rare) = self.get_mut() {
             rare.attempts = 0;
         }
     }
 
     /// The last setpoint does not count as an attempt.
     pub(in crate::robot) fn forget_attempt(&mut self) {
-        if let Some(rare) = self.there() {
+        if let Some(rare) = self.get_mut() {
             rare.attempts = rare.attempts.saturating_sub(1);
         }
     }
 }
 
-impl From<Rare> for Rares {
-    fn from(rare: Rare) -> Self {
+impl From<RareState> for Rare {
+    fn from(rare: RareState) -> Self {
         Self((rare != NONE).then(|| Box::new(rare)))
     }
 }
 
-impl Deref for Rares {
-    type Target = Rare;
+impl Deref for Rare {
+    type Target = RareState;
 
-    fn deref(&self) -> &Rare {
+    fn deref(&self) -> &RareState {
         self.0.as_deref().unwrap_or(&NONE)
     }
 }
 
-/// Makes room.
-impl DerefMut for Rares {
-    fn deref_mut(&mut self) -> &mut Rare {
-        self.0.get_or_insert_with(|| Box::new(NONE.clone()))
-    }
-}
-
-/// Room without anything in it is none.
-impl PartialEq for Rares {
+/// A box with nothing in it equals no box.
+impl PartialEq for Rare {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
     }
