@@ -1,4 +1,4 @@
-//! Ordinary events ask for no memory: a target of its own, for it counts what the allocator is asked for.
+//! Ordinary events allocate no memory. A test target of its own, because it counts the allocations.
 
 use allocation_counter::measure;
 use vibrissa_evaluation::crowd::{Buffers, Crowd};
@@ -12,7 +12,7 @@ fn learned() -> (Crowd, Buffers) {
     (crowd, buffers)
 }
 
-/// A step that has more effects than the contacts' records is none: an alarm, say.
+/// A step with more effects than the contacts' records, such as an alarm, is not ordinary.
 #[test]
 fn property_an_ordinary_contact_allocates_nothing() {
     let (mut crowd, mut buffers) = learned();

@@ -1,5 +1,5 @@
-//! How fast the core takes events in: a contact of a learned, healthy whisker must stay under a microsecond, and the step
-//! that decides, which lies on the way from a contact to its setpoint, under a fifth of a millisecond.
+//! How fast the core takes events in: a contact of a learned, healthy whisker must stay under a microsecond, and the
+//! step that decides, which lies on the way from a contact to its setpoint, under a fifth of a millisecond.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use vibrissa_core_tests::large_array::LargeArray;
@@ -34,7 +34,7 @@ fn step(c: &mut Criterion) {
     }
 }
 
-/// One broken whisker of a row of so many: itself and its neighbour are asked.
+/// One broken whisker in a row: itself and its neighbour are candidates.
 fn decision(c: &mut Criterion) {
     let array = LargeArray::new(4, 1);
     c.bench_function("a step that decides", |b| {

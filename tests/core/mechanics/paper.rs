@@ -1,4 +1,4 @@
-//! What the paper prints, and what follows from its equations alone.
+//! Numbers that the paper prints, and consequences of its equations.
 
 use vibrissa_core::mechanics::{
     Calibration, Compensator, Formulation, Geometry, Model, Objective, Offset, Setpoint, Solution, compensable_range,

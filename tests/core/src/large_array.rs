@@ -58,7 +58,7 @@ impl LargeArray {
         array
     }
 
-    /// The regulators work again: everything is decided in one step. What came of it.
+    /// Reports working regulators: all decisions follow in one step. Returns its effects.
     pub fn decide(&mut self) -> Vec<Effect> {
         self.tell(RegulatorState::Ok)
     }
