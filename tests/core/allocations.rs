@@ -1,9 +1,9 @@
-//! Ordinary events allocate no memory. A test target of its own, because it counts the allocations.
+//! Ordinary events allocate no memory. A separate test target, because it replaces the allocator by a counting one.
 
 use allocation_counter::measure;
 use vibrissa_evaluation::crowd::{Buffers, Crowd};
 
-/// A learned robot, with the buffers that a caller uses again.
+/// A robot with learned baselines, and buffers for reuse.
 fn learned() -> (Crowd, Buffers) {
     let (mut crowd, mut buffers) = (Crowd::new(1, 24), Buffers::default());
     crowd.learn(400, &|| ());
@@ -12,7 +12,7 @@ fn learned() -> (Crowd, Buffers) {
     (crowd, buffers)
 }
 
-/// A step with more effects than the contacts' records, such as an alarm, is not ordinary.
+/// Steps with further effects, such as an alarm, may allocate.
 #[test]
 fn property_an_ordinary_contact_allocates_nothing() {
     let (mut crowd, mut buffers) = learned();
@@ -39,7 +39,7 @@ fn property_an_ordinary_status_and_a_tick_allocate_nothing() {
     }
 }
 
-/// The counter counts: making a robot takes some.
+/// Checks the counter itself: creating a robot allocates.
 #[test]
 fn a_new_robot_allocates() {
     assert!(measure(|| drop(Crowd::new(1, 24))).count_total > 20);

@@ -1,15 +1,15 @@
-//! How fast the core takes events in: a contact of a learned, healthy whisker must stay under a microsecond, and the
-//! step that decides, which lies on the way from a contact to its setpoint, under a fifth of a millisecond.
+//! Measures steps of the core. A contact of a healthy whisker with a learned baseline must stay below a microsecond.
+//! The step that decides on a setpoint must stay below 0.2 ms, because it delays the setpoint.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use vibrissa_core_tests::large_array::LargeArray;
 use vibrissa_evaluation::crowd::{Buffers, Crowd};
 
 const WHISKERS: u16 = 24;
-/// In which offset and noise are learned.
+/// Number of contacts in which a whisker's offset and noise are learned.
 const CONTACTS: u32 = 300;
 
-/// One robot, whose state stays in the processor's caches; and a thousand in turn, whose states do not.
+/// One robot, whose state stays in the processor's caches, and a thousand robots in turn, whose states do not.
 fn step(c: &mut Criterion) {
     for robots in [1, 1000] {
         let mut crowd = Crowd::new(robots, WHISKERS);
@@ -34,7 +34,7 @@ fn step(c: &mut Criterion) {
     }
 }
 
-/// One broken whisker in a row: itself and its neighbour are candidates.
+/// One broken whisker in a row of four; the candidates are the whisker itself and its neighbour.
 fn decision(c: &mut Criterion) {
     let array = LargeArray::new(4, 1);
     c.bench_function("a step that decides", |b| {

@@ -1,4 +1,4 @@
-//! Numbers that the paper prints, and consequences of its equations.
+//! Values printed in the paper, and direct consequences of its equations.
 
 use vibrissa_core::mechanics::{
     Calibration, Compensator, Formulation, Geometry, Model, Objective, Offset, Setpoint, Solution, compensable_range,
@@ -110,7 +110,7 @@ fn paper_calibration_constants() {
     assert_eq!(printed(Geometry::nguyen_2021().elongation_gain_mm(), 7), "8.6766199");
     let model = Model::nguyen_2021(Formulation::Published);
     assert_eq!(printed(model.k2(mpa(0.1)), 4), "1.1036");
-    // Fig. 3B: at zero pressure nothing is changed, so both modes agree.
+    // Fig. 3B: both modes agree at zero pressure.
     let tip = model.response(ContactRatio::TIP, mm(70.0), &model.morphology(Megapascal::ZERO)).unwrap();
     let normal = model.normal_mode(mm(70.0));
     let k2 = Calibration::nguyen_2021().c + Calibration::nguyen_2021().a;

@@ -1,5 +1,5 @@
-//! One large array as the core knows it, made of contacts that follow the model: a decision over all of it at
-//! once.
+//! One large array in the state of the core, built from contacts that follow the model. It requires one decision over
+//! the whole array.
 
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::effect::{Condition, Effect};
@@ -11,27 +11,27 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 
 const ARRAY: &str = "large";
 const BOOT: &str = "b";
-/// Whiskers of one row.
+/// Number of whiskers in a row.
 const COLUMNS: usize = 40;
-/// In which a whisker is learned, and then in which its cut is found.
+/// Number of contacts in which a whisker's baseline is learned, and then again in which its cut is detected.
 const CONTACTS: usize = 60;
 
-/// An array of whiskers of 66 and 70 mm in rows of 40, each the neighbour of the eight around it.
+/// An array of whiskers of 66 and 70 mm in rows of 40. The eight whiskers around each one are its neighbours.
 #[derive(Debug, Clone)]
 pub struct LargeArray {
-    /// As the core knows it: some whiskers are trimmed, and no regulator works, so that nobody serves.
+    /// State of the core: some whiskers are trimmed, and all regulators are faulty, so no compensator is available.
     pub robot: Robot,
-    /// The parameters it was made with.
+    /// Parameters of the core.
     pub params: Params,
     lengths_mm: Vec<f64>,
     now: Micros,
 }
 
 impl LargeArray {
-    /// Every `whiskers / broken`th is cut to 54 mm: too short to serve itself.
+    /// Cuts every `whiskers / broken`th whisker to 54 mm, which is too short to compensate itself.
     ///
     /// # Panics
-    /// Not every cut is found.
+    /// A cut is not detected.
     #[must_use]
     pub fn new(whiskers: usize, broken: usize) -> Self {
         let mut params = Params::nguyen_2021(Formulation::Published);
@@ -53,12 +53,12 @@ impl LargeArray {
         }
         let is_trimmed =
             |index: &usize| array.robot.whisker(*index).is_some_and(|one| one.condition == Condition::Trimmed);
-        assert_eq!((0..whiskers).filter(is_trimmed).count(), broken, "every cut is found");
-        assert!(array.robot.compensations().is_empty(), "and nobody serves");
+        assert_eq!((0..whiskers).filter(is_trimmed).count(), broken, "every cut must be detected");
+        assert!(array.robot.compensations().is_empty(), "no compensation may begin");
         array
     }
 
-    /// Reports working regulators: all decisions follow in one step. Returns its effects.
+    /// Reports working regulators, so that everything is decided in one step. Returns the effects of that step.
     pub fn decide(&mut self) -> Vec<Effect> {
         self.tell(RegulatorState::Ok)
     }
@@ -100,7 +100,7 @@ impl LargeArray {
         Factsheet { arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, whiskers }] }
     }
 
-    /// Touches with a whisker of that length, at every contact ratio and deflection.
+    /// Sends contacts of a whisker of that length at every contact ratio and deflection.
     fn touch(&mut self, whisker: usize, length_mm: f64) {
         let model = Model::nguyen_2021(Formulation::Published);
         let pressure = Megapascal::known(0.1);
@@ -128,7 +128,7 @@ impl LargeArray {
     }
 }
 
-/// The eight around it, as far as they are there.
+/// Numbers of the up to eight whiskers around this one.
 fn around(index: usize, count: usize) -> Vec<u16> {
     let (row, column) = ((index / COLUMNS) as i64, (index % COLUMNS) as i64);
     let places = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (row + down, column + right)));
