@@ -104,7 +104,7 @@ fn property_a_dithering_regulator_is_not_chased() {
 #[test]
 fn property_no_setpoint_is_outside_its_limits() {
     for (seed, rubber) in (0..).zip(plants(8, 4)) {
-        // The trimmed whisker itself must not rise above what it had.
+        // The trimmed whisker itself must not rise above its former pressure.
         let mut itself = of_rubber(400 + seed, ArrayType::Type2, &[70.0], rubber);
         cut(&mut itself, 1000, 0, 69.0);
         for command in commands(&run(&itself, published(), 6000)) {

@@ -1,4 +1,4 @@
-//! A factsheet follows a birth by itself; what says nothing new changes nothing.
+//! A factsheet follows a birth without a request; one without news changes nothing.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::Effect;
@@ -32,7 +32,7 @@ impl World {
         Self { params: Params::nguyen_2021(Formulation::default()), robot: Robot::new(1, Numbers::default()) }
     }
 
-    /// What is said to it at a time in seconds; whether it asks for the factsheet then.
+    /// Sends it an event at a time in seconds; returns whether it requests the factsheet.
     fn asks(&mut self, at_s: f64, event: &Event<'_>) -> bool {
         let mut effects = Vec::new();
         self.robot.step(&self.params, Micros((at_s * 1e6) as u64), event, &mut effects);

@@ -1,4 +1,4 @@
-//! What is not trimming has its own name, and is called no trim.
+//! Faults that are no trims have their own names, and are not called trims.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, Fault};
@@ -10,7 +10,7 @@ use vibrissa_simulator::scenario::{Change, Event};
 
 const AT_CONTACT: u64 = 400;
 
-/// What becomes of one of two whiskers to which this happens, and of the other.
+/// Result for the one of two whiskers that has the fault, and for the other.
 fn world_with(change: Change, seconds: f64) -> World {
     world_after(&[(AT_CONTACT, change)], seconds, true)
 }

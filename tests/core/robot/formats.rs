@@ -1,6 +1,7 @@
 //! The stored bytes of robots and whiskers, by version, as the programs of those versions wrote them.
 //!
-//! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the new one.
+//! A test here fails if the bytes change. Then raise the version, keep a reader of the old one, and add a file for the
+//! new one.
 
 use vibrissa_core::robot::{RestoreError, Robot};
 

@@ -7,7 +7,7 @@ const SEED: u64 = 1;
 /// At least 98 of 100 cases of each of these are called by their name alone.
 const RIGHT_AT_LEAST: f64 = 0.98;
 
-/// Classes in which everything must be right; the others are looked at elsewhere.
+/// Classes in which every result must be right; other tests check the others.
 const CLASSES: [Class; 8] = [
     Class::Healthy,
     Class::BaselineDrift,

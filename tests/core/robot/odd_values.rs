@@ -1,5 +1,5 @@
-//! Numbers that are within their units' ranges, and far from anything that a whisker does: nothing that is learned becomes infinite or
-//! no number.
+//! Numbers that are within their units' ranges, and far from anything that a whisker does: nothing that is learned
+//! becomes infinite or no number.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

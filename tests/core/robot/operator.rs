@@ -1,4 +1,4 @@
-//! What operators do, and what becomes of it, in worlds whose truth is known.
+//! Operators' actions and their consequences, in worlds whose truth is known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -104,7 +104,7 @@ fn any_action(random: &mut ChaCha8Rng, world: &World) -> OperatorAction<'static>
     }
 }
 
-/// What the effects must obey, followed from the outside.
+/// Rules for the effects, checked from the outside.
 #[derive(Default)]
 struct Watch {
     seen: usize,
@@ -121,7 +121,7 @@ impl Watch {
         *self.counts.entry(what).or_default() += 1;
     }
 
-    /// An action that was done, before its effects are looked at.
+    /// Takes an accepted action, before its effects are checked.
     fn done(&mut self, action: &OperatorAction<'_>) {
         match *action {
             OperatorAction::Setpoint { whisker: place, .. } | OperatorAction::Hold(Scope::Whisker(place)) => {
@@ -248,7 +248,7 @@ fn brute_force_whatever_operators_do_holds_approvals_and_alarms_are_kept() {
     }
 }
 
-/// What is done, without what only a proposal says.
+/// The effects, without those that only a proposal has.
 fn without_proposals(world: &World) -> Vec<Effect> {
     let mut effects: Vec<Effect> = world.effects.iter().map(|(_, effect)| effect.clone()).collect();
     effects.retain(|effect| {
@@ -277,7 +277,7 @@ fn property_approved_at_once_everything_goes_as_if_nobody_had_been_asked() {
             world.run_until_s(14.0);
             world
         });
-        // What is let go and taken again in the same moment is released first if somebody is asked in between.
+        // A whisker that is released and taken again in one decision is released first if an approval comes in between.
         if !ended(&automatic).is_empty() {
             continue;
         }
@@ -310,7 +310,7 @@ fn a_proposal_waits_and_is_carried_out_once_it_is_approved() {
     assert_eq!(compensator, 1);
     assert_eq!(commands(&world), [], "nothing is sent");
     assert_eq!(standing(&world, 0), [AlarmKind::Proposed]);
-    // Nobody has to be asked any more, but somebody was asked.
+    // No approval is needed any more, but one was requested before.
     world.params.policy.mode = Mode::Automatic;
     world.step(&Event::PolicyChanged);
     world.run_until_s(12.0);

@@ -1,4 +1,4 @@
-//! Who serves whom, in arrays with more than one way.
+//! The assignment of compensators, in arrays with more than one possibility.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::policy::{Case, LongerForShorter, Refused};

@@ -1,7 +1,7 @@
 //! The stored parts of a robot are complete: every change of them is marked, and a restored robot goes on alike.
 //!
-//! The robots of these tests live through every kind of event that [`KINDS`] lists. The list is closed: a new variant of
-//! an event, an action or a report does not compile before it is listed, and a listed one must be played.
+//! The robots of these tests live through every kind of event that [`KINDS`] lists. The list is closed: a new variant
+//! of an event, an action or a report does not compile before it is listed, and a listed one must be played.
 
 use std::collections::BTreeMap;
 
@@ -106,7 +106,7 @@ enum Said {
     Tick,
 }
 
-/// A robot with its whiskers in truth, which does not always keep to what robots should.
+/// A simulated robot, which does not always keep the contract.
 struct Plant {
     random: ChaCha8Rng,
     model: Model,
@@ -208,7 +208,7 @@ impl Plant {
     fn contacts(&mut self) -> Said {
         let count = self.random.random_range(1..8);
         let contacts = (0..count).map(|_| self.contact()).collect();
-        // Now and then of an older boot, again, or with a gap.
+        // Sometimes of an older boot, a duplicate, or with a gap.
         let is_another = self.random.random_bool(0.02);
         let boot = if is_another { self.random.random_range(0..=self.boot + 1) % BOOTS.len() } else { self.boot };
         let seq = match self.random.random_range(0..40) {
@@ -268,7 +268,7 @@ impl Plant {
         Said::Status(self.boot, self.time(), whiskers)
     }
 
-    /// Now and then a wrong one.
+    /// Time of the robot; sometimes a wrong one.
     fn time(&mut self) -> Micros {
         match self.random.random_range(0..200) {
             0 => Micros(self.now.0 + YEAR_US),
@@ -372,7 +372,7 @@ fn step(robot: &mut Robot, params: &Params, now: Micros, said: &Said, kind: &mut
     Step { outcome, effects }
 }
 
-/// As a store would: what is marked is written.
+/// The parts that a store has: it writes the marked ones.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Store {
     head: Vec<u8>,
@@ -407,7 +407,7 @@ impl Store {
         Self { head: robot.to_bytes().unwrap(), whiskers }
     }
 
-    /// Where it differs from another: the whisker, or none for the head, and the byte.
+    /// The first difference from another: the whisker, or none for the head, and the byte.
     fn first_difference(&self, other: &Self) -> Option<(Option<usize>, usize)> {
         let byte = |one: &[u8], other: &[u8]| {
             let differs = one.iter().zip(other).position(|(one, other)| one != other);
@@ -419,7 +419,7 @@ impl Store {
     }
 }
 
-/// One life of a robot, with every step written as a store would.
+/// One life of a robot, with a checkpoint after every step.
 struct Life {
     /// For [`Mode::Automatic`] and [`Mode::Advise`].
     params: [Params; 2],
@@ -479,7 +479,7 @@ impl Life {
         step(robot, &self.params[usize::from(*mode == Mode::Advise)], *now, said, &mut |_| ())
     }
 
-    /// From what was stored after event `from`, everything since once more.
+    /// Restores the robot after event `from`, and plays all later events again.
     fn again_from(&self, from: usize) {
         let Store { head, whiskers } = &self.stored[from];
         let mut robot = Robot::restore(head, whiskers).unwrap();
@@ -520,8 +520,8 @@ fn property_every_change_is_marked_and_what_was_stored_goes_on_as_it_did() {
     assert!(50 * unchanged < all, "{unchanged} of {all} parts were written although they had not changed");
 }
 
-/// Time alone tells silence, also after contacts: a robot that looks at its whiskers only when something can have
-/// come about says the same as one that was just restored, which looks at all of them.
+/// A robot that evaluates its whiskers only when a deadline has passed has the same effects as a restored one, which
+/// evaluates all of them at its first tick.
 #[test]
 fn property_a_tick_with_nothing_to_do_says_what_a_full_look_says() {
     for seed in 100..106 {

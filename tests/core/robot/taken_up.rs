@@ -1,4 +1,4 @@
-//! A robot that is taken up with a state older than what it has been told since: a database was restored.
+//! A robot whose state is older than its last setpoints, because a database was restored.
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Reason};
@@ -57,7 +57,7 @@ impl Taken {
         effects
     }
 
-    /// Tells what it holds; gives the setpoints that follow.
+    /// Reports its setpoint; returns the setpoints that follow.
     fn holds(&mut self, mpa: f64) -> Vec<Command> {
         let pressure = Megapascal::known(mpa);
         let status = WhiskerStatus {
@@ -98,7 +98,7 @@ fn a_pressure_that_nobody_remembers_the_reason_of_is_set_back_once() {
     assert_eq!(taken.holds(STRAY_MPA), [], "it is on its way");
     taken.reports(&sent[0], SetpointReport::Applied(Megapascal::known(NOMINAL_MPA)));
     assert_eq!(taken.holds(NOMINAL_MPA), []);
-    // From now on what it does by itself is its own.
+    // From now on its own setpoints are followed.
     assert_eq!(taken.holds(0.06), []);
     assert_eq!(taken.setpoint_mpa(), 0.06);
 }
@@ -125,7 +125,7 @@ fn pressures_that_robots_go_to_by_themselves_are_followed() {
         let mut taken = Taken::first_met().again(2);
         assert_eq!(taken.holds(mpa), [], "{mpa} MPa");
         assert_eq!(taken.setpoint_mpa(), mpa);
-        // Only the first word can be of what was forgotten.
+        // Only the first status can show a forgotten setpoint.
         assert_eq!(taken.holds(STRAY_MPA), []);
         assert_eq!(taken.setpoint_mpa(), STRAY_MPA);
     }
@@ -162,7 +162,7 @@ fn a_setpoint_of_a_former_epoch_that_is_stale_is_made_anew_and_one_of_this_epoch
     assert_eq!(taken.holds(STRAY_MPA), []);
 }
 
-/// What an operator asked for hours ago, as far as a restored database knows, is not asked now.
+/// A manual setpoint of hours ago, which a restored database still has, is not sent now.
 #[test]
 fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
     for is_refused in [true, false] {

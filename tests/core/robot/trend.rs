@@ -32,7 +32,7 @@ fn brute_force_few_readings_give_the_slope_of_least_squares() {
     let squares: f64 = series.iter().map(|p| (p.0 - x).powi(2)).sum();
     let expected = series.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / squares;
     let slope = trend(&series, u32::MAX / 2).slope().unwrap();
-    // Blocks are kept in single precision.
+    // Blocks have single precision.
     assert!((slope.per_x - expected).abs() < 1e-6 && (slope.weight / squares - 1.0).abs() < 1e-6);
 }
 

@@ -117,7 +117,7 @@ fn erosion_is_called_erosion() {
     }
 }
 
-/// Far off the length that the model is linearised at, what is left of a fitted step is no sign of erosion; and a
+/// Far off the length that the model is linearised at, the rest of a fitted step is no sign of erosion; and a
 /// supposed small change under way must not take the cut's contacts for outliers.
 #[test]
 fn regress_a_very_large_cut_is_called_as_soon_as_a_smaller_one() {

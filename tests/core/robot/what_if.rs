@@ -1,4 +1,4 @@
-//! What would be done is what is done.
+//! The predicted decision is the one that is taken.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -52,7 +52,7 @@ fn just_before(scenario: &Scenario, params: &Params, time: Micros) -> World {
     world
 }
 
-/// What was done at that time, in the form of an answer.
+/// The decision taken at that time, in the form of a prediction.
 fn done(world: &World, time: Micros) -> WhatIf {
     let mut answer = WhatIf { decisions: Vec::new(), ended: Vec::new(), setpoints: Vec::new() };
     for (_, effect) in world.effects.iter().filter(|(at, _)| *at == time) {

@@ -1,4 +1,4 @@
-//! What a step says must be done: the closed set of outputs, to be committed first and then carried out.
+//! The outputs of a step: a closed set of effects, which the caller commits first and then carries out.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -21,27 +21,27 @@ pub enum Effect {
         /// Position in the message.
         position: usize,
     },
-    /// This contact of the message says a time that cannot be right: nothing is made of it.
+    /// This contact of the message has an implausible time and is ignored.
     BadTime {
         /// Position in the message.
         position: usize,
     },
     /// Record a change of condition.
     Condition {
-        /// Whose.
+        /// The whisker concerned.
         whisker: WhiskerIndex,
-        /// Before.
+        /// Condition before the change.
         from: Condition,
-        /// Now.
+        /// Condition from now on.
         to: Condition,
     },
     /// Record a fault that came, changed or went.
     Fault {
-        /// Whose.
+        /// The whisker concerned.
         whisker: WhiskerIndex,
-        /// Before.
+        /// Fault before the change, if any.
         from: Option<Fault>,
-        /// Now.
+        /// Fault from now on, if any.
         to: Option<Fault>,
     },
     /// Record a trim.
@@ -50,58 +50,58 @@ pub enum Effect {
     Decided(Box<Decision>),
     /// Record that a compensation is over.
     Ended {
-        /// Which.
+        /// Number of the compensation on this robot.
         compensation: u32,
-        /// Its case.
+        /// Case of the paper.
         case: Case,
-        /// Why.
+        /// Reason for the end.
         reason: EndReason,
     },
     /// Record this setpoint, then publish it.
     Command(Box<Command>),
     /// Publish this setpoint once more.
     Resend(Box<Command>),
-    /// Record what became of a setpoint.
+    /// Record the new state of a setpoint.
     CommandState {
-        /// Which.
+        /// Key of the setpoint.
         command: CommandKey,
-        /// What.
+        /// New state of the setpoint.
         state: CommandState,
-        /// Why, if the robot refused it.
+        /// Reason of the robot, if it rejected the setpoint.
         rejection: Option<Rejection>,
-        /// The pressure that was reached, if applied.
+        /// Pressure reached, if the setpoint was applied.
         pressure: Option<Megapascal>,
     },
     /// Record the three responses of Eq. 35 at a compensator's contact.
     Response(Response),
     /// Record the measured compensation error.
     Error(Box<CompensationError>),
-    /// Record a look at a setpoint, whether it was refined or not.
+    /// Record the evaluation of a setpoint, whether it was refined or not.
     Refined(Box<Refinement>),
     /// Record that a proposed compensation was approved.
     Approved {
-        /// Which.
+        /// Number of the compensation on this robot.
         compensation: u32,
     },
-    /// Tell people. It stands until it is cleared, and is not raised again before.
+    /// Raise an alarm. It stands until it is cleared, and is not raised again before.
     Alarm {
-        /// About which whisker.
+        /// The whisker concerned.
         whisker: WhiskerIndex,
-        /// What.
+        /// Kind of alarm.
         kind: AlarmKind,
     },
-    /// Tell people that the cause of an alarm is over.
+    /// Clear an alarm, because its cause is over.
     AlarmCleared {
-        /// About which whisker.
+        /// The whisker concerned.
         whisker: WhiskerIndex,
-        /// What.
+        /// Kind of alarm.
         kind: AlarmKind,
     },
     /// A whisker is not on the robot any more: these alarms are cleared, and no index names it.
     Gone {
         /// Its array, by name.
         array: String,
-        /// Its number.
+        /// Its number in the array.
         number: u16,
         /// The alarms that stood.
         alarms: Vec<AlarmKind>,
@@ -110,24 +110,24 @@ pub enum Effect {
     AskForFactsheet,
 }
 
-/// A contact with what was made of it.
+/// A contact and its evaluation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRecord {
     /// Position in the message.
     pub position: usize,
-    /// Whose.
+    /// The whisker concerned.
     pub whisker: WhiskerIndex,
-    /// What it was used for.
+    /// Use that was made of the contact.
     pub used: ContactUse,
     /// Log sensitivity against the prediction, if it was used.
     pub residual: Option<f64>,
-    /// The residual in standard deviations of what was expected; standard normal while nothing changes.
+    /// The residual in expected standard deviations; standard normal while nothing changes.
     pub standardised: Option<f64>,
-    /// Length after it.
+    /// Length estimate after the contact.
     pub length: LengthEstimate,
 }
 
-/// What a contact was used for.
+/// Use that was made of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactUse {
     /// Estimation during the cold start.
@@ -140,36 +140,36 @@ pub enum ContactUse {
     TooWeak,
     /// Nothing: on the chamber, where the model does not hold.
     OnChamber,
-    /// Nothing: the gauge is not to be trusted.
+    /// Nothing: the gauge is faulty.
     GaugeFault,
-    /// Nothing: with these numbers an estimate would leave the range of what can be.
+    /// Nothing: the numbers would make an estimate leave its possible range.
     Implausible,
 }
 
 /// Mechanical condition of a whisker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum Condition {
-    /// Cold start.
+    /// Cold start: offset and noise are being learned.
     #[default]
     Learning,
-    /// As the factsheet says.
+    /// As long and as sensitive as the factsheet says.
     Healthy,
     /// The detector has raised an alarm that is being looked into.
     Suspected,
     /// Shorter than whole, by a cut.
     Trimmed,
-    /// Becoming shorter.
+    /// Becoming shorter by wear.
     Eroding,
     /// Less sensitive, which no trim explains.
     SensitivityLoss,
 }
 
-/// Why a whisker cannot be relied on at all, whatever its length.
+/// Reason why a whisker cannot be relied on, whatever its length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Fault {
-    /// Nothing was heard of it.
+    /// No contact or status of it was received in time, or the robot is not connected.
     Stale,
-    /// Its gauge: as the robot says, or as its contacts show.
+    /// Its gauge is faulty: reported by the robot, or found from its contacts.
     Gauge(GaugeState),
     /// Its pressure is not held.
     Leak,
@@ -179,16 +179,16 @@ pub enum Fault {
     SupplyLow,
 }
 
-/// A trim that was found.
+/// A detected trim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trim {
     /// Number on this robot.
     pub id: u32,
-    /// Whose.
+    /// The whisker concerned.
     pub whisker: WhiskerIndex,
-    /// Before.
+    /// Length before the trim.
     pub length_before: Millimetre,
-    /// Now.
+    /// Length estimate after the trim.
     pub length_after: LengthEstimate,
     /// Contacts from the likeliest moment of the cut to the decision.
     pub contacts_to_detect: u32,
@@ -201,11 +201,11 @@ pub struct Decision {
     pub compensation: u32,
     /// The broken whisker.
     pub target: WhiskerIndex,
-    /// Its whole length.
+    /// Length of the target while it was whole.
     pub target_length: Millimetre,
-    /// Its nominal pressure.
+    /// Nominal pressure of the target.
     pub target_pressure: Megapascal,
-    /// Who was asked, and what came of it.
+    /// All candidates that were evaluated: the target itself and, in a Type 1 array, its neighbours.
     pub candidates: Vec<CandidateRecord>,
     /// Position of the chosen one in `candidates`; none if no one can serve.
     pub chosen: Option<usize>,
@@ -216,29 +216,29 @@ pub struct Decision {
 /// A candidate of a decision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CandidateRecord {
-    /// Who.
+    /// Whisker that is the candidate.
     pub whisker: WhiskerIndex,
     /// Case of the paper.
     pub case: Case,
-    /// Its length.
+    /// Length estimate of the candidate.
     pub length: LengthEstimate,
     /// Pressure before: the nominal one, whatever it may hold for somebody else.
     pub pressure_before: Megapascal,
-    /// Pressure to hold, or the clamped one where there is none in range.
+    /// Pressure to hold; clamped to the range if the best one lies outside.
     pub pressure: Option<Megapascal>,
     /// Predicted error by contact ratio.
     pub predicted_error_by_ratio: Option<[f64; CONTACT_RATIOS.len()]>,
     /// Predicted mean error (Eq. 35), as a ratio.
     pub predicted_error: Option<f64>,
-    /// Its 95 % interval, with all that is not known of the whiskers.
+    /// 95 % interval of the mean error, from the uncertainty of lengths, responses and calibration.
     pub predicted_error_interval: Option<(f64, f64)>,
     /// Whether it would give up its own role.
     pub gives_up_own_role: bool,
-    /// Why it was not chosen.
+    /// Reason why the candidate was not chosen.
     pub refused: Option<Refused>,
 }
 
-/// Why a compensation ended.
+/// Reason for the end of a compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum EndReason {
     /// A factsheet does not have one of the two whiskers any more, or not as neighbours.
@@ -271,21 +271,21 @@ pub struct CommandKey {
 /// A setpoint to publish.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Command {
-    /// Names it.
+    /// Epoch and version, which identify the setpoint.
     pub key: CommandKey,
-    /// For whom.
+    /// Whisker that shall hold the pressure.
     pub whisker: WhiskerIndex,
     /// The only boot that may take it.
     pub robot_boot_id: String,
     /// Pressure to hold.
     pub pressure: Megapascal,
-    /// How fast to move, MPa per second.
+    /// Rate of change on the way to the pressure, MPa/s.
     pub slew_mpa_per_s: f64,
-    /// By the supervisor's clock.
+    /// Time of issue by the supervisor's clock.
     pub issued: Micros,
-    /// By the robot's clock.
+    /// Time by the robot's clock after which the robot rejects the setpoint.
     pub expires: Micros,
-    /// Why.
+    /// Reason for the setpoint.
     pub reason: Reason,
     /// The compensation that it belongs to.
     pub compensation: Option<u32>,
@@ -293,7 +293,7 @@ pub struct Command {
     pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
 }
 
-/// Why a setpoint is sent.
+/// Reason for a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Reason {
     /// A compensation begins.
@@ -306,7 +306,7 @@ pub enum Reason {
     Operator,
 }
 
-/// How far a setpoint is.
+/// State of a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum CommandState {
     /// Decided; not answered yet.
@@ -334,25 +334,25 @@ pub enum CommandState {
 pub struct Response {
     /// Position of the contact in the message.
     pub position: usize,
-    /// Which compensation.
+    /// Number of the compensation on this robot.
     pub compensation: u32,
-    /// Contact ratio.
+    /// Contact ratio of the contact.
     pub ratio: ContactRatio,
-    /// Deflection.
+    /// Deflection of the contact.
     pub deflection: Millimetre,
     /// The compensator's strain after the change of pressure: measured, this contact.
     pub after: Strain,
-    /// The compensator's strain before it.
+    /// The compensator's strain before the change of pressure.
     pub before: f64,
-    /// Where `before` comes from.
+    /// Source of `before`.
     pub before_origin: Origin,
     /// The target's strain while it was whole.
     pub target: f64,
-    /// Where `target` comes from.
+    /// Source of `target`.
     pub target_origin: Origin,
 }
 
-/// Where a response comes from.
+/// Source of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// Averaged from contacts in the same contact-ratio bin.
@@ -364,11 +364,11 @@ pub enum Origin {
 /// The compensation error, from sensitivities averaged within contact-ratio bins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompensationError {
-    /// Which compensation.
+    /// Number of the compensation on this robot.
     pub compensation: u32,
-    /// The pressure that it is measured at.
+    /// Pressure at which the error is measured.
     pub pressure: Megapascal,
-    /// Contacts of the compensator since that was applied.
+    /// Contacts of the compensator since the pressure was applied.
     pub contacts: u32,
     /// The bins that are measured.
     pub bins: Vec<ErrorBin>,
@@ -381,34 +381,34 @@ pub struct CompensationError {
     pub with_gain: Option<(f64, f64)>,
 }
 
-/// A look at a compensation's setpoint: errors are means of Eq. 35 over the contact ratios, as ratios.
+/// An evaluation of a compensation's setpoint: errors are means of Eq. 35 over the contact ratios, as ratios.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
-    /// Which compensation.
+    /// Number of the compensation on this robot.
     pub compensation: u32,
-    /// Contacts at the pressure that was looked at.
+    /// Contacts of the compensator at the evaluated pressure.
     pub contacts: u32,
-    /// What came of it.
+    /// Outcome of the evaluation.
     pub outcome: RefinementOutcome,
-    /// The pressure that was held.
+    /// Pressure held until now.
     pub pressure_from: Megapascal,
     /// The best pressure; none where the mechanics have no answer.
     pub pressure_best: Option<Megapascal>,
-    /// Error as felt, through smoothed responses.
+    /// Measured error, from smoothed responses.
     pub error: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `error`.
     pub error_sd: f64,
-    /// Error to be expected at the best pressure, with its standard deviation.
+    /// Expected error at the best pressure, with its standard deviation.
     pub error_best: Option<(f64, f64)>,
     /// Error with the published gain.
     pub error_with_gain: f64,
-    /// Error to be expected with a gain from these contacts.
+    /// Expected error with a gain from these contacts.
     pub error_with_own_gain: f64,
     /// Whether a new gain was published.
     pub gain_published: bool,
 }
 
-/// What came of a look at a setpoint.
+/// Outcome of the evaluation of a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RefinementOutcome {
     /// The pressure is moved to the best one.
@@ -417,7 +417,7 @@ pub enum RefinementOutcome {
     HeldDither,
     /// It stays: the best one is hardly better.
     HeldMargin,
-    /// It stays: the contacts do not tell yet that the best one is better.
+    /// It stays: the contacts do not show yet that the best one is better.
     HeldUncertain,
     /// It stays: no steps are left.
     HeldSteps,
@@ -432,23 +432,23 @@ pub struct ErrorBin {
     pub ratio: f64,
     /// Contacts of the compensator in it.
     pub contacts: u32,
-    /// Compensator after.
+    /// Sensitivity of the compensator at its new pressure.
     pub after_per_mm: f64,
-    /// Compensator before.
+    /// Sensitivity of the compensator at its pressure before.
     pub before_per_mm: f64,
-    /// Where `before_per_mm` comes from.
+    /// Source of `before_per_mm`.
     pub before_origin: Origin,
-    /// Whole target.
+    /// Sensitivity of the target while it was whole.
     pub target_per_mm: f64,
-    /// Where `target_per_mm` comes from.
+    /// Source of `target_per_mm`.
     pub target_origin: Origin,
     /// Eq. 35 as a ratio.
     pub error: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `error`.
     pub sd: f64,
 }
 
-/// What people are told. Each kind stands until what is said of it here; all of them until the whisker is gone.
+/// Kind of alarm. An alarm stands until the event that its kind names here, or until the whisker is gone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum AlarmKind {
     /// A trimmed whisker that no one can compensate for: until it is served or proposed to be, is replaced, or is not
@@ -460,11 +460,11 @@ pub enum AlarmKind {
     SensitivityLoss,
     /// A whisker erodes: until its condition is another.
     Eroding,
-    /// The whole array reads more or less than before: deflection mis-scaled, or temperature. Taken out. Until the
-    /// whisker that it was told of has felt a thousand contacts with no more of it, or is learned anew.
+    /// The whole array reads more or less than before: deflection mis-scaled, or temperature. The shift is taken out.
+    /// Until the whisker of the alarm has had a thousand contacts without more of it, or is learned anew.
     ArrayShift,
-    /// The gauge's baseline drifts. It is followed and taken out, but a gauge that has drifted goes on to be suspect:
-    /// until a person has it learned anew, or replaces the whisker.
+    /// The gauge's baseline drifts. The drift is followed and taken out, but the gauge stays suspect: until an operator
+    /// has it learned anew, or replaces the whisker.
     BaselineDrift,
     /// A fault: until it goes or becomes another.
     Fault(Fault),

@@ -1,4 +1,4 @@
-//! What can happen to a robot: the closed set of inputs, already parsed and in range.
+//! The inputs of a step: a closed set of events, already parsed and checked for range.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -9,54 +9,54 @@ use crate::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 /// One input of [`super::Robot::step`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event<'a> {
-    /// A birth, a good-bye or a will.
+    /// A birth, an orderly end, or a last will.
     Connection {
-        /// Who was born.
+        /// Boot whose connection changed.
         boot_id: &'a str,
-        /// What became of the connection.
+        /// New state of the connection.
         link: Link,
     },
-    /// What is on the robot.
+    /// Arrays and whiskers of the robot.
     Factsheet {
-        /// The boot that says so.
+        /// Boot that sent the message.
         boot_id: &'a str,
-        /// Its content.
+        /// Content of the factsheet.
         factsheet: &'a Factsheet,
     },
     /// A batch of contacts.
     Contacts {
-        /// The boot that felt them.
+        /// Boot that sent the message.
         boot_id: &'a str,
         /// Number of the message in this boot.
         seq: u64,
-        /// The contacts; none for a message that was refused as a whole and is only accounted for.
+        /// The contacts; empty for a message that was refused as a whole: its number is accounted for all the same.
         contacts: &'a [Contact<'a>],
     },
     /// Condition of chambers and gauges.
     Status {
-        /// The boot that says so.
+        /// Boot that sent the message.
         boot_id: &'a str,
-        /// By the robot's clock.
+        /// Time of sending by the robot's clock.
         robot_time: Micros,
-        /// One entry a whisker.
+        /// One entry for each whisker.
         whiskers: &'a [WhiskerStatus<'a>],
     },
-    /// What became of a setpoint.
+    /// A robot's report on a setpoint.
     Setpoint {
-        /// The boot that says so.
+        /// Boot that sent the message.
         boot_id: &'a str,
-        /// Which setpoint.
+        /// Key of the setpoint.
         command: CommandKey,
-        /// What became of it.
+        /// Report of the robot.
         report: SetpointReport,
-        /// By the robot's clock; 0 if that is not known.
+        /// Time of sending by the robot's clock; 0 if it is unknown.
         robot_time: Micros,
     },
-    /// An operator asks for something.
+    /// An operator requests an action.
     Operator(&'a OperatorAction<'a>),
-    /// The parameters are others than at the last event: decisions are taken anew, and what operators refused may be
-    /// proposed again. What is in force stays in force by the rules for changing an assignment, and what waits for
-    /// approval goes on waiting, also if the new policy would not ask.
+    /// The parameters differ from those of the last event. Decisions are taken anew, and refused compensators may be
+    /// proposed again. Compensations in force follow the rules for changing an assignment, and proposed ones go on
+    /// waiting for approval, also if the new policy would not ask for it.
     PolicyChanged,
     /// Time has passed.
     Tick,
@@ -65,22 +65,22 @@ pub enum Event<'a> {
 /// State of a robot's connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Link {
-    /// Connected.
+    /// The robot is connected.
     Online,
-    /// It said good-bye.
+    /// The robot ended the connection in order.
     Offline,
-    /// The broker said its will.
+    /// The connection broke: the broker published the last will.
     Broken,
 }
 
-/// What is on a robot.
+/// Arrays and whiskers of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factsheet {
     /// Its arrays; names are unique.
     pub arrays: Vec<ArraySheet>,
 }
 
-/// What is on an array.
+/// An array and its whiskers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArraySheet {
     /// Name, unique on the robot.
@@ -100,20 +100,20 @@ pub enum ArrayKind {
     Type2,
 }
 
-/// What a factsheet says of a whisker.
+/// Data of a whisker in the factsheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WhiskerSheet {
     /// Number, unique in its array.
     pub number: u16,
-    /// Position on the array.
+    /// Position on the array along x, mm.
     pub x_mm: f64,
-    /// Position on the array.
+    /// Position on the array along y, mm.
     pub y_mm: f64,
     /// Name of its model.
     pub model: String,
-    /// Whole length.
+    /// Length of the whole whisker.
     pub length: Millimetre,
-    /// Nominal pressure.
+    /// Pressure at which the whole whisker is used.
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.
     pub pressure_max: Megapascal,
@@ -128,9 +128,9 @@ pub struct Contact<'a> {
     pub array: &'a str,
     /// Number of the whisker.
     pub whisker: u16,
-    /// By the robot's clock.
+    /// Time of the contact by the robot's clock.
     pub robot_time: Micros,
-    /// The paper's a, with respect to the present length.
+    /// Contact ratio a of the paper, with respect to the present length.
     pub ratio: ContactRatio,
     /// Deflection at the contact, above 0.
     pub deflection: Millimetre,
@@ -147,7 +147,7 @@ pub struct WhiskerStatus<'a> {
     pub array: &'a str,
     /// Number of the whisker.
     pub whisker: u16,
-    /// Measured pressure.
+    /// Measured pressure in the chamber.
     pub pressure: Megapascal,
     /// The pressure that the robot is holding or moving to.
     pub setpoint: Megapascal,
@@ -160,65 +160,65 @@ pub struct WhiskerStatus<'a> {
 /// Condition of a pressure regulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum RegulatorState {
-    /// Holding.
+    /// The setpoint is held.
     #[default]
     Ok,
-    /// Moving up.
+    /// The pressure is rising to the setpoint.
     Filling,
-    /// Moving down.
+    /// The pressure is falling to the setpoint.
     Venting,
-    /// Not enough air.
+    /// The supply pressure is too low to fill.
     SupplyLow,
     /// The robot has found a leak.
     Leak,
-    /// Out of order.
+    /// The regulator is out of order.
     Fault,
 }
 
 /// Condition of a strain gauge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub enum GaugeState {
-    /// In order.
+    /// The gauge works.
     #[default]
     Ok,
-    /// At the end of its range.
+    /// The reading is at the end of its range.
     Saturated,
-    /// No current.
+    /// The circuit is open: no current.
     Open,
-    /// No resistance.
+    /// The circuit is shorted: no resistance.
     Short,
 }
 
-/// What a robot says of a setpoint.
+/// Report of a robot on a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SetpointReport {
-    /// It has it.
+    /// The robot has received it.
     Received,
-    /// It is moving there.
+    /// The pressure is moving there.
     Applying,
-    /// It is there, at this pressure.
+    /// The whisker holds it, at this measured pressure.
     Applied(Megapascal),
-    /// It will not take it.
+    /// The robot refuses it.
     Rejected(Rejection),
-    /// It could not reach it.
+    /// The robot could not reach the pressure.
     Failed,
     /// A newer one took its place.
     Superseded,
 }
 
-/// Why a robot will not take a setpoint.
+/// Reason of a robot for rejecting a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Rejection {
-    /// It has seen a higher (epoch, version).
+    /// The robot has seen a higher (epoch, version).
     Stale,
-    /// Its clock is past the expiry.
+    /// The robot's clock is past the expiry.
     Expired,
-    /// Not within the factsheet's range.
+    /// The pressure is outside the factsheet's range.
     OutOfRange,
-    /// No such whisker.
+    /// The robot has no such whisker.
     UnknownWhisker,
     /// The setpoint is for another boot.
     WrongBoot,
-    /// Not now.
+    /// The robot cannot take it at the moment.
     NotReady,
 }

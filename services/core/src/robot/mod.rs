@@ -52,12 +52,12 @@ pub struct Robot {
     head: Tracked<Head>,
     /// Stored one by one.
     whiskers: Whiskers,
-    // What follows is not stored.
+    // The fields below are not stored.
     /// The factsheet of the newest boot, as long as it is missing.
     awaited: Awaited,
     /// Index of whiskers by array and number; follows from the layout.
     index: WhiskerIndexTable,
-    /// Compensations as of the last step, to find what has changed since.
+    /// Compensations as of the last step, to find changes.
     known_compensations: KnownCompensations,
     /// Time until which a tick has nothing to do.
     tick_deadline: TickDeadline,
@@ -66,47 +66,47 @@ pub struct Robot {
 /// The first free numbers of a robot's trims and compensations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Numbers {
-    /// Of trims.
+    /// First free number of a trim.
     pub next_trim: u32,
-    /// Of compensations.
+    /// First free number of a compensation.
     pub next_compensation: u32,
 }
 
-/// A factsheet that does not come by itself is asked for after this, and again.
+/// A missing factsheet is requested after this time, and again after each further one.
 const FACTSHEET_PATIENCE: Micros = Micros(2_000_000);
 
 /// The factsheet of the newest boot, as long as it is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Awaited {
-    /// It is there, or nobody has looked for it.
+    /// It is known, or was not missed yet.
     #[default]
     Not,
-    /// It follows a birth, since then.
+    /// It is expected since the birth at this time.
     Since(Micros),
-    /// It was asked for then: again only where contacts wait for it.
+    /// It was requested at this time: again only if contacts wait for it.
     Requested(Micros),
 }
 
-/// What was made of an event as a whole.
+/// Outcome of an event as a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// It was taken.
+    /// The event was taken.
     Taken,
-    /// It was seen before, and changed nothing.
+    /// The event was seen before, and changed nothing.
     Duplicate,
     /// It cannot be taken now; the robot will send it again.
     NotYet(Admission),
-    /// It comes from a boot that is no more.
+    /// The event comes from an older boot.
     OldBoot,
-    /// It says a time that cannot be right.
+    /// The event has an implausible time.
     BadTime,
-    /// What an operator asked is not done, and has changed nothing.
+    /// The operator's action is refused and has changed nothing.
     Refused(ActionProblem),
 }
 
 impl Robot {
-    /// A robot of which nothing is known. `numbers` are the first free ones of its trims and compensations,
-    /// 0 for one that was never supervised.
+    /// A robot of which nothing is known. `numbers` are the first free numbers of its trims and compensations, 0 for a
+    /// robot that was never supervised.
     #[must_use]
     pub fn new(epoch: u64, numbers: Numbers) -> Self {
         Self::of(Tracked::new(Head::new(epoch, numbers)), Whiskers::default())
@@ -126,9 +126,9 @@ impl Robot {
         robot
     }
 
-    /// Takes one event in and says what must be done.
+    /// Takes one event in and appends its effects.
     ///
-    /// `now` is the supervisor's clock. Effects are appended, so that the caller can use one buffer again.
+    /// `now` is the time by the supervisor's clock. Effects are appended, so that the caller can reuse its buffer.
     pub fn step(&mut self, params: &Params, now: Micros, event: &Event<'_>, effects: &mut Vec<Effect>) -> Outcome {
         let outcome = self.handle(params, now, event, effects);
         match outcome {
@@ -138,7 +138,7 @@ impl Robot {
                 }
                 self.finish_step(params, now, effects);
             }
-            // Nothing was made of the event: nothing follows from it.
+            // The event was not taken: nothing follows from it.
             Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot | Outcome::Refused(_) => {}
         }
         outcome
@@ -247,7 +247,7 @@ impl Robot {
         }
     }
 
-    /// Whether a factsheet says nothing that is not known of this boot: it was retained, or asked for.
+    /// Whether a factsheet is known of this boot already: it was retained, or requested.
     fn is_told(&self, boot_id: &str, factsheet: &Factsheet) -> bool {
         !self.is_old(boot_id) && self.head.sequences.of(boot_id).is_some() && self.is_as_known(factsheet)
     }
@@ -270,7 +270,7 @@ impl Robot {
         if !self.is_as_known(factsheet) {
             self.lay_out(params, factsheet, effects);
         }
-        // A whisker that the robot has and that never says anything becomes stale, too.
+        // A whisker that is never heard becomes stale, too.
         for index in 0..self.whiskers.len() {
             if self.whiskers[index].heard.is_none() {
                 self.whiskers[index].heard = Some(now);
@@ -308,7 +308,7 @@ impl Robot {
         let plausible =
             if is_newest { self.head.clock.plausible(now) } else { self.head.clock.plausible_of_older_boot(now) };
         if is_newest {
-            // One sample of a message, however many contacts it has; if none of its times can be right, any of them says so.
+            // One sample for each message, however many contacts it has; an implausible time if it has no other.
             let mut times = contacts.iter().map(|contact| contact.robot_time);
             let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
             self.head.clock.hear(now, newest.unwrap_or_default(), TimeKind::Recorded);
@@ -317,7 +317,8 @@ impl Robot {
             if plausible.contains(&contact.robot_time) {
                 self.contact(params, now, position, contact, effects);
             } else {
-                // Only this contact is rejected: other whiskers' times can still be right, and the message is accounted for.
+                // Only this contact is rejected: other whiskers' times can still be right, and the message is accounted
+                // for.
                 effects.push(Effect::BadTime { position });
             }
         }

@@ -1,4 +1,4 @@
-//! Everything that the core is told once: models, noise, limits.
+//! Parameters of the core: models, noise, limits.
 
 use std::sync::Arc;
 
@@ -19,23 +19,23 @@ pub struct Params {
     pub noise: SensorNoise,
     /// Prior and process noise of the length filter.
     pub filter: FilterParams,
-    /// Detector.
+    /// Parameters of the detector.
     pub detection: DetectionParams,
-    /// Compensation policy.
+    /// Parameters of the compensation policy.
     pub policy: PolicyParams,
-    /// Setpoints.
+    /// Parameters of setpoints.
     pub command: CommandParams,
-    /// When something is called a fault.
+    /// Limits for faults.
     pub health: HealthParams,
     /// Measurement of the compensation error.
     pub measurement: MeasurementParams,
     /// Refinement of setpoints.
     pub refinement: RefinementParams,
-    /// The cases by which it is told how uncertain an error is.
+    /// Cases over which the uncertainty of an error is evaluated.
     pub cubature: CubatureCases,
 }
 
-/// How setpoints are sent.
+/// Parameters of setpoints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CommandParams {
     /// Slew that the robot shall keep, MPa per second.
@@ -48,20 +48,20 @@ pub struct CommandParams {
     pub attempts: u8,
 }
 
-/// When something is called a fault.
+/// Limits for faults.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HealthParams {
-    /// A whisker is stale when neither contact nor status was heard for this long.
+    /// A whisker is stale when neither a contact nor a status was received for this long.
     pub stale_after: Micros,
     /// A pressure this far from the setpoint is not settled, MPa: above a regulator's dither.
     pub settled_within_mpa: f64,
     /// A pressure that is not held for this long, with nothing under way, is a leak.
     pub unheld_after: Micros,
-    /// How leaks are found while pressures are held.
+    /// Detection of leaks while pressures are held.
     pub leak: LeakParams,
     /// Contacts in a row that make a gauge fault, and twice as many good ones end it.
     pub gauge_contacts: u8,
-    /// A gauge's baseline further off than this is told of, m/m: twenty times the noise floor.
+    /// A gauge's baseline further off than this raises an alarm, m/m: twenty times the noise floor.
     pub baseline_strain_max: f64,
     /// A trim is acted on when the length's standard deviation is down to this, mm ...
     pub length_sd_max_mm: f64,

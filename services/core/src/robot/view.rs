@@ -1,4 +1,4 @@
-//! What can be seen of a robot from outside.
+//! Read access to a robot's state.
 
 use super::effect::{Command, Condition, Fault, WhiskerIndex};
 use super::event::{ArrayKind, Link};
@@ -10,14 +10,14 @@ use crate::text::ShortText;
 use crate::units::{Megapascal, Micros};
 
 impl Robot {
-    /// Index of a whisker.
+    /// Index of the whisker with this array and number.
     #[must_use]
     pub fn find(&self, array: &str, number: u16) -> Option<WhiskerIndex> {
         let array = self.head.arrays.iter().position(|known| known.name == *array)?;
         self.place(array as u16, number)
     }
 
-    /// A whisker for people and the database.
+    /// The state of a whisker for display and for the database.
     #[must_use]
     pub fn whisker(&self, index: WhiskerIndex) -> Option<WhiskerView<'_>> {
         let whisker = self.whiskers.get(index)?;
@@ -48,8 +48,8 @@ impl Robot {
         self.head.held
     }
 
-    /// Whether contacts messages of a boot are missing: then also one that is not taken moves the times from which the
-    /// missing ones are waited for.
+    /// Whether contacts messages of a boot are missing. Then a duplicate, too, can change the state: it starts or ends
+    /// the time for which the missing messages are waited for.
     #[must_use]
     pub fn has_gap(&self, boot_id: &str) -> bool {
         self.sequence(boot_id).is_some_and(|sequence| !sequence.held().is_empty())
@@ -72,7 +72,7 @@ impl Robot {
         (self.head.boot_id.as_ref().map(ShortText::as_str), self.head.link)
     }
 
-    /// What a receipt says: the numbers of that boot.
+    /// Message numbers of a boot, as its receipts state them.
     #[must_use]
     pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {
         self.head.sequences.of(boot_id)
@@ -90,39 +90,39 @@ impl Robot {
     }
 }
 
-/// A whisker for people and the database.
+/// State of a whisker for display and for the database.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WhiskerView<'a> {
-    /// Its array.
+    /// Name of its array.
     pub array: &'a str,
     /// Kind of its array.
     pub kind: ArrayKind,
-    /// What the factsheet says of it.
+    /// Data of the whisker in the factsheet.
     pub sheet: &'a Sheet,
-    /// Present length.
+    /// Present length estimate.
     pub length: LengthEstimate,
     /// Present offset from the model, log sensitivity.
     pub offset: Offset,
-    /// Its noise against the stated one, ratio of standard deviations.
+    /// Noise of its contacts over the stated noise, as a ratio of standard deviations.
     pub noise_scale: f64,
     /// Contacts that were used.
     pub contacts: u64,
-    /// Mechanical condition.
+    /// Mechanical condition of the whisker.
     pub condition: Condition,
     /// Fault, if any.
     pub fault: Option<Fault>,
-    /// Loss of gauge pressure while it is held, per second of itself, once it can be told.
+    /// Relative loss of gauge pressure per second while the pressure is held, once it can be estimated.
     pub leak_per_s: Option<Interval>,
-    /// How fast it erodes and when it leaves the compensable range, if it erodes.
+    /// Rate of erosion and time until it leaves the compensable range, if it erodes.
     pub erosion: Option<Erosion>,
     /// Pressure as last measured.
     pub pressure: Option<Megapascal>,
     /// Pressure that the robot holds or moves to.
     pub setpoint: Megapascal,
-    /// When it was last heard of, by the supervisor's clock.
+    /// Time of its last contact or status by the supervisor's clock.
     pub heard: Option<Micros>,
-    /// Whether an operator holds it, by itself; see [`Robot::is_held`] for the whole robot.
+    /// Whether an operator holds this whisker; see [`Robot::is_held`] for a hold of the whole robot.
     pub held: bool,
-    /// The alarms that stand.
+    /// Alarms that stand for the whisker.
     pub standing: Standing,
 }

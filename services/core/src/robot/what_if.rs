@@ -1,4 +1,4 @@
-//! What would be done if a whisker were cut: the decision itself, made on a copy.
+//! Prediction of the decision after a cut: the decision itself, made on a copy.
 
 use super::Robot;
 use super::effect::{Condition, Decision, Effect, EndReason, Reason, WhiskerIndex};
@@ -8,7 +8,7 @@ use crate::mechanics::CONTACT_RATIOS;
 use crate::policy::Mode;
 use crate::units::{Megapascal, Millimetre};
 
-/// What would be done.
+/// Predicted decisions after a cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WhatIf {
     /// The decisions that would be taken: about the whisker itself, and about those that its cut leaves unserved
@@ -20,14 +20,14 @@ pub struct WhatIf {
     pub setpoints: Vec<Planned>,
 }
 
-/// A setpoint that would be sent.
+/// A setpoint that would be sent after the cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Planned {
-    /// For whom.
+    /// Whisker that would hold the pressure.
     pub whisker: WhiskerIndex,
     /// Pressure to hold.
     pub pressure: Megapascal,
-    /// Why.
+    /// Reason for the setpoint.
     pub reason: Reason,
     /// The compensation that it belongs to.
     pub compensation: Option<u32>,
@@ -35,56 +35,55 @@ pub struct Planned {
     pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
 }
 
-/// Why there is no answer.
+/// Reason for refusing a prediction.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WhatIfError {
     /// There is no such whisker.
     #[error("there is no whisker with index {0}")]
     UnknownWhisker(WhiskerIndex),
-    /// A cut shortens.
-    #[error("a cut to {asked_mm} mm is none: the whisker has {present_mm} mm")]
+    /// The length is not below the present one.
+    #[error("a cut to {asked_mm} mm does not shorten the whisker: it has {present_mm} mm")]
     NotShorter {
-        /// What was asked.
+        /// Requested length, mm.
         asked_mm: f64,
-        /// What it has.
+        /// Present length, mm.
         present_mm: f64,
     },
 }
 
 impl Robot {
-    /// What would be done if a whisker were cut to `length` and the cut had just been found. The robot is taken
-    /// to be connected; faults and holds count as they are, and the policy's mode does not: setpoints are those that
-    /// would be sent once all is approved. A length within the chamber is answered too: then it cannot
-    /// serve itself.
+    /// Decisions and setpoints if a whisker were cut to `length` and the cut had just been detected. The robot counts
+    /// as connected. Faults and holds count as they are, the policy's mode does not: setpoints are those after all
+    /// approvals. A length within the chamber is valid, too: then the whisker cannot serve itself.
     ///
     /// # Errors
     /// There is no such whisker, or it is not longer than that.
     pub fn what_if(&self, params: &Params, whisker: WhiskerIndex, length: Millimetre) -> Result<WhatIf, WhatIfError> {
         let mut copy = self.clone();
         copy.cut(whisker, length)?;
-        // Who would be asked and told does not hang on whether anybody listens just now.
+        // The decision must not depend on the present connection.
         copy.head.link = Link::Online;
         let now = copy.whiskers.iter().filter_map(|one| one.heard).max().unwrap_or_default();
         copy.head.clock.assume_known(now);
         let mut effects = Vec::new();
-        // The decision is shown, whoever must approve it.
+        // The decision is shown as if it were approved.
         let mut automatic = params.clone();
         automatic.policy.mode = Mode::Automatic;
         copy.decide(&automatic, &mut effects);
         copy.reconcile_all(&automatic, now, &mut effects);
-        // What is sent again anyway has nothing to do with the cut.
+        // Setpoints that were wanted before the cut have nothing to do with it.
         let is_new = |index: WhiskerIndex| copy.whiskers[index].desired != self.whiskers[index].desired;
         Ok(WhatIf::of(effects, is_new))
     }
 
-    /// The state that a trim leaves which was found and whose length is settled.
+    /// Brings the robot into the state after a detected trim of known length.
     fn cut(&mut self, index: WhiskerIndex, length: Millimetre) -> Result<(), WhatIfError> {
         if index >= self.whiskers.len() {
             return Err(WhatIfError::UnknownWhisker(index));
         }
         let one = &mut self.whiskers[index];
         let estimate_mm = one.filter.length().length.mm();
-        // A cut that is being looked into counts from its result on.
+        // A confirmed cut that is not called yet counts with its length before.
         let present_mm = one.rare.pending_trim.map_or(estimate_mm, |pending| pending.length_before_mm);
         if length.mm() >= present_mm {
             return Err(WhatIfError::NotShorter { asked_mm: length.mm(), present_mm });

@@ -1,4 +1,5 @@
-//! A robot as bytes, and back: its head and each whisker by itself, so that only what changed is written.
+//! The stored bytes of a robot: its head and each whisker separately, so that a checkpoint writes only the changed
+//! parts.
 
 use borsh::BorshDeserialize;
 
@@ -16,11 +17,12 @@ use crate::robot::{Array, Numbers, Robot};
 use crate::text::ShortText;
 use crate::units::Micros;
 
-/// Raised with every change of what is stored: bytes of two versions may have the same length.
+/// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
+/// length.
 const STATE_VERSION: u16 = 5;
 
-/// The head of version 4, which remembered the newest time that a robot had said, and boots only as long as their numbers. Whiskers are as
-/// they were.
+/// The head of version 4. It had the newest robot time instead of a clock, and remembered boots only as long as their
+/// message numbers.
 #[derive(BorshDeserialize)]
 struct HeadOfVersion4 {
     epoch: u64,
@@ -40,7 +42,7 @@ struct HeadOfVersion4 {
 }
 
 impl From<HeadOfVersion4> for Head {
-    /// The clock is estimated anew from the next messages: one time alone may have been wrong.
+    /// The clock is estimated anew from the next messages: a single time may have been wrong.
     fn from(stored: HeadOfVersion4) -> Self {
         let HeadOfVersion4 { next_trim, next_compensation, .. } = stored;
         Self {
@@ -60,7 +62,7 @@ impl From<HeadOfVersion4> for Head {
     }
 }
 
-/// The head of this version, or of one that it follows.
+/// Reads the head of this version or of version 4.
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
@@ -72,21 +74,20 @@ fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
 }
 
 impl Robot {
-    /// The robot without its whiskers, as bytes to be stored; none if it cannot be, which is a fault of the
-    /// program: then what was stored before is worth more.
+    /// The stored bytes of the robot without its whiskers. None is a fault of the program: keep the bytes stored
+    /// before.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         borsh::to_vec(&(STATE_VERSION, &*self.head)).ok()
     }
 
-    /// One whisker as bytes to be stored; none beyond the last, or if it cannot be stored.
+    /// The stored bytes of one whisker; none for an index beyond the last.
     #[must_use]
     pub fn whisker_to_bytes(&self, index: WhiskerIndex) -> Option<Vec<u8>> {
         borsh::to_vec(self.whiskers.get(index)?).ok()
     }
 
-    /// The robot as it was stored, under a new epoch, listened to from `now` on: [`Robot::restore`], then
-    /// [`Robot::take_up`].
+    /// Restores a robot and takes it up under a new epoch: [`Robot::restore`], then [`Robot::take_up`].
     ///
     /// # Errors
     /// The bytes are neither of this version of the program nor of the one before.
@@ -96,10 +97,9 @@ impl Robot {
         Ok(robot)
     }
 
-    /// The robot exactly as it was stored: whatever has happened to it since, given to [`Robot::step`] again at the same
-    /// times, has the same effects and leaves the same bytes. `whiskers` are in the order of their indices.
-    ///
-    /// What is not stored makes no difference to that, but for when its factsheet was asked for last.
+    /// The robot exactly as it was stored: the events since then, given to [`Robot::step`] again at the same times,
+    /// have the same effects and leave the same bytes. Only the time of the last request for the factsheet is lost.
+    /// `whiskers` are in the order of their indices.
     ///
     /// # Errors
     /// The bytes are neither of this version of the program nor of the one before.
@@ -123,28 +123,28 @@ impl Robot {
         Ok(robot)
     }
 
-    /// Has its whiskers share the names of their models with the parameters, as they do where a factsheet came: with
-    /// thousands of robots each name of its own would be one more that is in no cache.
+    /// Lets its whiskers share the names of their models with the parameters, as after a factsheet: with thousands of
+    /// robots, separate names would miss the processor's caches.
     pub fn share_models(&mut self, params: &Params) {
         share_models(self.whiskers.without_mark(), params.model_names());
     }
 
-    /// Goes on under a new epoch, listening from `now` on: nothing is known of what was said meanwhile. It marks nothing as
-    /// changed: whoever restores the robot again takes it up again.
+    /// Continues under a new epoch and listens from `now` on. It marks nothing as changed: a supervisor that restores
+    /// the robot again takes it up again.
     pub fn take_up(&mut self, epoch: u64, now: Micros) {
         self.head.without_mark().epoch = epoch;
         self.expect_stray_pressures();
         self.listen_from(now);
     }
 
-    /// Gives no number again that the same robot in a later state has given to a setpoint: robots take no number twice, and what
-    /// was sent under it is not known here.
+    /// Continues the setpoint numbers after those of the same robot in a later state: robots accept no number twice,
+    /// and the setpoints that were sent under them are not known here.
     pub fn go_on_numbering_after(&mut self, later: &Self) {
         self.head.next_version = self.head.next_version.max(later.head.next_version);
     }
 
-    /// The robot as one that was supervised before, by a state that may be older than what its whiskers hold, or by one
-    /// that cannot be read any more.
+    /// Marks the robot as supervised before, by a state that may be older than the pressures of its whiskers, or that
+    /// is not readable any more.
     #[must_use]
     pub fn taken_up(mut self) -> Self {
         self.expect_stray_pressures();
@@ -156,14 +156,14 @@ impl Robot {
         self.whiskers.without_mark().iter_mut().for_each(|one| one.holds = Holds::Unheard);
     }
 
-    /// Whether the robot has told what each whisker holds since it was taken up. Until then a status may undo a stray
-    /// pressure, which the same status would not do again to the robot as it was stored.
+    /// Whether the robot has reported the pressure of each whisker since it was taken up. Until then a status may undo
+    /// a stray pressure; the same status would not do so again to the robot as it was stored.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         !self.head.is_taken_up || self.whiskers.iter().all(|whisker| whisker.holds == Holds::Known)
     }
 
-    /// Says that nothing could be heard before: whatever was silent until then was not silent by itself.
+    /// Nothing could be received before `now`: silence until then is not the robot's.
     pub fn listen_from(&mut self, now: Micros) {
         let head = self.head.without_mark();
         head.listening_since = head.listening_since.max(now);
@@ -171,7 +171,8 @@ impl Robot {
         self.tick_deadline.end();
     }
 
-    /// Whether the head or a whisker has changed since that was last taken.
+    /// Whether the head or a whisker has changed since the last calls of [`Self::take_changed`] and
+    /// [`Self::take_changed_whiskers`].
     #[must_use]
     pub fn has_changed(&self) -> bool {
         self.head.is_marked() || self.whiskers.has_changed()
@@ -188,16 +189,16 @@ impl Robot {
     }
 }
 
-/// Why a stored robot cannot be used.
+/// Reason why stored bytes cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RestoreError {
-    /// The head.
+    /// The head has another version or is damaged.
     #[error("the stored state of the robot is not of this version of the program")]
     Head,
-    /// A whisker.
+    /// The whisker of this index has another version or is damaged.
     #[error("the stored state of whisker index {0} is not of this version of the program")]
     Whisker(usize),
-    /// Whiskers are missing.
+    /// Whiskers of a compensation are missing.
     #[error("the stored state of the robot names whiskers that are not stored")]
     Layout,
 }

@@ -1,4 +1,4 @@
-//! A whisker as bytes: what is not there, or is as the factsheet says, takes a bit.
+//! The stored bytes of a whisker. Parts that are absent or equal to the factsheet take one bit.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -19,7 +19,7 @@ const VERSION_MARK: u32 = 1 << 9;
 const NEVER: Micros = Micros(u64::MAX);
 
 impl Whisker {
-    /// What is so of it.
+    /// Flags of the whisker, in stored order.
     fn is(&self) -> [bool; 9] {
         [
             self.given_up,
@@ -34,7 +34,7 @@ impl Whisker {
         ]
     }
 
-    /// What there is of it that mostly is not.
+    /// Presence of the parts that few whiskers have, in stored order.
     fn has(&self) -> [bool; 9] {
         [
             self.rare.pending_trim.is_some(),
@@ -151,13 +151,13 @@ impl BorshDeserialize for Whisker {
     }
 }
 
-/// What follows if it is there.
+/// Reads an optional part.
 fn of<T: BorshDeserialize, R: Read>(is_there: bool, reader: &mut R) -> Result<Option<T>> {
     is_there.then(|| T::deserialize_reader(reader)).transpose()
 }
 
 impl Air {
-    /// Writes it; `sheet` is the factsheet's word.
+    /// Writes the pressures; those equal to the factsheet's `sheet` take one bit.
     fn write<W: Write>(&self, sheet: &Sheet, writer: &mut W) -> Result<()> {
         let [moved, learned] = [self.setpoint != sheet.pressure, self.learned_at != self.setpoint];
         let is = [self.measured().is_some(), moved, learned, self.unheld_since.is_some()];
@@ -170,7 +170,7 @@ impl Air {
         self.regulator.serialize(writer)
     }
 
-    /// Reads it again.
+    /// Reads what [`Self::write`] wrote.
     fn read<R: Read>(sheet: &Sheet, reader: &mut R) -> Result<Self> {
         let [measured, moved, learned, unheld] = encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let mut pressure = |is_there: bool| -> Result<Option<Megapascal>> {
@@ -193,7 +193,7 @@ impl Air {
 mod tests {
     use super::*;
 
-    /// A million of them take less than the 2.5 GiB of memory that are meant for them, with the rest of their robots.
+    /// A million whiskers with the rest of their robots must fit into 2.5 GiB of memory.
     #[test]
     fn a_whisker_takes_no_more_room_than_was_meant() {
         assert!(size_of::<Whisker>() <= 2048, "{}", size_of::<Whisker>());

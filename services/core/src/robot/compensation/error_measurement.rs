@@ -1,4 +1,4 @@
-//! The compensation error (Eq. 35) from what the compensator feels.
+//! The compensation error (Eq. 35), measured from the compensator's contacts.
 
 use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
@@ -24,7 +24,7 @@ struct LogResponse {
     origin: Origin,
 }
 
-/// What a response is measured against.
+/// The model and the averages that a response is taken from.
 struct Reference<'a> {
     model: &'a Model,
     length: Millimetre,
@@ -74,7 +74,7 @@ impl Robot {
         let Some(model) = whisker.model(params) else { return };
         let morphology = model.morphology(contact.pressure);
         let Ok(model_per_mm) = model.sensitivity_per_mm(contact.ratio, running.length, &morphology) else { return };
-        // What deflection alone strains, and an outlier for what it is worth.
+        // The strain by deflection alone; outliers get a larger variance.
         let strain = contact.strain.ratio() - whisker.filter.baseline_strain().0;
         if strain <= 0.0 {
             return;

@@ -58,7 +58,7 @@ impl Compensation {
         self.target as usize
     }
 
-    /// Who serves.
+    /// The whisker that serves as compensator.
     #[must_use]
     pub fn compensator(&self) -> WhiskerIndex {
         self.compensator as usize
@@ -83,16 +83,17 @@ impl Compensation {
     }
 }
 
-/// One candidate with what it proposes.
+/// One candidate for a target, and its proposal.
 struct CandidateProposal<'p> {
     target: WhiskerIndex,
     compensator: WhiskerIndex,
-    /// The error that was predicted for it, if it is what is in force: its pressure is not what it was.
+    /// Case and predicted error of this compensation if it is in force: the candidate's pressure has changed since
+    /// then.
     standing: Option<(Case, f64)>,
-    /// As the policy saw it, with what is believed of its own calibration; none where it was not asked.
+    /// Its properties and the belief about its own calibration, as the policy saw them; none if it is ineligible.
     fit: Option<(Fitness<'p>, Belief)>,
     proposal: Result<Proposal, Ineligible>,
-    /// It serves in a compensation that is not to be changed by a decision.
+    /// It serves in a compensation that decisions must not change.
     reserved: bool,
 }
 
@@ -110,7 +111,7 @@ impl CandidateProposal<'_> {
 }
 
 impl Robot {
-    /// The parameters are others.
+    /// The parameters have changed.
     pub(in crate::robot) fn policy_changed(&mut self) {
         for index in 0..self.whiskers.len() {
             if !self.whiskers[index].refused_servers.is_empty() {
@@ -129,7 +130,7 @@ impl Robot {
         }
     }
 
-    /// Ends what cannot go on.
+    /// Ends the compensations that cannot go on.
     fn end_broken(&mut self, effects: &mut Vec<Effect>) {
         let mut over = Vec::new();
         for one in &self.head.compensations {
@@ -181,7 +182,7 @@ impl Robot {
         }
     }
 
-    /// Whether somebody must serve it: it is trimmed, or it is served although it has become something else
+    /// Whether it needs a compensator: it is trimmed, or it is served although it has become something else
     /// since (which keeps its compensator from being given away).
     fn is_target(&self, index: WhiskerIndex) -> bool {
         let one = &self.whiskers[index];
@@ -198,17 +199,17 @@ impl Robot {
         self.head.compensations.iter().filter(move |one| one.target() == target)
     }
 
-    /// The compensation that serves it, and by whom.
+    /// Number and compensator of the compensation that serves it.
     fn server(&self, target: WhiskerIndex) -> Option<(u32, WhiskerIndex)> {
         self.serving(target).next().map(|one| (one.id, one.compensator()))
     }
 
-    /// Whether there is anything to say: not if it is still served by the same whisker, or still by none.
+    /// Whether the choice differs from the present state: another compensator, or none any more.
     fn is_news(&self, target: WhiskerIndex, chosen: Option<WhiskerIndex>) -> bool {
         self.whiskers[target].undecided || self.server(target).map(|(_, compensator)| compensator) != chosen
     }
 
-    /// Asks everyone who may serve a broken whisker: itself and, in a Type 1 array, its neighbours.
+    /// Evaluates all candidates for a broken whisker: itself and, in a Type 1 array, its neighbours.
     fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<CandidateProposal<'p>> {
         let whisker = &self.whiskers[target];
         let neighbours: &[u16] = match self.head.arrays[usize::from(whisker.array)].kind {
@@ -252,7 +253,7 @@ impl Robot {
         CandidateProposal { target, compensator, standing, fit, proposal, reserved }
     }
 
-    /// Carries out what was chosen for one target that nobody serves.
+    /// Carries out the choice for one target that has no compensator.
     fn follow(
         &mut self,
         params: &Params,
@@ -377,7 +378,7 @@ fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -
 }
 
 impl Whisker {
-    /// Why it cannot be asked, if it cannot. A trimmed whisker may still serve itself.
+    /// Reason why it cannot be a candidate, if there is one. A trimmed whisker may still serve itself.
     fn ineligible(&self, for_itself: bool) -> Option<Ineligible> {
         match self.fault {
             Some(Fault::Stale) => return Some(Ineligible::Stale),

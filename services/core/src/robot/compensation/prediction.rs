@@ -1,8 +1,8 @@
-//! How uncertain a candidate's predicted error is, before anything has been tried.
+//! Uncertainty of a candidate's predicted error, before the setpoint is tried.
 //!
-//! What can be wrong: how this chamber's rubber changes with the pressure (10 %, and which formulation holds),
-//! how whole target and compensator differ from the model at their nominal pressures, and the compensator's
-//! length. All of it is gone through together; 95 % of the cases lie in the interval.
+//! Causes: the change of this chamber's rubber with the pressure (10 %, and the choice of formulation), the deviations
+//! of the whole target and compensator from the model at their nominal pressures, and the compensator's length. All
+//! causes vary together; 95 % of the cases lie in the interval.
 
 use crate::estimation::cubature::CASES;
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error};
@@ -15,8 +15,8 @@ use crate::robot::effect::WhiskerIndex;
 use crate::robot::params::Params;
 use crate::units::Megapascal;
 
-/// Cases that one decision goes through for all its candidates, and for each of them at least: a decision over a large
-/// array must not take seconds.
+/// Cases of one decision for all its candidates together, and the fewest for each: a decision over a large array must
+/// not take seconds.
 const CASES_A_DECISION: usize = 12_800;
 const CASES_MIN: u32 = 16;
 

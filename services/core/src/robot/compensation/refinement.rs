@@ -1,15 +1,15 @@
-//! The closed loop: what was felt at a setpoint is compared with the target, and the setpoint refined.
+//! The closed loop: responses measured at a setpoint are compared with the target, and the setpoint is refined.
 //!
-//! Looked at after 200 contacts at a pressure, and then whenever their number has doubled: the more there are,
-//! the less another look can tell that is new. A look teaches the whisker's own calibration, finds the pressure
+//! A setpoint is evaluated after 200 contacts at a pressure, and then whenever their number has doubled: the more there
+//! are, the less a further evaluation can add. An evaluation teaches the whisker's own calibration, finds the pressure
 //! with the least mean of Eq. 35 and moves there, if
-//! - the gain in mean error exceeds a margin (what is there is as good as any pressure otherwise),
+//! - the gain in mean error exceeds a margin (below it the present pressure is as good as any),
 //! - the move exceeds what a regulator dithers (or it would chase the regulator, not the whisker),
 //! - 95 of 100 cases that the contacts leave open are better there, and
 //! - no more than three steps were made. Numbers of setpoints are bounded by that and by the doubling.
 //!
-//! What no single pressure corrects, a gain by contact ratio does: it goes with each setpoint, and is published
-//! anew, with the same pressure, when the contacts tell it better than the one in force.
+//! A gain by contact ratio corrects the errors that no single pressure can correct. It goes with each setpoint, and is
+//! published anew, with the same pressure, when the contacts determine it better than the one in force.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -25,10 +25,10 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
 
-/// How a setpoint is refined.
+/// Parameters of the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefinementParams {
-    /// The first look comes after this many contacts at a pressure; each further one after twice as many.
+    /// The first evaluation comes after this many contacts at a pressure; each further one after twice as many.
     pub first_look_contacts: u32,
     /// Moves of pressure in one compensation.
     pub steps_max: u8,
@@ -55,13 +55,13 @@ impl Default for RefinementParams {
     }
 }
 
-/// How far the refinement of a compensation is.
+/// Progress of the refinement of a compensation.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct Refining {
     steps: u8,
-    /// Contacts at the present pressure from which the next look is due; 0 for the first.
+    /// Contacts at the present pressure from which the next evaluation is due; 0 for the first.
     due: u32,
-    /// What was believed of the response at the present pressure before it was held.
+    /// Belief about the response at the present pressure before it was held.
     carried: Carried,
     /// The gain that was published last.
     pub gain: Curve,
@@ -74,15 +74,15 @@ impl Refining {
         Self { steps: 0, due: 0, carried: Carried::default(), gain, since_gain: ResponseBins::default() }
     }
 
-    /// As if nothing had been felt yet at the present pressure with the present gain.
+    /// The same steps and gain, without any contacts at the present pressure.
     pub(in crate::robot) fn felt_anew(&self) -> Self {
         Self { steps: self.steps, ..Self::new(self.gain) }
     }
 }
 
-/// What a look found.
+/// Result of an evaluation.
 struct Look {
-    /// The best pressure with what it promises.
+    /// The best pressure and its predicted error.
     best: Setpoint,
     /// Mean error there, over the open cases.
     error: f64,
@@ -94,12 +94,12 @@ struct Look {
     better: f64,
     /// The gain for it.
     gain: Curve,
-    /// What is believed of the response there.
+    /// Belief about the response there.
     carried: Carried,
 }
 
 impl Robot {
-    /// Looks at a running compensation if that is due, and refines it.
+    /// Evaluates a running compensation if that is due, and refines it.
     pub(in crate::robot) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
         let running = &self.head.compensations[at];
         let contacts = running.after.contacts();
@@ -147,7 +147,7 @@ impl Robot {
         }
     }
 
-    /// What a compensator showed at its pressure, for this and later decisions.
+    /// Stores the responses of a compensator at its pressure, for this and later decisions.
     fn remember(&mut self, at: usize) {
         let running = &self.head.compensations[at];
         let one = &mut self.whiskers[running.compensator()];
@@ -162,7 +162,7 @@ impl Robot {
         });
     }
 
-    /// The best pressure within the compensation's limits, by what is known of the compensator now.
+    /// The best pressure within the compensation's limits, by the present knowledge of the compensator.
     fn look(&self, params: &Params, running: &Compensation, felt: &MeasuredResponses) -> Option<Look> {
         let one = &self.whiskers[running.compensator()];
         let model = one.model(params)?;
@@ -234,7 +234,7 @@ impl Robot {
 }
 
 impl Compensation {
-    /// What its compensator shall hold now.
+    /// The setpoint that its compensator shall hold now.
     pub(in crate::robot) fn desired(&self, reason: Reason) -> Desired {
         Desired { pressure: self.pressure, reason, compensation: Some(self.id), gain: Some(self.refining.gain) }
     }
@@ -247,7 +247,7 @@ impl Compensation {
         if !enough {
             return None;
         }
-        // From these contacts alone: what was believed before went into the gain.
+        // From these contacts alone: the earlier belief went into the gain.
         let felt = robot.measured_responses(params, self, &Carried::default(), since)?;
         let gain = Some(&self.refining.gain);
         Some((felt.error(gain), felt.error_sd(&params.cubature, gain)))

@@ -1,4 +1,4 @@
-//! The responses of Eq. 35 as they were felt: smooth curves with what makes them uncertain.
+//! The measured responses of Eq. 35: smooth curves with the causes of their uncertainty.
 
 use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
@@ -39,7 +39,7 @@ impl MeasuredResponses {
         move |[after, before, target]| mean_error(&sum(after, &log_gain), before, target, &self.known)
     }
 
-    /// What is left to correct: target / compensator.
+    /// The remaining gain: target / compensator.
     pub(in crate::robot) fn gain(&self) -> Curve {
         let [after, _, target] = &self.responses.mean;
         std::array::from_fn(|k| (target[k] - after[k]).exp())
@@ -57,7 +57,7 @@ impl MeasuredResponses {
 }
 
 impl Robot {
-    /// The responses of a running compensation, the compensator's from `after` and what was believed before.
+    /// The responses of a running compensation; the compensator's from `after` and the earlier belief `carried`.
     pub(in crate::robot) fn measured_responses(
         &self,
         params: &Params,
@@ -74,8 +74,8 @@ impl Robot {
         let after_mean = sum(&log(model, running.length, running.pressure), &held.by_ratio());
         let target_mean = sum(&log(target_model, target.sheet.length, target.sheet.pressure), &whole.by_ratio());
         let (before_mean, before) = if running.case == Case::SelfCompensation {
-            // What the whisker was between its cut and its setpoint took too few contacts to be told: the model
-            // at the estimated length, as far off as it was while whole.
+            // Between its cut and its setpoint the whisker had too few contacts for a measured response: the model at
+            // the estimated length, with the deviation that it had while whole.
             let belief = one.belief(model);
             let moved = one.change(model, running.length, (one.sheet.pressure, running.pressure_before), |from, to| {
                 Belief::change(&belief.predict, from, to)
@@ -104,7 +104,7 @@ impl Robot {
 }
 
 impl Whisker {
-    /// What is believed of its own calibration.
+    /// Belief about its own calibration.
     pub(in crate::robot) fn belief(&self, model: &Model) -> Belief {
         let nominal = self.nominal();
         match &self.rare.own {

@@ -115,7 +115,7 @@ fn any_robot(params: &Params, random: &mut Random) -> Robot {
     robot
 }
 
-/// What each pair costs by the policy, asked of the mechanics directly; none if it cannot be.
+/// Cost of a pair by the policy, computed by the mechanics directly; none if the pair is impossible.
 fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Option<f64> {
     let (broken, one) = (&robot.whiskers[target], &robot.whiskers[compensator]);
     let is_self = target == compensator;
@@ -201,7 +201,7 @@ fn brute_force_of_10_000_arrays_the_most_are_served_at_the_least_cost() {
         params.policy.own_role_cost = [0.0, 0.25][at / 9 % 2];
         let mut robot = any_robot(&params, &mut random);
         served[check_against_all(&params, &mut robot)] += 1;
-        // Something changes, so that what is in force is weighed against what could be.
+        // A change, so that compensations in force are weighed against the alternatives.
         let before = pairs(&robot);
         for whisker in robot.whiskers.without_mark() {
             match random.below(8) {
@@ -231,7 +231,7 @@ fn served_by_the_worse(margin: f64, gain: f64) -> (Params, Robot) {
     cut(&params, &mut robot, 1, 50.0);
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(1, 0)]);
-    // The two would do equally well; what is in force is worse than was thought.
+    // The two would do equally well; the one in force is worse than predicted.
     robot.head.compensations[0].predicted_error += gain;
     robot.whiskers[2].fault = None;
     (params, robot)
@@ -257,7 +257,7 @@ fn what_runs_is_not_given_up_for_what_nobody_has_approved() {
     params.policy.mode = Mode::Advise;
     assert_eq!(decide(&params, &mut robot), []);
     assert_eq!(pairs(&robot), [(1, 0)]);
-    // What is only proposed may be: nothing was sent for it.
+    // A proposal may be replaced: nothing was sent for it.
     robot.head.compensations[0].proposed = true;
     let effects = decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(1, 2)]);

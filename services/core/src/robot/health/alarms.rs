@@ -1,5 +1,5 @@
-//! Alarms stand from the moment their cause is there until it is over. What is due follows from the state alone, at the
-//! end of each step; what differs from what stands is told.
+//! Alarms stand as long as their cause. The alarms that are due follow from the state alone, at the end of each step;
+//! differences from the standing alarms become effects.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -9,7 +9,7 @@ use crate::robot::Robot;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::state::whisker::Whisker;
 
-/// All kinds but for a fault, which is one of several; the cause before what follows from it.
+/// All kinds except faults, of which there are several. A cause comes before its consequences.
 const KINDS: [AlarmKind; 7] = [
     AlarmKind::SensitivityLoss,
     AlarmKind::Eroding,
@@ -24,25 +24,25 @@ const KINDS: [AlarmKind; 7] = [
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Standing {
     fault: Option<Fault>,
-    /// Which of [`KINDS`], the first in the lowest bit.
+    /// One bit for each of [`KINDS`], the first in the lowest bit.
     kinds: u8,
 }
 
 impl Standing {
-    /// Their kinds, each once.
+    /// The kinds of the standing alarms, each once.
     pub fn kinds(&self) -> impl Iterator<Item = AlarmKind> + '_ {
         let stands = |(at, _): &(usize, AlarmKind)| self.kinds & 1 << at != 0;
         let others = KINDS.into_iter().enumerate().filter(stands).map(|(_, kind)| kind);
         self.fault.map(AlarmKind::Fault).into_iter().chain(others)
     }
 
-    /// Those that do not stand in the other.
+    /// The alarms that do not stand in the other.
     fn without(&self, other: &Self) -> Self {
         Self { fault: self.fault.filter(|_| self.fault != other.fault), kinds: self.kinds & !other.kinds }
     }
 }
 
-/// A fault is there where the bit after those of the kinds is set.
+/// The bit after those of the kinds is set if a fault follows.
 impl BorshSerialize for Standing {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         (self.kinds | u8::from(self.fault.is_some()) << KINDS.len()).serialize(writer)?;

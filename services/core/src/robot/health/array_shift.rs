@@ -1,8 +1,8 @@
-//! What an array feels in common: its deflection mis-scaled, its temperature changed. No whisker's length.
+//! Changes common to an array: a mis-scaled deflection or another temperature, not a length.
 //!
-//! A single whisker cannot tell such a shift from a cut. So before a change is called, the array's other healthy whiskers
-//! are asked whether they feel the same. Each speaks from its own contacts, and the majority decides: one whisker that was
-//! really cut, or never touched, moves nothing. It costs a trim the contacts that the others need to deny it: one or two for a
+//! A single whisker cannot distinguish such a shift from a cut. So before a change is called, it is compared with the
+//! contacts of the array's other healthy whiskers, and the majority decides: one whisker that was really cut, or never
+//! touched, does not matter. A trim is delayed by the contacts that the others need to deny the shift: one or two for a
 //! large cut.
 
 use crate::detection::{Change, Fit, Others};
@@ -14,24 +14,24 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::Unsteady;
 use crate::units::ContactRatio;
 
-/// With fewer others, nobody can say who is right.
+/// With fewer others there is no majority.
 const OTHERS_MIN: usize = 2;
-/// Log likelihood ratio from which another whisker feels it too. It is asked at every contact for as long as the
-/// suspicion lasts, so it must not come about by chance.
+/// Log likelihood ratio from which another whisker shows the shift, too. It is evaluated at every contact while the
+/// suspicion lasts, so chance must not reach it.
 const FEELS: f64 = 6.0;
 /// A shift may be the beginning of a longer one, as a room warms up. For so many contacts each whisker's offset
 /// follows, by a random walk of this share of the shift found; that costs sensitivity to small cuts meanwhile.
 const UNSTEADY_CONTACTS: u32 = 1000;
 pub(in crate::robot) const UNSTEADY_SHARE: f64 = 0.02;
-/// Up to this many times the shift, what one whisker feels meanwhile is put down to it.
+/// Changes of one whisker up to this many times the shift are attributed to it meanwhile.
 const REST_MAX: f64 = 1.5;
-/// Whiskers feel the same shift alike up to this share: their curves differ a little.
+/// Relative difference that one shift may have between whiskers: their curves differ a little.
 const ALIKE: f64 = 0.1;
-/// Log likelihood ratio that its contacts after the alarm must let expect before it can say that it does not.
+/// Log likelihood ratio that its contacts after the alarm must promise before a whisker can deny the shift.
 const DENIES: f64 = 8.0;
 
 impl Robot {
-    /// Whether the other healthy whiskers of the array feel what this one suspects.
+    /// Whether the other healthy whiskers of the array show the change that this one suspects.
     pub(in crate::robot) fn others_feel(&self, index: WhiskerIndex) -> Others {
         let Some(own) = self.whiskers[index].detector.suspected_shift() else {
             return Others::Not;
@@ -55,7 +55,7 @@ impl Robot {
         }
     }
 
-    /// The whiskers of the same array that have learned what they should feel, and are whole.
+    /// The whiskers of the same array that are learned and whole.
     fn sound_whiskers_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
         let array = self.whiskers[index].array;
         let sound = move |&other: &WhiskerIndex| {
@@ -77,8 +77,8 @@ impl Robot {
         }
     }
 
-    /// Takes a shift of the whole array out: every whisker's offset is learned anew around it, and what was
-    /// measured before is brought to the same scale.
+    /// Takes a shift of the whole array out: every whisker's offset is learned anew around it, and earlier measurements
+    /// are brought to the same scale.
     pub(in crate::robot) fn shared_shift(
         &mut self,
         params: &Params,
@@ -109,7 +109,7 @@ impl Robot {
         self.whiskers[index].shift_told = true;
     }
 
-    /// The median of what the whiskers feel, as a change of log length that would explain it.
+    /// The median shift of the whiskers, as the change of log length that would explain it.
     fn median_shift(&self, index: WhiskerIndex, own: f64) -> f64 {
         let others = self.sound_whiskers_of(index).filter(|&other| other != index);
         let mut felt: Vec<f64> =
@@ -120,7 +120,7 @@ impl Robot {
     }
 }
 
-/// Whether another whisker feels something, and as much of it as this one, within two standard deviations.
+/// Whether another whisker shows a change of the same size as this one, within two standard deviations.
 fn feels(own: &Fit, other: &Fit) -> bool {
     let sd = (own.variance + other.variance).sqrt();
     other.gain >= FEELS && (other.size - own.size).abs() <= 2.0 * sd + ALIKE * own.size.abs()
@@ -137,7 +137,7 @@ impl crate::robot::Whisker {
             .map_or(0.0, |(_, slope)| slope * length.mm() / (length.mm() + morphology.elongation_mm))
     }
 
-    /// Whether a change may be the rest of the array's shift: then it is no length either, and taken out. True if so.
+    /// Whether a change may be the rest of the array's shift. Then it is taken out, too.
     pub(in crate::robot) fn is_rest_of_shift(&mut self, model: &Model, change: &Change) -> bool {
         let Some(unsteady) = self.rare.get_mut().and_then(|rare| rare.unsteady.take()) else { return false };
         let lacking = change.lacking[LENGTH].abs().max(1.0);

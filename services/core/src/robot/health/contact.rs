@@ -1,4 +1,4 @@
-//! A batch of contacts, and what the detector's verdicts make of a whisker.
+//! Contacts, and the consequences of the detector's verdicts for a whisker.
 
 use crate::detection::{Change, Kind, Others, Verdict};
 use crate::estimation::{LengthEstimate, LengthFilter};
@@ -81,7 +81,7 @@ impl Robot {
             if whisker.condition == Condition::Suspected {
                 self.set_condition(index, Condition::Healthy, effects);
             }
-            // It could be a cut after all: people are told, though no air is moved.
+            // It could be a cut after all: an alarm is raised, though no pressure is changed.
             self.whiskers[index].shift_told = true;
             return;
         }
@@ -92,7 +92,7 @@ impl Robot {
                 whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
-            // What it has lost it may get back; that is no cut, and people were told to look at it.
+            // It may regain the lost sensitivity, which is no cut, and its alarm stands already.
             Kind::Shorter if whisker.condition == Condition::SensitivityLoss => whisker.jump(change),
             Kind::Shorter => {
                 whisker.jump(change);
@@ -123,7 +123,7 @@ impl Robot {
         }
     }
 
-    /// A baseline that was followed all the way is told of too, once it is far off.
+    /// Raises an alarm for a baseline that was followed without a verdict, once it is far off.
     fn watch_baseline(&mut self, params: &Params, index: WhiskerIndex) {
         let whisker = &mut self.whiskers[index];
         // While something is suspected, the baseline may stand for something else.
@@ -170,7 +170,7 @@ impl Robot {
         self.set_condition(index, Condition::Trimmed, effects);
     }
 
-    /// Changes a condition and says so.
+    /// Changes a condition, with its effect.
     pub(in crate::robot) fn set_condition(&mut self, index: WhiskerIndex, to: Condition, effects: &mut Vec<Effect>) {
         let from = self.whiskers[index].condition;
         if from != to {

@@ -1,4 +1,4 @@
-//! Faults: what the robot says, what its pressures show, and silence.
+//! Faults: reported by the robot, shown by its pressures, or by silence.
 
 use crate::estimation::leak::Source;
 use crate::robot::Robot;
@@ -33,9 +33,9 @@ impl Robot {
         self.refresh_fault(params, now, index, effects);
     }
 
-    /// What a robot says it holds is followed, but for a stray pressure: that is undone first. What was learned at the
-    /// nominal pressure says at once what has become of the whisker; at a pressure that nobody knows the reason of, a
-    /// cut would be taken for the model's error there.
+    /// Follows the setpoint that a robot reports, except a stray pressure, which is undone first. At the nominal
+    /// pressure the learned state shows at once whether the whisker has changed; at an unexplained pressure a cut would
+    /// be taken for the model's error there.
     fn pressure_told(&mut self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) {
         if !self.is_stray(params, index, setpoint) {
             self.whiskers[index].holds = Holds::Known;
@@ -46,8 +46,9 @@ impl Robot {
         }
     }
 
-    /// Whether a pressure was set by a command that is not remembered: the first word after a robot was taken up tells of
-    /// one that is neither what is known, nor what robots go to by themselves (nominal or vented), nor to be changed.
+    /// Whether a pressure was set by a command that is not known here: the first status after a take-up reports a
+    /// setpoint that is neither the known one, nor one that robots go to by themselves (nominal or vented), nor about
+    /// to change.
     fn is_stray(&self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) -> bool {
         let whisker = &self.whiskers[index];
         let wanted = whisker.desired.as_ref().is_some_and(|desired| desired.reason != Reason::Release);
@@ -58,7 +59,7 @@ impl Robot {
         explained.iter().all(|known| (setpoint.mpa() - known.mpa()).abs() > params.health.settled_within_mpa)
     }
 
-    /// Says what is new about a whisker's faults.
+    /// Brings a whisker's fault up to date.
     pub(in crate::robot) fn refresh_fault(
         &mut self,
         params: &Params,
@@ -80,7 +81,7 @@ impl Robot {
 }
 
 impl Whisker {
-    /// What a status says of the chamber's tightness.
+    /// Evaluates a status for leaks.
     fn watch_leak(&mut self, params: &Params, robot_time: Micros, entry: &WhiskerStatus<'_>) {
         let leak = &params.health.leak;
         let off_by_mpa = (entry.pressure.mpa() - self.air.setpoint.mpa()).abs();
@@ -88,7 +89,7 @@ impl Whisker {
             RegulatorState::Ok if self.command.is_none() && off_by_mpa <= params.health.settled_within_mpa => {
                 self.leak.read(leak, Source::Status, robot_time, entry.pressure);
             }
-            // A robot that says LEAK needs no proof, and one that is out of order gives none.
+            // A robot that reports LEAK needs no proof, and a regulator that is out of order gives none.
             RegulatorState::Ok
             | RegulatorState::Filling
             | RegulatorState::Venting

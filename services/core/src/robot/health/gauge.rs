@@ -1,4 +1,4 @@
-//! What contacts and status say of a gauge.
+//! Supervision of a gauge by its contacts and the robot's status.
 //!
 //! A gauge without current drives its amplifier to the end of the scale: the same strain every time, far above what
 //! the contact should give, or below zero. A shorted one reads next to nothing. A saturated one reads one strain
@@ -36,9 +36,9 @@ const STRAINS_ABOVE: u8 = 2;
 /// The state of one gauge's supervision.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct GaugeWatch {
-    /// As the robot says.
+    /// State reported by the robot.
     pub reported: GaugeState,
-    /// As the contacts show.
+    /// State shown by the contacts.
     pub observed: GaugeState,
     /// Contacts in a row with next to no strain.
     dead: u8,
@@ -61,7 +61,7 @@ struct Level {
     above: u8,
 }
 
-/// What one contact is.
+/// Class of one contact's strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StrainClass {
     /// Next to no strain.
@@ -153,7 +153,7 @@ impl GaugeWatch {
         GaugeState::Ok
     }
 
-    /// As the robot says, or else as the contacts show.
+    /// The state reported by the robot, or else the one shown by the contacts.
     pub(in crate::robot) fn state(&self) -> GaugeState {
         if self.reported == GaugeState::Ok { self.observed } else { self.reported }
     }

@@ -11,8 +11,8 @@ use crate::units::{Megapascal, Micros};
 const SAME_MPA: f64 = 1e-5;
 
 impl Robot {
-    /// What a whisker shall hold from now on. One that is held has only an operator's wishes; what it shall hold
-    /// otherwise follows from the compensations when it is released.
+    /// Sets the pressure that a whisker shall hold from now on. A held whisker follows only an operator's setpoints;
+    /// its other setpoints follow from the compensations when it is released.
     pub(in crate::robot) fn desire(&mut self, index: WhiskerIndex, desired: Desired) {
         if self.holds(index) && desired.reason != Reason::Operator {
             return;
@@ -31,7 +31,7 @@ impl Robot {
         self.desire(index, Desired { pressure, reason: Reason::Release, compensation: None, gain: None });
     }
 
-    /// Sends what is due: a new setpoint where the desired one is not held, or an unanswered one again.
+    /// Sends a new setpoint if the desired pressure is not held, or an unanswered one again.
     pub(in crate::robot) fn reconcile(
         &mut self,
         params: &Params,
@@ -83,8 +83,9 @@ impl Robot {
         }
     }
 
-    /// Whether a setpoint can reach it: it is connected, its clock is known, by which setpoints expire, and it is heard. Each setpoint
-    /// expires after its time to live: to one who is not heard they would go out in vain, one after the other.
+    /// Whether a setpoint can reach it: it is connected, its clock is known, by which setpoints expire, and it is
+    /// heard. Each setpoint expires after its time to live: to one who is not heard they would go out in vain, one
+    /// after the other.
     pub(in crate::robot) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
         let is_heard = self.head.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
         self.head.link == Link::Online
@@ -125,7 +126,7 @@ impl Robot {
         rare.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
         self.head.next_version += 1;
-        // The factsheet's limit and the paper's are kept here too, whatever was asked for.
+        // The limits of the factsheet and of the paper hold here, too, whatever was requested.
         let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
         let valid_for = whisker.valid_for(params, pressure);
         let command = Command {
@@ -151,7 +152,8 @@ impl Robot {
         effects.push(Effect::Command(Box::new(command)));
     }
 
-    /// A setpoint that its robot would refuse as expired by now, or that has gone unanswered for so long by our own clock.
+    /// A setpoint that its robot would refuse as expired by now, or that has gone unanswered for so long by our own
+    /// clock.
     fn expire(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let (clock, heard) = (&self.head.clock, self.head.clock.heard());
         let whisker = &self.whiskers[index];
@@ -188,17 +190,17 @@ impl Robot {
         self.whiskers.get(whisker).map_or(params.command.time_to_live, |one| one.valid_for(params, pressure))
     }
 
-    /// Tells people, and lets others serve instead.
+    /// Gives a whisker up as compensator, with an alarm: others may serve instead.
     fn give_up(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         whisker.given_up = true;
         whisker.desired = None;
         whisker.holds = Holds::Known;
-        // Also what is only proposed: it could not be carried out.
+        // Proposals, too: they could not be carried out.
         self.end_as_compensator(index, EndReason::SetpointFailed, |_| true, effects);
     }
 
-    /// What a robot says of a setpoint.
+    /// Takes a robot's report on a setpoint in.
     pub(in crate::robot) fn setpoint_reported(
         &mut self,
         params: &Params,
@@ -294,8 +296,8 @@ impl Robot {
             Rejection::Expired => {
                 self.whiskers[index].rare.get_or_insert().not_before = now.after(params.command.time_to_live);
             }
-            // Of a former epoch: what came after it was ours, too, and may have been forgotten with a restored database.
-            // What an operator asked then is not asked now.
+            // Of a former epoch: the setpoint after it was ours, too, and may have been lost with a restored database.
+            // A manual setpoint of then is not sent again.
             Rejection::Stale if key.epoch < self.head.epoch => self.whiskers[index].forget_manual(),
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),

@@ -1,4 +1,4 @@
-//! Carries out what operators ask.
+//! Operators' actions.
 
 use crate::robot::action::{ActionProblem, OperatorAction, Place, Scope};
 use crate::robot::effect::{Effect, EndReason, Reason, WhiskerIndex};
@@ -8,7 +8,7 @@ use crate::robot::{Outcome, Robot};
 use crate::units::{Megapascal, Micros};
 
 impl Robot {
-    /// Does it, or says why not; what is refused has changed nothing.
+    /// Carries out an action, or refuses it without any change.
     pub(in crate::robot) fn operate(
         &mut self,
         params: &Params,
@@ -122,7 +122,7 @@ impl Robot {
         Ok(())
     }
 
-    /// What a whisker that was held shall hold from now on.
+    /// Sets the pressure that a whisker shall hold after the end of its hold.
     fn back_to_automatic(&mut self, index: WhiskerIndex) {
         let running = self.head.compensations.iter().find(|one| one.compensator() == index && !one.proposed);
         let running = running.map(|one| one.desired(Reason::Compensation(one.case)));

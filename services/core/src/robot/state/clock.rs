@@ -1,16 +1,17 @@
 //! A robot's clock, estimated from the times in its messages.
 //!
-//! Each message gives one sample of the clock's offset: `robot time - now`, where `now` is the supervisor's clock when the
-//! message was received. A message that was delayed by d gives `offset - d`, with d >= 0: delay only lowers a sample. So the
-//! largest sample is the best one, as long as the robot's times are right. One wrong time must not move the estimate, so
-//! the largest sample is not simply taken:
+//! Each message gives one sample of the clock's offset: `robot time - now`, where `now` is the supervisor's clock when
+//! the message was received. A message that was delayed by d gives `offset - d`, with d >= 0: delay only lowers a
+//! sample. So the largest sample is the best one, as long as the robot's times are right. One wrong time must not move
+//! the estimate, so the largest sample is not simply taken:
 //!
 //! - Samples of the same [`SLOT`] are one sample: the largest that is not more than [`NEAR`] ahead of the estimate. So
 //!   one right message in a slot outweighs all wrong ones in it, and messages that are sent again do not
 //!   outnumber the new ones.
-//! - The offset is the median of the last [`SAMPLES`] samples; of an even number, the lower one of the two in the middle. At
-//!   least four wrong samples in a row move it, which takes 4 slots (8 s) where messages come all the time, and four
-//!   messages where they come every 10 s. The same holds for a clock that was stepped: it is followed after that.
+//! - The offset is the median of the last [`SAMPLES`] samples; of an even number, the lower one of the two in the
+//!   middle. At least four wrong samples in a row move it, which takes 4 slots (8 s) where messages come all the time,
+//!   and four messages where they come every 10 s. The same holds for a clock that was stepped: it is followed after
+//!   that.
 //! - A robot does not keep `status` and `setpoint_state` to send them again. While these come, times of
 //!   contacts are left out: after an outage, old contacts would lower most samples.
 //!
@@ -18,14 +19,15 @@
 //!
 //! - A constant offset, also of years (a robot that believes it is 1970): the offset, less the median delay of some
 //!   milliseconds.
-//! - A clock that drifts by 100 ppm: an error of 100 us for each second of the samples' age, so 4 ms with a status every 10 s.
+//! - A clock that drifts by 100 ppm: an error of 100 us for each second of the samples' age, so 4 ms with a status
+//!   every 10 s.
 //! - A clock that was stepped: followed as above, in either direction.
-//! - Old contacts after an outage: no effect where status messages come, else an estimate that is too low until new contacts
-//!   come. A setpoint then expires early, which is safe.
+//! - Old contacts after an outage: no effect where status messages come, else an estimate that is too low until new
+//!   contacts come. A setpoint then expires early, which is safe.
 //! - A robot that lies in most of its messages: an offset of its choice, for its own setpoints.
 //!
-//! The first two samples are not checked by others. They are believed where they agree with the supervisor's clock within
-//! [`NEAR`] (the contract asks for 2 s); otherwise no setpoint goes out before the third.
+//! The first two samples are not checked by others. They are believed where they agree with the supervisor's clock
+//! within [`NEAR`] (the contract asks for 2 s); otherwise no setpoint goes out before the third.
 
 use std::ops::RangeInclusive;
 
@@ -50,7 +52,8 @@ const NEAR_US: i64 = 10_000_000;
 const AHEAD_MAX_US: i64 = 60_000_000;
 /// Times further behind than this are, too, in microseconds: 30 days, because contacts may wait out a long outage.
 const BEHIND_MAX_US: i64 = 30 * 86_400_000_000;
-/// The contract's times end at 2^53 us, in the year 2255. A clock that is less than a day before that lets no setpoint expire.
+/// The contract's times end at 2^53 us, in the year 2255. A clock that is less than a day before that lets no setpoint
+/// expire.
 const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
 
 /// How a message's time relates to the moment at which the robot sent it.
@@ -151,7 +154,8 @@ impl Clock {
     }
 
     /// The times that can be right: neither further ahead than [`AHEAD_MAX_US`] of both clocks, nor further behind
-    /// than [`BEHIND_MAX_US`]. Before the estimate has settled, no time is too far behind: the robot may believe it is 1970.
+    /// than [`BEHIND_MAX_US`]. Before the estimate has settled, no time is too far behind: the robot may believe it is
+    /// 1970.
     pub(in crate::robot) fn plausible(&self, now: Micros) -> RangeInclusive<Micros> {
         let earliest = self.settled_us().map_or(Micros::default(), |settled_us| {
             let offset_us = settled_us.min(0).saturating_sub(BEHIND_MAX_US);

@@ -1,8 +1,9 @@
-//! Until when a tick has nothing to do: most robots are heard in time and hold what they shall hold.
+//! The time until which a tick has nothing to do: most robots are heard in time and hold their setpoints.
 //!
-//! With time alone a whisker falls silent, a pressure is not held for too long, and a setpoint is sent, sent again or
-//! expires. Where nothing is under way, a look at all whiskers tells when the first of these can be. Each step lowers that
-//! time to the deadline of every whisker that it has accessed: a whisker that was not accessed has the same deadline.
+//! By time alone, a whisker becomes silent, a pressure is not held for too long, and a setpoint is sent, sent again or
+//! expires. While no setpoint is under way, the earliest of these times is known after a look at all whiskers. Each
+//! step lowers that time to the deadline of every whisker that it has accessed: a whisker that was not accessed has the
+//! same deadline.
 
 use crate::robot::Robot;
 use crate::robot::effect::{Effect, WhiskerIndex};
@@ -14,7 +15,7 @@ use crate::units::Micros;
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::robot) struct TickDeadline(Option<(Micros, Micros)>);
 
-/// It follows from what a robot is, and makes none another.
+/// A cache does not make robots differ.
 impl PartialEq for TickDeadline {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -74,7 +75,7 @@ impl Whisker {
         }
         let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));
         let unheld = self.air.unheld_since.map(|since| since.after(params.health.unheld_after));
-        // What has come about already stays as it is.
+        // Deadlines that have passed have had their effect.
         let to_come = [silent, unheld].into_iter().flatten().filter(|&at| now <= at);
         Some(to_come.min().unwrap_or(Micros(u64::MAX)))
     }

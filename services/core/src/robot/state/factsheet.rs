@@ -1,4 +1,4 @@
-//! What the factsheet says of a whisker, as it is kept: the name of a model is there once for all whiskers of a robot.
+//! The factsheet's data of a whisker in compact form: whiskers of a robot share the name of a model.
 
 use std::sync::Arc;
 
@@ -11,25 +11,25 @@ use crate::robot::event::WhiskerSheet;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
 
-/// A longer name of a model is none.
+/// Longest name of a model in stored bytes; a longer one is invalid.
 const NAME_MAX: u32 = 1 << 16;
 
-/// What a factsheet says of a whisker: see [`WhiskerSheet`].
+/// Data of a whisker in the factsheet, see [`WhiskerSheet`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     /// Number, unique in its array.
     pub number: u16,
     /// Numbers of its neighbours in the array.
     pub neighbours: SmallVec<[u16; 6]>,
-    /// Position on the array.
+    /// Position on the array along x, mm.
     pub x_mm: f64,
-    /// Position on the array.
+    /// Position on the array along y, mm.
     pub y_mm: f64,
     /// Name of its model.
     pub model: Arc<String>,
-    /// Whole length.
+    /// Length of the whole whisker.
     pub length: Millimetre,
-    /// Nominal pressure.
+    /// Pressure at which the whole whisker is used.
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.
     pub pressure_max: Megapascal,
@@ -66,14 +66,14 @@ impl From<&Sheet> for WhiskerSheet {
 }
 
 impl Sheet {
-    /// Whether it can be the same piece of rubber at the same place: who is beside it does not matter.
+    /// Whether it can be the same whisker at the same place; its neighbours may differ.
     pub(in crate::robot) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
         let place = (self.number, self.x_mm, self.y_mm) == (told.number, told.x_mm, told.y_mm);
         let pressures = (self.pressure, self.pressure_max) == (told.pressure, told.pressure_max);
         place && *self.model == told.model && self.length == told.length && pressures
     }
 
-    /// Whether a factsheet says nothing new of it.
+    /// Whether a factsheet has the same data.
     pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
         self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..]
     }

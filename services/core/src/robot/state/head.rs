@@ -29,8 +29,8 @@ pub(in crate::robot) struct Head {
     pub held: bool,
     /// Time from which this supervisor has listened: silence before it is not the robot's.
     pub listening_since: Micros,
-    /// The robot was restored, not met for the first time: the pressures of its whiskers may have been set by commands that
-    /// are not known here, because the database was restored or the state could not be read.
+    /// The robot was restored, not met for the first time: the pressures of its whiskers may have been set by commands
+    /// that are not known here, because the database was restored or the state could not be read.
     pub is_taken_up: bool,
 }
 

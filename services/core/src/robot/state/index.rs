@@ -3,7 +3,8 @@
 use crate::robot::Robot;
 use crate::robot::effect::WhiskerIndex;
 
-/// Arrays and numbers of the whiskers, in the order of their indices, so that a search need not read the whiskers themselves.
+/// Arrays and numbers of the whiskers, in the order of their indices, so that a search need not read the whiskers
+/// themselves.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(in crate::robot) struct WhiskerIndexTable {
     /// Array and number of each whisker.

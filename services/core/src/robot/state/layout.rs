@@ -1,4 +1,4 @@
-//! What is on the robot: a new layout, or a new whisker in the place of an old one.
+//! Changes of the layout: a new factsheet, or a new whisker in the place of an old one.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ struct Moves {
     to: Vec<Fate>,
 }
 
-/// What becomes of a whisker in a new layout.
+/// Fate of a whisker in a new layout.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
     /// It is as it was, at that index.
@@ -32,7 +32,7 @@ enum Fate {
 }
 
 impl Robot {
-    /// Whether a factsheet says nothing new of what is on the robot.
+    /// Whether a factsheet has the present layout.
     #[must_use]
     pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
         let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
@@ -44,8 +44,8 @@ impl Robot {
             })
     }
 
-    /// Another layout: whiskers that are as they were keep what is known of them, and the compensations between
-    /// them go on. The others start anew.
+    /// Takes another layout: unchanged whiskers keep their state, and the compensations between them go on. The others
+    /// start anew.
     pub(in crate::robot) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
@@ -92,7 +92,7 @@ impl Robot {
         Moves { from, to }
     }
 
-    /// Ends the compensations of whiskers that are not what they were; by old indices.
+    /// Ends the compensations of whiskers that are gone or replaced; by old indices.
     fn end_moved(&mut self, factsheet: &Factsheet, moves: &Moves, effects: &mut Vec<Effect>) {
         let over: Vec<(u32, EndReason)> = self
             .head
@@ -183,7 +183,7 @@ impl Fate {
 }
 
 impl Whisker {
-    /// That what was known of its condition is over; at its new index.
+    /// The end of its former condition, at its new index.
     fn leaves(&self, index: WhiskerIndex) -> Option<Effect> {
         let (from, to) = (self.condition, Condition::Learning);
         (from != to).then_some(Effect::Condition { whisker: index, from, to })
@@ -196,8 +196,8 @@ impl Whisker {
         (!alarms.is_empty()).then_some(Effect::Gone { array, number: self.sheet.number, alarms })
     }
 
-    /// A new whisker on the same chamber, which holds what it held, and shall hold its nominal pressure, once it is not
-    /// held by an operator.
+    /// A new whisker on the same chamber: it keeps the present pressure, and shall hold its nominal pressure unless an
+    /// operator holds it.
     fn renewed(self, sheet: Sheet, params: &Params) -> Self {
         let release = Desired { pressure: sheet.pressure, reason: Reason::Release, compensation: None, gain: None };
         let mut renewed = Self {
@@ -208,7 +208,7 @@ impl Whisker {
             desired: Some(Box::new(release)),
             command: self.command,
             held: self.held,
-            // For what is over to be told.
+            // Alarms that are over are cleared at the end of the step.
             standing: self.standing,
             ..Self::new(self.array, sheet, params)
         };

@@ -1,16 +1,16 @@
-//! A whisker whose readings are learned anew, because they changed and the whisker did not: its gauge was glued anew, say,
-//! or its model is another.
+//! A whisker whose readings are learned anew, because they changed and the whisker did not: its gauge was glued anew,
+//! say, or its model is another.
 //!
 //! - The length estimate is taken as it is, as certain as it is. A cut that is confirmed but not called yet is called,
 //!   with that length: it would be forgotten otherwise.
 //! - Offset, noise scale, baseline, detector, the gauge's and the array's suspicions, the response while whole and the
 //!   chamber's own calibration were all learned through the old gauge or model: they begin as for a new whisker.
-//! - The condition is LEARNING, as in any cold start, but TRIMMED stays TRIMMED, or nobody would serve it. What was called
-//!   a loss of sensitivity or an erosion is over by the person's word; where it goes on, it is found again.
-//! - A compensation goes on at its pressure and with its gain: the chamber has not changed. What was measured of it
-//!   through the old gauge is dropped, and its reference is the model, as nothing measured is left to compare with.
-//! - One that only waits for approval was decided on what is not known any more, if this whisker would serve: it ends,
-//!   and is decided anew.
+//! - The condition is LEARNING, as in any cold start, but TRIMMED stays TRIMMED, or nobody would serve it. A loss of
+//!   sensitivity or an erosion is over by the operator's word; where it goes on, it is detected again.
+//! - A compensation goes on at its pressure and with its gain: the chamber has not changed. Measurements
+//!   through the old gauge are dropped, and the model is its reference, as there is no measured one left.
+//! - A compensation in which this whisker would serve and that waits for approval ends, and is decided anew: the
+//!   measurements that it was decided on are dropped.
 
 use crate::detection::Detector;
 use crate::estimation::{NoiseScale, ResponseBins, Waiting};

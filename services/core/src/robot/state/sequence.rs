@@ -1,4 +1,4 @@
-//! Which numbered messages of a robot are accounted for: a watermark and what lies beyond a gap.
+//! The numbers of a robot's messages that are accounted for: a watermark, and ranges beyond gaps.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -10,15 +10,15 @@ const RANGES_MAX: usize = 64;
 /// A robot that does not close a gap for this long, while gaps keep others out, never will: it does not send
 /// again, or it has dropped those messages. Then the oldest gap is given up, so that the rest can go on.
 const PATIENCE: Micros = Micros(90_000_000);
-/// A robot that is heard for this long without closing the oldest gap has not got what is missing: it has dropped it, or
-/// has forgotten it because a receipt covered it which the supervisor does not remember, whose database was restored.
+/// A robot that is heard for this long without closing the oldest gap has lost the missing messages: it has dropped
+/// them, or a receipt covered them that the supervisor does not remember, because its database was restored.
 const STANDSTILL: Micros = Micros(600_000_000);
 /// Boots whose numbers are remembered: messages of an older boot may still arrive after a restart.
 const BOOTS_MAX: usize = 4;
 /// Older boots of which only a mark is remembered. Beyond them the database knows all that ever had a number.
 const MARKS_MAX: usize = 64;
 
-/// What became of a number.
+/// Outcome for the number of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Admission {
     /// First time: take it.
@@ -58,7 +58,7 @@ impl Sequence {
         }
     }
 
-    /// Whose numbers they are.
+    /// Boot that the numbers belong to.
     #[must_use]
     pub fn boot_id(&self) -> &str {
         self.boot_id.as_str()

@@ -1,18 +1,20 @@
 //! Change tracking: a robot's state can only be changed through these types, which note every mutable access.
 //!
-//! Four consequences of a change were once marked by hand wherever a field was set. They now follow from the access:
+//! Four consequences of a change follow from the access:
 //!
-//! | consequence | follows from |
-//! | --- | --- |
-//! | The stored bytes must be written at the next checkpoint. | [`Tracked::take_mark`] for the head, [`Whiskers::take_changed`] for each whisker |
-//! | The alarms of a whisker must be evaluated. | The whisker was accessed in this step, or a compensation began, ended or was approved. |
-//! | The policy must look at the arrays. | The [`DecisionBasis`] of an accessed whisker or the list of compensations differs from that of the last decision. |
-//! | The cached deadline of ticks may be too late. | The deadline of an accessed whisker is earlier, see [`super::deadline`]. |
+//! - The stored bytes must be written at the next checkpoint: [`Tracked::take_mark`] for the head,
+//!   [`Whiskers::take_changed`] for the whiskers.
+//! - The alarms of a whisker must be evaluated: it was accessed in this step, or a compensation began, ended or was
+//!   approved.
+//! - The policy must look at the arrays: the [`DecisionBasis`] of an accessed whisker or the list of compensations
+//!   differs from that of the last decision.
+//! - The cached deadline of ticks may be too late: it is lowered to the deadline of each accessed whisker, see
+//!   [`super::deadline`].
 //!
 //! The last three are evaluated at the end of each step, by [`Robot::finish_step`].
 //!
-//! A mutable access that changes nothing marks, too: the cost is one write too many. Code that runs often therefore reads
-//! first, and asks for mutable access only if it has something to change. A change without a mark needs
+//! A mutable access that changes nothing marks, too: the cost is one write too many. Code that runs often therefore
+//! reads first, and asks for mutable access only if it has something to change. A change without a mark needs
 //! `without_mark`, which is for changes that whoever restores the stored bytes makes again.
 
 use std::ops::{Deref, DerefMut, Index, IndexMut};
@@ -275,8 +277,8 @@ impl Robot {
         }
     }
 
-    /// Asks for a decision if what the last one rested on has changed. Returns whether a compensation began, ended or was
-    /// approved since the last call.
+    /// Asks for a decision if what the last one rested on has changed. Returns whether a compensation began, ended or
+    /// was approved since the last call.
     fn note_basis(&mut self) -> bool {
         let mut is_other = false;
         let mut next = self.whiskers.next_touched(0);

@@ -1,4 +1,4 @@
-//! One whisker: what is known of it, and how it feels.
+//! One whisker: its state, and the evaluation of its contacts.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -38,30 +38,30 @@ pub struct Whisker {
     pub(in crate::robot) gauge: GaugeWatch,
     pub(in crate::robot) rare: Rare,
     pub(in crate::robot) fault: Option<Fault>,
-    /// By the supervisor's clock.
+    /// Time of the last contact or status, by the supervisor's clock.
     pub(in crate::robot) heard: Option<Micros>,
     pub(in crate::robot) desired: Option<Box<Desired>>,
     pub(in crate::robot) command: Option<Box<InFlight>>,
     /// The last setpoint failed for good, in this boot.
     pub(in crate::robot) given_up: bool,
-    /// What its contacts have told of log length since any whisker of its array raised an alarm: the inverse of a
+    /// Information of its contacts about log length since any whisker of its array raised an alarm: the inverse of a
     /// variance.
     pub(in crate::robot) told_since_alarm: f32,
     /// Its gauge's baseline drifts.
     pub(in crate::robot) drifting: bool,
-    /// People were told so.
+    /// The alarm for the drift stands.
     pub(in crate::robot) drift_told: bool,
     /// A trim that no decision has been made about.
     pub(in crate::robot) undecided: bool,
     /// It is trimmed, and nobody can serve it.
     pub(in crate::robot) unserved: bool,
-    /// People were told that its array has shifted, and it does not read steadily again.
+    /// The alarm for a shift of its array stands, and it does not read steadily yet.
     pub(in crate::robot) shift_told: bool,
-    /// An operator holds it.
+    /// An operator holds the whisker.
     pub(in crate::robot) held: bool,
     /// Numbers of the whiskers that an operator has refused as its compensators.
     pub(in crate::robot) refused_servers: Vec<u16>,
-    /// What people were told and what is still so.
+    /// Alarms that stand.
     pub(in crate::robot) standing: Standing,
     pub(in crate::robot) holds: Holds,
     /// State as of the last decision; not stored.
@@ -71,12 +71,12 @@ pub struct Whisker {
 /// Whether a pressure is one that this program knows of, since it has the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) enum Holds {
-    /// No word of it yet.
+    /// Not reported yet.
     #[default]
     Unheard,
     /// It was set by a command that is not remembered: it is on its way back.
     Stray,
-    /// As told by the robot, or by an operator's leave.
+    /// Reported by the robot, or accepted.
     Known,
 }
 
@@ -109,7 +109,7 @@ impl Unsteady {
 pub(in crate::robot) struct Air {
     /// As last measured; below 0 before that.
     pub measured_mpa: f64,
-    /// What the robot holds or moves to.
+    /// Setpoint that the robot holds or moves to.
     pub setpoint: Megapascal,
     /// The pressure at which the offset was learned.
     pub learned_at: Megapascal,
@@ -118,7 +118,7 @@ pub(in crate::robot) struct Air {
 }
 
 impl Air {
-    /// What a robot holds where nothing was measured yet.
+    /// A setpoint without a measured pressure yet.
     pub(in crate::robot) fn held(setpoint: Megapascal, learned_at: Megapascal) -> Self {
         let regulator = RegulatorState::Ok;
         Self { measured_mpa: -1.0, setpoint, learned_at, regulator, unheld_since: None }
@@ -151,7 +151,7 @@ pub(in crate::robot) struct InFlight {
     pub resend_at: Micros,
 }
 
-/// What came of one contact.
+/// Result of one contact.
 pub(in crate::robot) struct ContactResult {
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
@@ -229,7 +229,7 @@ impl Whisker {
         self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
     }
 
-    /// One contact: is it fit for use, what does it say, and has anything changed?
+    /// Takes one contact in: its use, its innovation and the detector's verdict.
     pub(in crate::robot) fn feel(
         &mut self,
         params: &Params,
@@ -273,7 +273,7 @@ impl Whisker {
                 // Against the model at whole length: the residual is against the present estimate.
                 let shift = seen.row[LENGTH] * self.filter.log_length();
                 let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
-                // An outlier counts for what it is worth.
+                // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
                 self.whole_waiting.add(&mut self.whole, contact.ratio, deviation, variance);
             }
@@ -360,7 +360,7 @@ impl Whisker {
         }
     }
 
-    /// The highest pressure that it may be told to hold: the factsheet's limit and the paper's.
+    /// The highest setpoint: the lower of the factsheet's limit and the paper's.
     pub(in crate::robot) fn pressure_limit(&self) -> Megapascal {
         let (own, examined) = (self.sheet.pressure_max, Megapascal::EXAMINED_MAX);
         if own < examined { own } else { examined }
@@ -368,7 +368,7 @@ impl Whisker {
 
     /// The model of the factsheet; factsheets with unknown models are refused, so it is there.
     pub(in crate::robot) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
-        // Where the name is the parameters' own, it need not be looked at.
+        // Shared names compare by pointer.
         params.models.iter().find(|(name, _)| *name == self.sheet.model).map(|(_, model)| model)
     }
 }
