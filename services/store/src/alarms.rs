@@ -86,7 +86,7 @@ impl Store {
                 whisker_id: Some(subject.whisker_id),
                 ..NewChange::default()
             };
-            changes::write(&mut tx, &subject.fleet, &[change], now_us).await.map_err(failed(WHAT))?;
+            changes::write(&mut tx, &subject.fleet, change, now_us).await.map_err(failed(WHAT))?;
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)

@@ -41,7 +41,8 @@ async fn keep(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Resul
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
     {
-        let statement = lease.bind(sqlx::query(postgres::kept())).bind(lease.fleet().as_str()).bind(number).bind(rows);
+        let statement =
+            lease.bind(sqlx::query(postgres::intent())).bind(lease.fleet().as_str()).bind(number).bind(rows);
         let row = statement.fetch_one(link).await.map_err(failed("commit"))?;
         if row.try_get::<i64, _>(0).map_err(failed("commit"))? == 1 {
             lease.committed(Some(asked));
