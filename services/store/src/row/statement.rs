@@ -270,18 +270,16 @@ impl<R: Row> Declared for Statement<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::row::row;
+    use crate::row::columns;
 
-    row! {
-        /// A row.
-        pub struct Example {
-            /// A number.
-            pub number: i64,
-            /// A name.
-            pub name: Option<String>,
-            /// Two values.
-            pub pair: [f64; 2] = ["first", "second"],
-        }
+    struct Example {
+        number: i64,
+        name: Option<String>,
+        pair: [f64; 2],
+    }
+
+    columns! {
+        Example { number: i64, name: Option<String>, pair: [f64; 2] = ["first", "second"], }
     }
 
     static INSERT: Statement<Example> = Statement::insert("examples").unless_exists().returning("number");
