@@ -8,7 +8,7 @@ use serde::Serialize;
 use tokio::time::Duration;
 
 use super::database::{Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the pending actions.
@@ -63,7 +63,7 @@ pub enum Asked {
     Different(Action),
 }
 
-readings! {
+from_row! {
     /// A row of the `actions` table.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
     pub struct Action {

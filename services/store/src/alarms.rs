@@ -3,12 +3,12 @@
 use super::actions::{Asked, NewAction, record_done};
 use super::changes::{self, NewChange};
 use super::database::{Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Store, StoreError, failed};
 
 const WHAT: &str = "update an alarm";
 
-readings! {
+from_row! {
     /// The whisker and kind of an alarm, and what operators have done about it.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AlarmSubject {

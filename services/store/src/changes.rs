@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 use super::batch::Record;
 use super::database::{Either, Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::row::columns;
 use super::tables::{CHANGES, InFleet};
 use super::time::Time;
@@ -41,7 +41,7 @@ impl std::str::FromStr for Mark {
     }
 }
 
-readings! {
+from_row! {
     /// A change of a fleet's data.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct Change {

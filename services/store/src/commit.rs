@@ -6,7 +6,7 @@ use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
-use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo};
+use super::{Batch, Lease, StoreError, changes, failed, intent_log, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
@@ -70,7 +70,7 @@ pub(super) async fn write_done(
         forget_journal(tx, fleet, number).await.map_err(failed("delete the journal's old rows"))?;
     }
     if let Some(number) = batch.redo_done {
-        redo::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
+        intent_log::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
     }
     Ok(())
 }
