@@ -1,9 +1,9 @@
 //! The database: named queries for readers, one transaction for each batch of a fleet.
 //!
 //! [`Store`] answers queries ([`queries`], [`lists`]). A [`Writer`] has its own connection and writes for a fleet only
-//! under its [`Lease`]. [`batch`] defines the rows of a transaction, `commit` writes them, and `load` reads a fleet's
-//! state for its recovery. `sqlite` and `postgres` hold everything that differs between the two databases. No other
-//! module contains SQL.
+//! under its [`Lease`]. [`batch`] declares the rows of a transaction, [`tables`] has the statement of each, `commit`
+//! writes them, and `load` reads a fleet's state for its recovery. `row` makes statements from declarations. `sqlite`
+//! and `postgres` hold what else differs between the two databases. No other crate contains SQL.
 
 pub mod actions;
 pub mod address;

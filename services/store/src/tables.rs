@@ -121,8 +121,8 @@ pub(crate) static ANSWERED: Statement<SetpointStateRow> = Statement::custom(
 pub(crate) static CLEARED: Statement<AlarmClearedRow> = Statement::custom(
     "alarms",
     "UPDATE alarms AS t SET cleared_us = m.cleared_us FROM (SELECT n.cleared_us, (SELECT s.alarm_id FROM alarms s \
-     WHERE s.whisker_id = n.whisker_id AND s.kind = n.kind AND s.cleared_us IS NULL LIMIT 1) AS alarm_id FROM ROWS) AS m \
-     WHERE t.alarm_id = m.alarm_id AND OWNED",
+     WHERE s.whisker_id = n.whisker_id AND s.kind = n.kind AND s.cleared_us IS NULL LIMIT 1) AS alarm_id \
+     FROM ROWS) AS m WHERE t.alarm_id = m.alarm_id AND OWNED",
 );
 
 /// Columns that the program writes into a table.
