@@ -52,11 +52,11 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
 
 /// Writes the contacts that are stored as single rows.
 pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
-    match tx {
+    let written = match tx {
         Either::Postgres(tx) if postgres::are_copied(contacts) => postgres::copy_contacts(tx, contacts).await,
-        tx => CONTACTS.write(tx, contacts).await.map(drop),
-    }
-    .map_err(failed("append contacts"))
+        Either::Postgres(_) | Either::Sqlite(_) => CONTACTS.write(tx, contacts).await.map(drop),
+    };
+    written.map_err(failed("append contacts"))
 }
 
 /// Removes rows that are obsolete once all rows of this batch are committed; if some are left out, the journal stays.
