@@ -7,9 +7,8 @@
 use serde::Serialize;
 use tokio::time::Duration;
 
-use super::batch::PolicyRow;
 use super::database::{Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the pending actions.
@@ -64,7 +63,7 @@ pub enum Asked {
     Different(Action),
 }
 
-readings! {
+from_row! {
     /// A row of the `actions` table.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
     pub struct Action {
@@ -293,32 +292,6 @@ pub(super) async fn write_answer(
         .execute(&mut **tx)
         .await
         .map(drop))
-}
-
-/// Writes a policy, which is in force from now on.
-pub(super) async fn write_policy(tx: &mut Tx<'_>, policy: &PolicyRow) -> sqlx::Result<()> {
-    on!(tx, |tx| {
-        sqlx::query(
-        "INSERT INTO policies (fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, \
-         change_margin, changed_us, changed_by, reason, action_id) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)",
-    )
-    .bind(&policy.fleet)
-    .bind(policy.version)
-    .bind(policy.mode)
-    .bind(policy.objective)
-    .bind(policy.longer_for_shorter)
-    .bind(policy.predicted_error_max)
-    .bind(policy.own_role_cost)
-    .bind(policy.change_margin)
-    .bind(policy.changed_us)
-    .bind(&policy.changed_by)
-    .bind(&policy.reason)
-    .bind(policy.action_id)
-    .execute(&mut **tx)
-    .await
-    .map(drop)
-    })
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use super::actions::{Asked, NewAction, record_done};
 use super::changes::{self, NewChange};
 use super::database::{Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Store, StoreError, failed};
 
 const WHAT: &str = "update an alarm";
 
-readings! {
+from_row! {
     /// The whisker and kind of an alarm, and what operators have done about it.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AlarmSubject {
@@ -86,7 +86,7 @@ impl Store {
                 whisker_id: Some(subject.whisker_id),
                 ..NewChange::default()
             };
-            changes::write(&mut tx, &subject.fleet, &[change], now_us).await.map_err(failed(WHAT))?;
+            changes::write(&mut tx, &subject.fleet, change, now_us).await.map_err(failed(WHAT))?;
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)

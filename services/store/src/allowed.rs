@@ -5,7 +5,7 @@ use vibrissa_protocol::Name;
 
 use super::actions::{Asked, NewAction, record_done};
 use super::database::on;
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for a query or transaction of an engine.
@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Number of versions of a fleet's list that are stored.
 const VERSIONS_KEPT: i64 = 20;
 
-readings! {
+from_row! {
     /// The list of allowed robots that is in force in a fleet.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AllowedReading {

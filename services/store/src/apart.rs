@@ -7,7 +7,6 @@
 //! ```
 //! Each attempt is a savepoint of one transaction: a half that was accepted need not be written again, and rows of
 //! two robots that conflict with each other are found as well.
-//! two robots whose rows conflict with each other.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -16,7 +15,7 @@ use tokio::time::Instant;
 
 use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
-use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed};
+use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, records};
 
 /// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
@@ -114,7 +113,7 @@ async fn write_range(
 ) -> Result<(), StoreError> {
     let rows: Rows<'_> = parts.rows(range.clone());
     commit::write_contacts(tx, rows.contacts).await?;
-    commit::write_rest(tx, lease.fleet().as_str(), &rows).await?;
+    records::write(tx, lease.fleet().as_str(), &rows).await?;
     if let Some(number) = parts.journal_number() {
         let entries = parts.journal(range);
         if !entries.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
 use borsh::{BorshDeserialize, BorshSerialize};
 use tokio::time::Duration;
@@ -23,7 +23,7 @@ pub struct NewCalibration {
     pub calibration: String,
 }
 
-readings! {
+from_row! {
     /// A calibration that is active in a fleet.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct ActiveCalibration {

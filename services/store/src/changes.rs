@@ -4,12 +4,13 @@
 //! a [`Mark`] and never misses one, even if several supervisors write at once.
 
 use serde::Serialize;
-use sqlx::{Database, Encode, QueryBuilder, Type};
 use utoipa::ToSchema;
 
 use super::batch::Record;
 use super::database::{Either, Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
+use super::row::columns;
+use super::tables::{CHANGES, InFleet};
 use super::time::Time;
 use super::{Store, StoreError, failed};
 
@@ -40,7 +41,7 @@ impl std::str::FromStr for Mark {
     }
 }
 
-readings! {
+from_row! {
     /// A change of a fleet's data.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct Change {
@@ -78,14 +79,25 @@ impl Change {
 }
 
 /// A change to write; a time of 0 stands for now.
-#[derive(Debug, Default)]
-pub(super) struct NewChange<'a> {
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct NewChange<'a> {
     pub(super) recorded_us: i64,
     pub(super) kind: &'static str,
     pub(super) robot_id: Option<i64>,
     pub(super) whisker_id: Option<i64>,
     pub(super) number: Option<i64>,
     pub(super) command_id: Option<&'a str>,
+}
+
+columns! {
+    NewChange<'a> {
+        recorded_us: i64,
+        kind: &'static str,
+        robot_id: Option<i64>,
+        whisker_id: Option<i64>,
+        number: Option<i64>,
+        command_id: Option<&'a str>,
+    }
 }
 
 impl<'a> NewChange<'a> {
@@ -128,48 +140,24 @@ impl<'a> NewChange<'a> {
     }
 }
 
+/// The changes that records of a fleet cause.
+pub(super) fn of<'b>(fleet: &'b str, records: &'b [Record], now_us: i64) -> Vec<(InFleet<'b>, NewChange<'b>)> {
+    records.iter().map(|record| in_fleet(fleet, NewChange::of(record), now_us)).collect()
+}
+
+fn in_fleet<'b>(fleet: &'b str, change: NewChange<'b>, now_us: i64) -> (InFleet<'b>, NewChange<'b>) {
+    let recorded_us = if change.recorded_us == 0 { now_us } else { change.recorded_us };
+    (InFleet { fleet }, NewChange { recorded_us, ..change })
+}
+
 /// Writes the changes of a batch's records.
 pub(super) async fn write_of(tx: &mut Tx<'_>, fleet: &str, records: &[Record], now_us: i64) -> sqlx::Result<()> {
-    let changes: Vec<NewChange<'_>> = records.iter().map(NewChange::of).collect();
-    write(tx, fleet, &changes, now_us).await
+    CHANGES.write(tx, &of(fleet, records, now_us)).await.map(drop)
 }
 
-/// Writes changes of a fleet; those without a time get `now_us`.
-pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, changes: &[NewChange<'_>], now_us: i64) -> sqlx::Result<()> {
-    /// Most rows of one statement: each binds 7 values, and SQLite accepts 32,766.
-    const ROWS_A_STATEMENT: usize = 1000;
-    for changes in changes.chunks(ROWS_A_STATEMENT) {
-        match &mut *tx {
-            Either::Sqlite(tx) => {
-                statement(fleet, changes, now_us).build().persistent(false).execute(&mut **tx).await.map(drop)?;
-            }
-            Either::Postgres(tx) => {
-                statement(fleet, changes, now_us).build().persistent(false).execute(&mut **tx).await.map(drop)?;
-            }
-        }
-    }
-    Ok(())
-}
-
-fn statement<DB: Database>(fleet: &str, changes: &[NewChange<'_>], now_us: i64) -> QueryBuilder<DB>
-where
-    i64: for<'q> Encode<'q, DB> + Type<DB>,
-    Option<i64>: for<'q> Encode<'q, DB> + Type<DB>,
-    String: for<'q> Encode<'q, DB> + Type<DB>,
-    Option<String>: for<'q> Encode<'q, DB> + Type<DB>,
-{
-    let mut insert =
-        QueryBuilder::new("INSERT INTO changes (recorded_us, fleet, kind, robot_id, whisker_id, number, command_id) ");
-    insert.push_values(changes, |mut row, change| {
-        row.push_bind(if change.recorded_us == 0 { now_us } else { change.recorded_us })
-            .push_bind(fleet.to_owned())
-            .push_bind(change.kind.to_owned())
-            .push_bind(change.robot_id)
-            .push_bind(change.whisker_id)
-            .push_bind(change.number)
-            .push_bind(change.command_id.map(ToOwned::to_owned));
-    });
-    insert
+/// Writes a change of a fleet.
+pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, change: NewChange<'_>, now_us: i64) -> sqlx::Result<()> {
+    CHANGES.write(tx, &[in_fleet(fleet, change, now_us)]).await.map(drop)
 }
 
 /// Query of changes with the names of their robot, array and whisker.

@@ -1,13 +1,12 @@
 //! Writes a batch in one transaction, exactly once.
 
 use tokio::time::Instant;
-use tracing::warn;
 
-use super::batch::{ContactRow, JournalRow, RollupRow, Rows};
+use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
-use super::{Batch, Lease, StoreError, changes, failed, postgres, records, redo, sqlite};
-use crate::Resolution;
+use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
+use super::{Batch, Lease, StoreError, changes, failed, intent_log, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
@@ -41,7 +40,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
         return Ok(false);
     }
     let fleet = lease.fleet().as_str();
-    write_rest(&mut tx, fleet, &batch.rows()).await?;
+    records::write(&mut tx, fleet, &batch.rows()).await?;
     if let Some(row) = &batch.journal {
         write_journal(&mut tx, fleet, row).await.map_err(failed("write the journal"))?;
     }
@@ -53,33 +52,11 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
 
 /// Writes the contacts that are stored as single rows.
 pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
-    if contacts.is_empty() {
-        return Ok(());
-    }
-    match tx {
-        Either::Sqlite(tx) => sqlite::append_contacts(tx, contacts).await,
-        Either::Postgres(tx) => postgres::append_contacts(tx, contacts).await,
-    }
-    .map_err(failed("append contacts"))
-}
-
-/// Writes the rows of all other tables that belong to robots.
-pub(super) async fn write_rest(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) -> Result<(), StoreError> {
-    for layout in rows.layouts {
-        records::write_layout(tx, layout).await.map_err(failed("write a layout"))?;
-    }
-    write_rows(tx, rows).await?;
-    for record in rows.records {
-        records::write_record(tx, fleet, record).await?;
-    }
-    if !rows.responses.is_empty() {
-        match tx {
-            Either::Sqlite(tx) => sqlite::append_responses(tx, rows.responses).await,
-            Either::Postgres(tx) => postgres::append_responses(tx, rows.responses).await,
-        }
-        .map_err(failed("append responses"))?;
-    }
-    Ok(())
+    let written = match tx {
+        Either::Postgres(tx) if postgres::are_copied(contacts) => postgres::copy_contacts(tx, contacts).await,
+        Either::Postgres(_) | Either::Sqlite(_) => CONTACTS.write(tx, contacts).await.map(drop),
+    };
+    written.map_err(failed("append contacts"))
 }
 
 /// Removes rows that are obsolete once all rows of this batch are committed; if some are left out, the journal stays.
@@ -93,66 +70,15 @@ pub(super) async fn write_done(
         forget_journal(tx, fleet, number).await.map_err(failed("delete the journal's old rows"))?;
     }
     if let Some(number) = batch.redo_done {
-        redo::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
+        intent_log::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
     }
     Ok(())
-}
-
-/// Writes checkpoints and aggregates: many rows of few kinds.
-async fn write_rows(tx: &mut Tx<'_>, rows: &Rows<'_>) -> Result<(), StoreError> {
-    if !rows.robots.is_empty() {
-        match tx {
-            Either::Sqlite(tx) => sqlite::write_robots(tx, rows.robots).await,
-            Either::Postgres(tx) => postgres::write_robots(tx, rows.robots).await,
-        }
-        .map_err(failed("write robots"))?;
-    }
-    if !rows.whiskers.is_empty() {
-        match tx {
-            Either::Sqlite(tx) => sqlite::write_whiskers(tx, rows.whiskers).await,
-            Either::Postgres(tx) => postgres::write_whiskers(tx, rows.whiskers).await,
-        }
-        .map_err(failed("write whiskers"))?;
-    }
-    if !rows.rollups.is_empty() {
-        write_rollups(tx, rows.rollups).await.map_err(failed("write aggregates of minutes and hours"))?;
-    }
-    Ok(())
-}
-
-async fn write_rollups(tx: &mut Tx<'_>, rollups: &[RollupRow]) -> sqlx::Result<()> {
-    for resolution in Resolution::ALL {
-        let rows: Vec<&RollupRow> = rollups.iter().filter(|row| row.resolution == resolution).collect();
-        if rows.is_empty() {
-            continue;
-        }
-        let written = match &mut *tx {
-            Either::Sqlite(tx) => sqlite::append_rollups(tx, resolution, &rows).await?,
-            Either::Postgres(tx) => postgres::append_rollups(tx, resolution, &rows).await?,
-        };
-        tell_of_rollups(resolution, rows.len(), written);
-    }
-    Ok(())
-}
-
-/// Warns if aggregates existed already. No span is closed twice, but an operator may have restored a single table;
-/// that must not stop the fleet.
-pub(super) fn tell_of_rollups(resolution: Resolution, rows: usize, written: u64) {
-    if written < rows as u64 {
-        warn!(?resolution, rows, written, "skipped aggregates of minutes or hours that exist already");
-    }
 }
 
 /// Writes a row of the journal.
 async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::Result<()> {
-    // Without the fence two owners write the same numbers. The conflict would protect each from the damage that the
-    // test waits for.
-    let sql = if fault::is(Fault::NoFence) {
-        "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING"
-    } else {
-        "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3)"
-    };
-    on!(tx, |tx| sqlx::query(sql).bind(fleet).bind(row.number).bind(&row.entries).execute(&mut **tx).await.map(drop))
+    let journal = if fault::is(Fault::NoFence) { &JOURNAL_UNFENCED } else { &JOURNAL };
+    journal.write(tx, &[(InFleet { fleet }, row)]).await.map(drop)
 }
 
 /// Deletes the journal's rows up to a number, which the checkpoints contain.

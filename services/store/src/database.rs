@@ -93,18 +93,18 @@ impl Tx<'_> {
     }
 }
 
-/// The migrations, which are part of the program. (sqlx's macro that reads them at build time would build the whole
-/// database library a second time.)
-macro_rules! migrations {
-    ($folder:literal: $($version:literal $name:literal),+) => {
-        Migrator::with_migrations(vec![$(Migration::new(
-            $version,
-            $name.into(),
-            MigrationType::Simple,
-            include_str!(concat!("../../../migrations/", $folder, "/", $name, ".sql")).into_sql_str(),
-            false,
-        )),+])
-    };
+/// The migrations by database, which the build script lists.
+mod migrations {
+    include!(concat!(env!("OUT_DIR"), "/migrations.rs"));
+}
+
+fn migrator(files: &[(&'static str, &'static str)]) -> Migrator {
+    let migrations = files.iter().map(|&(name, sql)| {
+        // A name begins with the migration's number.
+        let version = name.split('_').next().and_then(|number| number.parse().ok()).unwrap_or_default();
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect())
 }
 
 impl Pool {
@@ -113,17 +113,11 @@ impl Pool {
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
         match self {
             Either::Sqlite(pool) => {
-                let migrator = migrations!("sqlite": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
-                    4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
-                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
-                    14 "0014_quarantine", 15 "0015_allowed_robots", 16 "0016_supervisor_hearing");
+                let migrator = migrator(migrations::SQLITE);
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
             Either::Postgres(pool) => {
-                let migrator = migrations!("postgres": 1 "0001_supervision", 2 "0002_leases", 3 "0003_closed_loop",
-                    4 "0004_rates", 5 "0005_actions", 6 "0006_access", 7 "0007_alarms", 8 "0008_changes",
-                    9 "0009_calibrations", 10 "0010_inline_states", 11 "0011_journal", 12 "0012_history", 13 "0013_redo",
-                    14 "0014_quarantine", 15 "0015_allowed_robots", 16 "0016_supervisor_hearing");
+                let migrator = migrator(migrations::POSTGRES);
                 self.change(&migrator, |version| migrator.run_to(version, pool)).await
             }
         }

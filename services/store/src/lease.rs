@@ -130,7 +130,7 @@ impl Lease {
 
     /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count and
     /// time to live.
-    pub(super) fn bind(&self, statement: postgres::Statement) -> postgres::Statement {
+    pub(super) fn bind(&self, statement: postgres::Query) -> postgres::Query {
         statement
             .bind(self.fleet.as_str())
             .bind(self.epoch as i64)

@@ -1,12 +1,13 @@
 //! The database: named queries for readers, one transaction for each batch of a fleet.
 //!
-//! [`Store`] answers queries ([`read`], [`lists`]). A [`Writer`] has its own connection and writes for a fleet only
-//! under its [`Lease`]. [`batch`] defines the rows of a transaction, `commit` writes them, and `load` reads a fleet's
-//! state for its recovery. `sqlite` and `postgres` hold everything that differs between the two databases. No other
-//! module contains SQL.
+//! [`Store`] answers queries ([`queries`], [`lists`]). A [`Writer`] has its own connection and writes for a fleet only
+//! under its [`Lease`]. [`batch`] declares the rows of a transaction, [`tables`] has the statement of each, `commit`
+//! writes them, and `load` reads a fleet's state for its recovery. `row` makes statements from declarations. `sqlite`
+//! and `postgres` hold what else differs between the two databases. No other crate contains SQL.
 
 pub mod actions;
 pub mod address;
+pub mod aggregates;
 pub mod alarms;
 pub mod allowed;
 mod apart;
@@ -18,25 +19,26 @@ mod commit;
 mod database;
 mod error;
 pub mod fault;
-pub mod group;
+pub mod from_row;
+mod intent_log;
 mod lease;
 pub mod list;
 pub mod lists;
 mod load;
 mod lock;
+mod membership;
 mod partitions;
 mod postgres;
 mod quarantine;
-pub mod read;
-pub mod readings;
+pub mod queries;
 mod records;
-mod redo;
 mod resolution;
 pub mod retention;
-mod roll;
+mod row;
 pub mod secret;
 pub mod series;
 mod sqlite;
+pub mod tables;
 pub mod time;
 pub mod tokens;
 mod writer;
@@ -51,8 +53,8 @@ pub use batch::Batch;
 pub use error::{Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
+pub use membership::{FleetLease, FleetsHeard, Membership, Present, Supervisor};
 pub use resolution::Resolution;
-pub use roll::{FleetLease, FleetsHeard, Present, Roll, Supervisor};
 pub use writer::Writer;
 
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};

@@ -111,7 +111,7 @@ pub enum Filter {
 
 /// Position in a sorted list: the last row of a page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct Position {
     /// Value of the sorting column.
     pub value: Value,
     /// Value of the list's `id` column.
@@ -128,7 +128,7 @@ pub struct Selection {
     /// Whether the greatest value comes first.
     pub descending: bool,
     /// Position after which the page begins; `None` for the first page.
-    pub after: Option<Place>,
+    pub after: Option<Position>,
     /// Most rows of the page.
     pub limit: u32,
 }
@@ -165,7 +165,7 @@ pub struct Rows<T> {
     /// Rows, at most as many as the limit.
     pub rows: Vec<T>,
     /// Position after which the next page begins; `None` if this is the last page.
-    pub next: Option<Place>,
+    pub next: Option<Position>,
 }
 
 /// Appends a value as a parameter.
@@ -236,10 +236,10 @@ where
     push_filters(&mut sql, &selection.filters);
     let (sort, id) = (selection.sort.column, list.id);
     let (after, order) = if selection.descending { (" < (", " DESC") } else { (" > (", " ASC") };
-    if let Some(place) = &selection.after {
+    if let Some(position) = &selection.after {
         sql.push(" AND (").push(sort).push(", ").push(id).push(")").push(after);
-        push_value(&mut sql, &place.value);
-        sql.push(", ").push_bind(place.id).push(")");
+        push_value(&mut sql, &position.value);
+        sql.push(", ").push_bind(position.id).push(")");
     }
     sql.push(" ORDER BY ").push(sort).push(order).push(", ").push(id).push(order);
     sql.push(" LIMIT ").push_bind(i64::from(selection.limit) + 1);
@@ -259,13 +259,13 @@ where
     let shown = &rows[..rows.len().min(limit)];
     let last = shown.last().filter(|_| rows.len() > limit);
     Ok(Rows {
-        next: last.map(|row| place_of(row, selection.sort, list.id)).transpose()?,
+        next: last.map(|row| position_of(row, selection.sort, list.id)).transpose()?,
         rows: shown.iter().map(T::from_row).collect::<sqlx::Result<_>>()?,
     })
 }
 
 /// Position of a row in a sorted list.
-fn place_of<R: Row>(row: &R, sort: Sort, id: &'static str) -> sqlx::Result<Place>
+fn position_of<R: Row>(row: &R, sort: Sort, id: &'static str) -> sqlx::Result<Position>
 where
     &'static str: ColumnIndex<R>,
     i64: for<'r> Decode<'r, R::Database> + Type<R::Database>,
@@ -277,7 +277,7 @@ where
         Kind::Whole => Value::Whole(row.try_get(sort.column)?),
         Kind::Real => Value::Real(row.try_get(sort.column)?),
     };
-    Ok(Place { value, id: row.try_get(id)? })
+    Ok(Position { value, id: row.try_get(id)? })
 }
 
 impl Store {

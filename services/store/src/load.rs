@@ -9,7 +9,7 @@ use vibrissa_core::robot::{Numbers, RestoreError, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 
 use super::database::{Either, Link, Tx, on};
-use super::readings::readings;
+use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
 
@@ -88,7 +88,7 @@ impl Store {
     }
 }
 
-readings! {
+from_row! {
     /// State of a robot (position -1) or of one of its whiskers.
     struct StateRow {
         robot_id: i64,

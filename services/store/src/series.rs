@@ -1,11 +1,11 @@
 //! Contacts of a whisker over time: single contacts, or means over equal spans of time.
 
 use super::database::on;
-use super::readings::readings;
+use super::from_row::from_row;
 use super::time::Time;
 use super::{Store, StoreError, failed};
 
-readings! {
+from_row! {
     /// A contact, or the mean of the contacts in a span of time.
     #[derive(Debug, Clone, PartialEq)]
     pub struct ContactMean {

@@ -4,11 +4,11 @@ use serde_json::json;
 
 use super::actions::{NewAction, record_done};
 use super::database::on;
-use super::readings::readings;
+use super::from_row::from_row;
 use super::time::Time;
 use super::{Store, StoreError, failed};
 
-readings! {
+from_row! {
     /// A token of the REST API.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct TokenRow {

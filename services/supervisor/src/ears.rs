@@ -1,4 +1,4 @@
-//! Fleets whose robots may be unheard: this supervisor reports to the others, in the roll, which fleets it hears.
+//! Fleets whose robots may be unheard: this supervisor reports to the others, in the membership, which fleets it hears.
 //!
 //! An owner that has not heard its robots for a while reports the fleet as deaf. Supervisors that could acquire the
 //! fleet then test whether they hear it, and report the result. A supervisor that has given a fleet up keeps testing,
@@ -15,7 +15,7 @@ use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;
 use crate::mqtt::{Connection, LinkState, try_hearing};
-use vibrissa_store::{FleetsHeard, Roll};
+use vibrissa_store::{FleetsHeard, Membership};
 
 /// Pause between two trials.
 const TRIAL_PAUSE: Duration = Duration::from_secs(2);
@@ -125,20 +125,20 @@ impl Ears {
     }
 
     /// Starts trials of fleets that a supervisor may not hear, and stops those that are no longer needed.
-    pub(crate) fn try_doubtful(&mut self, roll: &Roll, supervisor: &str, shared: &Shared) {
+    pub(crate) fn try_doubtful(&mut self, membership: &Membership, supervisor: &str, shared: &Shared) {
         let is_doubtful = |fleet: &Name| {
             self.deaf.contains_key(fleet)
-                || roll.present.iter().any(|one| {
+                || membership.present.iter().any(|one| {
                     one.supervisor != supervisor
                         && one.hearing.deaf.contains(fleet)
-                        && owns(roll, &one.supervisor, fleet)
+                        && owns(membership, &one.supervisor, fleet)
                 })
         };
-        let doubtful: BTreeSet<Name> = roll
+        let doubtful: BTreeSet<Name> = membership
             .leases
             .iter()
             .map(|lease| &lease.fleet)
-            .filter(|fleet| is_doubtful(fleet) && !owns(roll, supervisor, fleet))
+            .filter(|fleet| is_doubtful(fleet) && !owns(membership, supervisor, fleet))
             .cloned()
             .collect();
         self.trials.retain(|fleet, _| doubtful.contains(fleet));
@@ -153,6 +153,9 @@ impl Ears {
     }
 }
 
-fn owns(roll: &Roll, supervisor: &str, fleet: &Name) -> bool {
-    roll.leases.iter().any(|lease| lease.fleet == *fleet && !lease.free && lease.owner.as_deref() == Some(supervisor))
+fn owns(membership: &Membership, supervisor: &str, fleet: &Name) -> bool {
+    membership
+        .leases
+        .iter()
+        .any(|lease| lease.fleet == *fleet && !lease.free && lease.owner.as_deref() == Some(supervisor))
 }

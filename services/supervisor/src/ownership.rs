@@ -14,7 +14,7 @@ use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
 use crate::readiness::Standing;
 use crate::sharing::shares;
-use vibrissa_store::{Roll, StoreError, Supervisor, Writer};
+use vibrissa_store::{Membership, StoreError, Supervisor, Writer};
 
 /// Number of turns in a lease's time to live. Each turn renews the leases and looks for free ones.
 const TURNS_A_TIME_TO_LIVE: u32 = 8;
@@ -107,7 +107,7 @@ impl Ownership {
         self.supervisor.time_to_live / turns
     }
 
-    /// One turn: renew, read the roll, release, acquire. Returns the time until the next turn, which is due at the
+    /// One turn: renew, read the membership, release, acquire. Returns the time until the next turn, which is due at the
     /// latest when another supervisor's lease expires.
     async fn turn(&mut self) -> Result<Duration, StoreError> {
         if !self.is_prepared {
@@ -120,15 +120,15 @@ impl Ownership {
             let links = self.fleets.iter().map(|(name, fleet)| (name, fleet.link()));
             self.ears.listen(links, &self.shared);
         }
-        let roll = self.writer.sign_in_hearing(&self.supervisor, &held, &self.ears.told()).await?;
-        self.drop_lost(&roll);
+        let membership = self.writer.sign_in_hearing(&self.supervisor, &held, &self.ears.told()).await?;
+        self.drop_lost(&membership);
         if self.shared.store.is_shared() {
-            self.ears.try_doubtful(&roll, &self.supervisor.id, &self.shared);
+            self.ears.try_doubtful(&membership, &self.supervisor.id, &self.shared);
         }
-        let shares = shares(&roll);
+        let shares = shares(&membership);
         let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
         let too_many: Vec<Name> = self.fleets.keys().filter(|fleet| !mine(fleet)).cloned().collect();
-        let missing: Vec<Name> = roll
+        let missing: Vec<Name> = membership
             .leases
             .iter()
             .filter(|lease| mine(&lease.fleet))
@@ -149,11 +149,11 @@ impl Ownership {
                 self.fleets.insert(fleet, Fleet::start(lease, &self.shared));
             }
         }
-        for lease in roll.leases.iter().filter(|lease| !self.fleets.contains_key(&lease.fleet)) {
+        for lease in membership.leases.iter().filter(|lease| !self.fleets.contains_key(&lease.fleet)) {
             let holder = lease.holder.clone().filter(|_| !lease.free);
             self.shared.readiness.stands(&lease.fleet, Standing::Standby { holder });
         }
-        let soonest = roll
+        let soonest = membership
             .leases
             .iter()
             .filter(|lease| !self.fleets.contains_key(&lease.fleet))
@@ -178,9 +178,9 @@ impl Ownership {
     }
 
     /// Stops fleets that another supervisor owns by now. Fencing already keeps them from writing.
-    fn drop_lost(&mut self, roll: &Roll) {
+    fn drop_lost(&mut self, membership: &Membership) {
         let is_ours = |fleet: &Fleet| {
-            roll.leases.iter().any(|row| {
+            membership.leases.iter().any(|row| {
                 row.fleet == *fleet.lease().fleet()
                     && row.epoch == fleet.lease().epoch()
                     && row.owner.as_deref() == Some(&*self.supervisor.id)

@@ -1,21 +1,21 @@
-//! Which supervisor should own which fleet: a pure function of the roll, so that all supervisors that read the same
-//! roll agree.
+//! Which supervisor should own which fleet: a pure function of the membership, so that all supervisors that read the same
+//! membership agree.
 
 use std::collections::BTreeMap;
 
 use vibrissa_protocol::Name;
 
-use vibrissa_store::{Present, Roll};
+use vibrissa_store::{Membership, Present};
 
 /// The best owner of each fleet. A present owner keeps its fleets, with two exceptions: to even out the numbers, and a
 /// fleet that it does not hear and another supervisor has proved to hear. Fleets without an owner go to the supervisor
 /// with the fewest fleets.
 #[must_use]
-pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
-    let mut present: Vec<&Present> = roll.present.iter().collect();
+pub(crate) fn shares(membership: &Membership) -> BTreeMap<Name, String> {
+    let mut present: Vec<&Present> = membership.present.iter().collect();
     present.sort_unstable_by_key(|one| one.supervisor.as_str());
     let owner = |fleet: &Name| {
-        let lease = roll.leases.iter().find(|lease| lease.fleet == *fleet && !lease.free)?;
+        let lease = membership.leases.iter().find(|lease| lease.fleet == *fleet && !lease.free)?;
         present.iter().find(|one| lease.owner.as_deref() == Some(&*one.supervisor) && one.fleets.contains(fleet))
     };
     let is_deaf = |one: &Present, fleet: &Name| one.hearing.deaf.contains(fleet);
@@ -26,14 +26,14 @@ pub(crate) fn shares(roll: &Roll) -> BTreeMap<Name, String> {
         one.fleets.contains(fleet) && !is_deaf(one, fleet) && (!must_prove || one.hearing.heard.contains(fleet))
     };
     let mut shares: BTreeMap<Name, String> = BTreeMap::new();
-    for fleet in roll.leases.iter().map(|lease| &lease.fleet) {
+    for fleet in membership.leases.iter().map(|lease| &lease.fleet) {
         if let Some(owner) = owner(fleet)
             && !(is_deaf(owner, fleet) && present.iter().any(|one| may(one, fleet)))
         {
             shares.insert(fleet.clone(), owner.supervisor.clone());
         }
     }
-    let mut unowned: Vec<&Name> = roll.leases.iter().map(|lease| &lease.fleet).collect();
+    let mut unowned: Vec<&Name> = membership.leases.iter().map(|lease| &lease.fleet).collect();
     unowned.retain(|fleet| !shares.contains_key(*fleet));
     unowned.sort_unstable();
     for fleet in unowned {
@@ -80,8 +80,8 @@ mod tests {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()
     }
 
-    /// A roll with the given supervisors present, and each fleet's owner.
-    fn roll(present: &[&str], owners: &[Option<&str>]) -> Roll {
+    /// A membership with the given supervisors present, and each fleet's owner.
+    fn membership(present: &[&str], owners: &[Option<&str>]) -> Membership {
         let fleets = fleets(owners.len());
         let leases = fleets.iter().zip(owners).map(|(fleet, owner)| FleetLease {
             fleet: fleet.clone(),
@@ -95,7 +95,7 @@ mod tests {
         let one =
             |one: &&str| Present { supervisor: (*one).to_owned(), fleets: fleets.clone(), hearing: hearing.clone() };
         let present = present.iter().map(one).collect();
-        Roll { leases: leases.collect(), present }
+        Membership { leases: leases.collect(), present }
     }
 
     fn counts(shares: &BTreeMap<Name, String>, present: &[&str]) -> Vec<usize> {
@@ -104,34 +104,34 @@ mod tests {
 
     #[test]
     fn whoever_is_alone_has_everything() {
-        assert_eq!(counts(&shares(&roll(&["a"], &[None; 5])), &["a"]), [5]);
+        assert_eq!(counts(&shares(&membership(&["a"], &[None; 5])), &["a"]), [5]);
     }
 
     #[test]
     fn whoever_comes_gets_a_share_and_the_others_keep_the_rest() {
         let before = [Some("a"); 5];
-        let shares = shares(&roll(&["a", "b"], &before));
+        let shares = shares(&membership(&["a", "b"], &before));
         assert_eq!(counts(&shares, &["a", "b"]), [3, 2]);
         assert!(fleets(3).iter().all(|fleet| shares[fleet] == "a"), "{shares:?}");
     }
 
     #[test]
     fn one_fleet_stays_where_it_is() {
-        assert_eq!(counts(&shares(&roll(&["a", "b"], &[Some("b")])), &["a", "b"]), [0, 1]);
+        assert_eq!(counts(&shares(&membership(&["a", "b"], &[Some("b")])), &["a", "b"]), [0, 1]);
     }
 
     #[test]
     fn whoever_went_is_replaced_at_once() {
-        let shares = shares(&roll(&["b", "c"], &[Some("b"), None, None, Some("c"), None]));
+        let shares = shares(&membership(&["b", "c"], &[Some("b"), None, None, Some("c"), None]));
         assert_eq!(counts(&shares, &["b", "c"]).iter().sum::<usize>(), 5);
         assert!(counts(&shares, &["b", "c"]).iter().all(|&count| count >= 2));
     }
 
     #[test]
     fn nobody_gets_a_fleet_that_it_may_not_have() {
-        let mut roll = roll(&["a", "b"], &[None, None, None, None]);
-        roll.present[1].fleets.truncate(1);
-        let shares = shares(&roll);
+        let mut membership = membership(&["a", "b"], &[None, None, None, None]);
+        membership.present[1].fleets.truncate(1);
+        let shares = shares(&membership);
         assert_eq!(counts(&shares, &["a", "b"]), [3, 1]);
         assert_eq!(shares[&fleets(1)[0]], "b");
     }
@@ -140,15 +140,15 @@ mod tests {
     /// anything else none.
     fn owner_of_one(owner: Option<&str>, said: &str) -> Option<String> {
         let names = ["a", "b", "c"];
-        let mut roll = roll(&names[..said.len()], &[owner]);
-        for (one, said) in roll.present.iter_mut().zip(said.chars()) {
+        let mut membership = membership(&names[..said.len()], &[owner]);
+        for (one, said) in membership.present.iter_mut().zip(said.chars()) {
             match said {
                 'D' => one.hearing.deaf = fleets(1),
                 'H' => one.hearing.heard = fleets(1),
                 _ => {}
             }
         }
-        shares(&roll).remove(&fleets(1)[0])
+        shares(&membership).remove(&fleets(1)[0])
     }
 
     #[test]
@@ -172,19 +172,19 @@ mod tests {
 
     #[test]
     fn numbers_are_not_evened_out_towards_whoever_does_not_hear() {
-        let mut roll = roll(&["a", "b"], &[Some("a"); 4]);
-        roll.present[1].hearing.deaf = fleets(4);
-        assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
+        let mut membership = membership(&["a", "b"], &[Some("a"); 4]);
+        membership.present[1].hearing.deaf = fleets(4);
+        assert_eq!(counts(&shares(&membership), &["a", "b"]), [4, 0]);
         // Without a proof they are not evened out away from an owner that does not hear either.
-        roll.present[1].hearing.deaf.clear();
-        roll.present[0].hearing.deaf = fleets(4);
-        assert_eq!(counts(&shares(&roll), &["a", "b"]), [4, 0]);
-        roll.present[1].hearing.heard = fleets(1);
-        assert_eq!(shares(&roll)[&fleets(1)[0]], "b");
-        assert_eq!(counts(&shares(&roll), &["a", "b"]), [3, 1]);
+        membership.present[1].hearing.deaf.clear();
+        membership.present[0].hearing.deaf = fleets(4);
+        assert_eq!(counts(&shares(&membership), &["a", "b"]), [4, 0]);
+        membership.present[1].hearing.heard = fleets(1);
+        assert_eq!(shares(&membership)[&fleets(1)[0]], "b");
+        assert_eq!(counts(&shares(&membership), &["a", "b"]), [3, 1]);
     }
 
-    /// Every roll of up to 4 supervisors and 6 fleets: all fleets have an owner, the numbers are even, and the result
+    /// Every membership of up to 4 supervisors and 6 fleets: all fleets have an owner, the numbers are even, and the result
     /// is stable.
     #[test]
     fn brute_force_every_share_is_even_and_final() {
@@ -196,12 +196,12 @@ mod tests {
                     .map(|place| code / (supervisors + 1).pow(place) % (supervisors + 1))
                     .map(|owner| present.get(owner).copied())
                     .collect();
-                let first = shares(&roll(present, &owners));
+                let first = shares(&membership(present, &owners));
                 let counts = counts(&first, present);
                 assert!(counts.iter().max().unwrap() - counts.iter().min().unwrap() <= 1, "{owners:?} {first:?}");
                 assert_eq!(first.len(), 6);
                 let followed: Vec<Option<&str>> = first.values().map(|owner| Some(owner.as_str())).collect();
-                assert_eq!(shares(&roll(present, &followed)), first, "{owners:?}");
+                assert_eq!(shares(&membership(present, &followed)), first, "{owners:?}");
             }
         }
     }

@@ -407,12 +407,12 @@ async fn regress_a_refused_row_does_not_keep_a_fleet_from_being_taken_up() {
     let bad = rows::numbered(&mut writer, &lease, "bad").await;
     let mut batch = contacts(&good, 0..5);
     batch.append_all(contacts(&bad, 0..5));
-    writer.keep(&lease, 7, &batch.to_bytes().unwrap()).await.unwrap();
+    writer.write_intent(&lease, 7, &batch.to_bytes().unwrap()).await.unwrap();
     admin.refuse("contacts", &format!("n.whisker_id = {}", bad.whisker_ids[0])).await;
     let (folder, url) = (tempfile::tempdir().unwrap(), Postgres::url(database.server.as_ref().unwrap().port()));
     let mut next = Replica::start(folder.path(), "s", "f", &url, broker.port(), 0.8);
     next.says(200, "OWNED").await;
     assert_eq!(database.store.contact_count().await.unwrap(), 5);
-    assert_eq!(writer.kept(&lease).await.unwrap(), None);
+    assert_eq!(writer.pending_intent(&lease).await.unwrap(), None);
     next.terminate().await;
 }

@@ -1,4 +1,4 @@
-//! Both databases have the same tables and columns, and every table has a comment.
+//! Both databases have the same tables and columns, which fit the declared rows, and every table has a comment.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -58,6 +58,61 @@ async fn both_databases_have_the_same_tables_with_the_same_columns() {
         "{tables:?}"
     );
     assert_eq!(tables, postgres_tables(&postgres.server.as_ref().unwrap().connect()).await);
+}
+
+/// A column of a table: its type, and whether a new row must have a value for it.
+type Types = BTreeMap<(String, String), (String, bool)>;
+
+async fn sqlite_types(path: &std::path::Path) -> Types {
+    let mut link = sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap();
+    let rows = sqlx::query(
+        "SELECT m.name AS t, p.name AS c, p.type AS kind, p.\"notnull\" AND p.dflt_value IS NULL AS needed \
+         FROM sqlite_master m JOIN pragma_table_info(m.name) p WHERE m.type = 'table'",
+    )
+    .fetch_all(&mut link)
+    .await
+    .unwrap();
+    rows.iter().map(|row| ((row.get("t"), row.get("c")), (row.get("kind"), row.get("needed")))).collect()
+}
+
+async fn postgres_types(options: &sqlx::postgres::PgConnectOptions) -> Types {
+    let mut link = options.connect().await.unwrap();
+    let rows = sqlx::query(
+        "SELECT c.relname::text AS t, a.attname::text AS c, format_type(a.atttypid, a.atttypmod) AS kind, \
+         a.attnotnull AND NOT a.atthasdef AND a.attidentity = '' AS needed \
+         FROM pg_class c JOIN pg_attribute a ON a.attrelid = c.oid \
+         WHERE c.relnamespace = 'public'::regnamespace AND c.relkind IN ('r', 'p') AND a.attnum > 0 \
+         AND NOT a.attisdropped",
+    )
+    .fetch_all(&mut link)
+    .await
+    .unwrap();
+    rows.iter().map(|row| ((row.get("t"), row.get("c")), (row.get("kind"), row.get("needed")))).collect()
+}
+
+/// Compares the declared rows with the tables of a database.
+fn rows_fit(types: &Types, type_of: impl Fn(&(&'static str, &'static str, &'static str)) -> &'static str) {
+    let written = vibrissa_store::tables::written();
+    assert!(written.len() >= 20);
+    for one in &written {
+        for column in &one.columns {
+            let found = types.get(&(one.table.to_owned(), column.0.to_owned()));
+            let found = found.unwrap_or_else(|| panic!("table {} has no column {}", one.table, column.0));
+            assert_eq!(found.0, type_of(column), "type of {}.{}", one.table, column.0);
+        }
+        for ((table, column), _) in types.iter().filter(|(_, (_, needed))| one.inserts && *needed) {
+            let declared = one.columns.iter().any(|(name, ..)| name == column);
+            assert!(table != one.table || declared, "{table}.{column} is not declared");
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_tables_have_the_columns_of_the_declared_rows() {
+    let (lite, postgres) = (Fresh::sqlite().await, Fresh::postgres().await);
+    let DatabaseAddress::Sqlite(path) = &lite.address else { panic!("a file") };
+    rows_fit(&sqlite_types(path).await, |column| column.1);
+    rows_fit(&postgres_types(&postgres.server.as_ref().unwrap().connect()).await, |column| column.2);
 }
 
 fn migrations(folder: &str) -> BTreeMap<String, String> {

@@ -1,9 +1,10 @@
-//! The rarer rows of a batch: health changes, trims, decisions, setpoints, errors, alarms and answers.
+//! The rarer rows of a batch, in their order: health changes, trims, decisions, setpoints, errors, alarms and answers.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::{Interval, words};
+use super::{DecisionRow, ErrorRow, RefinementRow, words};
 use crate::calibrations::ActivationRow;
+use crate::row::row;
 
 /// One of the rarer rows of a batch.
 #[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
@@ -75,29 +76,187 @@ pub enum Record {
     Quarantined(Box<QuarantineRow>),
 }
 
-/// A message whose rows the database refused; the migration documents the columns.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct QuarantineRow {
-    /// Name of the robot that sent the message.
-    pub robot: String,
-    /// Topic below the robot's level, such as `contacts`.
-    #[borsh(deserialize_with = "words::word")]
-    pub topic: &'static str,
-    /// Boot of the robot that sent the message; `None` if the message does not name it.
-    pub boot_id: Option<String>,
-    /// Sequence number of the message; `None` if it has none.
-    pub seq: Option<i64>,
-    /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
-    pub received_us: i64,
-    /// Time at which it was put into quarantine, µs since 1970 UTC by the supervisor's clock.
-    pub quarantined_us: i64,
-    /// Class of the error: a word of [`RejectionCause`](crate::RejectionCause).
-    #[borsh(deserialize_with = "words::word")]
-    pub cause: &'static str,
-    /// Error code of the database.
-    pub code: String,
-    /// Bytes of the message, truncated after [`PAYLOAD_BYTES_MAX`](Self::PAYLOAD_BYTES_MAX).
-    pub payload: Vec<u8>,
+/// State of a new setpoint.
+const PENDING: &str = "PENDING";
+
+row! {
+    /// A message whose rows the database refused; the migration documents the columns.
+    pub struct QuarantineRow {
+        /// Name of the robot that sent the message.
+        pub robot: String,
+        /// Topic below the robot's level, such as `contacts`.
+        #[borsh(deserialize_with = "words::word")]
+        pub topic: &'static str,
+        /// Boot of the robot that sent the message; `None` if the message does not name it.
+        pub boot_id: Option<String>,
+        /// Sequence number of the message; `None` if it has none.
+        pub seq: Option<i64>,
+        /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
+        pub received_us: i64,
+        /// Time at which it was put into quarantine, µs since 1970 UTC by the supervisor's clock.
+        pub quarantined_us: i64,
+        /// Class of the error: a word of [`RejectionCause`](crate::RejectionCause).
+        #[borsh(deserialize_with = "words::word")]
+        pub cause: &'static str,
+        /// Error code of the database.
+        pub code: String,
+        /// Bytes of the message, truncated after [`PAYLOAD_BYTES_MAX`](Self::PAYLOAD_BYTES_MAX).
+        pub payload: Vec<u8>,
+    }
+
+    /// A change of a whisker's condition or fault.
+    pub struct HealthRow {
+        /// Number of the whisker in the database.
+        pub whisker_id: i64,
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
+        pub recorded_us: i64,
+        /// Changed property: `CONDITION` or `FAULT`.
+        #[borsh(deserialize_with = "words::word")]
+        pub kind: &'static str,
+        /// Condition or fault before the change; `None` for no fault.
+        #[borsh(deserialize_with = "words::word_if_any")]
+        pub was: Option<&'static str>,
+        /// Condition or fault after the change; `None` for no fault.
+        #[borsh(deserialize_with = "words::word_if_any")]
+        pub becomes: Option<&'static str>,
+    }
+
+    /// A detected trim.
+    pub struct TrimRow {
+        /// Number of the trim: the robot's number in the upper 32 bits, a count in the lower.
+        pub trim_id: i64,
+        /// Number of the robot in the database.
+        pub robot_id: i64,
+        /// Number of the whisker in the database.
+        pub whisker_id: i64,
+        /// Time of the detection, µs since 1970 UTC by the supervisor's clock.
+        pub detected_us: i64,
+        /// Estimated length before the trim, mm.
+        pub length_before_mm: f64,
+        /// Estimated length after the trim, mm.
+        pub length_after_mm: f64,
+        /// Standard deviation of the estimated length after the trim, mm.
+        pub length_after_sd_mm: f64,
+        /// Number of contacts from the most likely moment of the cut to its detection.
+        pub contacts_to_detect: i64,
+    }
+
+    /// The end of a compensation.
+    pub struct EndedRow {
+        /// Number of the compensation.
+        pub compensation_id: i64,
+        /// Time of the end, µs since 1970 UTC by the supervisor's clock.
+        pub ended_us: i64,
+        /// Reason for the end, such as `REPLACED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub end_reason: &'static str,
+    }
+
+    /// A new state of a setpoint.
+    pub struct SetpointStateRow {
+        /// Identifier of the setpoint, a UUID.
+        pub command_id: String,
+        /// Number of the robot; 0 if it is unknown because the batch was read from the intent log.
+        #[borsh(skip)]
+        pub robot_id: i64 = [],
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
+        pub recorded_us: i64,
+        /// The new state, such as `APPLIED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub state: &'static str,
+        /// Reason that the robot gave for rejecting the setpoint.
+        #[borsh(deserialize_with = "words::word_if_any")]
+        pub error: Option<&'static str>,
+        /// Pressure that the robot reported as reached, MPa.
+        pub pressure_mpa: Option<f64>,
+    }
+
+    /// A raised alarm.
+    pub struct AlarmRow {
+        /// Number of the whisker in the database.
+        pub whisker_id: i64,
+        /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
+        pub raised_us: i64,
+        /// Kind of alarm, such as `UNCOMPENSATED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub kind: &'static str,
+    }
+
+    /// The end of an alarm's cause.
+    pub struct AlarmClearedRow {
+        /// Number of the whisker in the database.
+        pub whisker_id: i64,
+        /// Time of the end, µs since 1970 UTC by the supervisor's clock.
+        pub cleared_us: i64,
+        /// Kind of alarm, such as `UNCOMPENSATED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub kind: &'static str,
+    }
+
+    /// A policy that an operator has set; the migration documents the columns.
+    pub struct PolicyRow {
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Version of the fleet's policy, from 1.
+        pub version: i64,
+        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
+        #[borsh(deserialize_with = "words::word")]
+        pub mode: &'static str,
+        /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
+        #[borsh(deserialize_with = "words::word")]
+        pub objective: &'static str,
+        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub longer_for_shorter: &'static str,
+        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
+        pub predicted_error_max: f64,
+        /// Cost of a neighbour that gives up its own role, in units of mean error.
+        pub own_role_cost: f64,
+        /// Least gain for which an assignment in force is changed, in units of mean error.
+        pub change_margin: f64,
+        /// Time at which it was set, µs since 1970 UTC by the supervisor's clock.
+        pub changed_us: i64,
+        /// Person or token that set it.
+        pub changed_by: String,
+        /// Reason that the person gave.
+        pub reason: Option<String>,
+        /// Number of the action that set it.
+        pub action_id: i64,
+    }
+
+    /// A setpoint; the migration documents the columns.
+    pub struct SetpointRow {
+        /// Identifier of the setpoint, a UUID.
+        pub command_id: String,
+        /// Number of the robot in the database.
+        pub robot_id: i64,
+        /// Number of the whisker in the database.
+        pub whisker_id: i64,
+        /// Number of the compensation that it belongs to, if any.
+        pub compensation_id: Option<i64>,
+        /// Epoch of the supervisor that decided it.
+        pub epoch: i64,
+        /// Version of the setpoint on its robot.
+        pub version: i64,
+        /// The only boot of the robot that may apply it.
+        pub robot_boot_id: String,
+        /// Pressure to hold, MPa.
+        pub pressure_mpa: f64,
+        /// Rate at which the pressure approaches the setpoint, MPa per second.
+        pub slew_mpa_per_s: f64,
+        /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
+        pub issued_us: i64,
+        /// Time from which on the robot must not apply it, µs since 1970 UTC by the robot's clock.
+        pub expires_us: i64,
+        /// Reason, such as `SELF_COMPENSATION` or `RELEASE`.
+        #[borsh(deserialize_with = "words::word")]
+        pub reason: &'static str,
+        /// Residual gain, as a JSON array of contact ratios and gains.
+        pub gain: Option<String>,
+    }
+    also {
+        state: &'static str = |_row| PENDING,
+    }
 }
 
 impl QuarantineRow {
@@ -107,285 +266,16 @@ impl QuarantineRow {
     pub const ROWS_MAX: i64 = 1000;
 }
 
-/// A change of a whisker's condition or fault.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct HealthRow {
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Time of the change, µs since 1970 UTC by the supervisor's clock.
-    pub recorded_us: i64,
-    /// Changed property: `CONDITION` or `FAULT`.
-    #[borsh(deserialize_with = "words::word")]
-    pub kind: &'static str,
-    /// Condition or fault before the change; `None` for no fault.
-    #[borsh(deserialize_with = "words::word_if_any")]
-    pub was: Option<&'static str>,
-    /// Condition or fault after the change; `None` for no fault.
-    #[borsh(deserialize_with = "words::word_if_any")]
-    pub becomes: Option<&'static str>,
-}
-
-/// A detected trim.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct TrimRow {
-    /// Number of the trim: the robot's number in the upper 32 bits, a count in the lower.
-    pub trim_id: i64,
-    /// Number of the robot in the database.
-    pub robot_id: i64,
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Time of the detection, µs since 1970 UTC by the supervisor's clock.
-    pub detected_us: i64,
-    /// Estimated length before the trim, mm.
-    pub length_before_mm: f64,
-    /// Estimated length after the trim, mm.
-    pub length_after_mm: f64,
-    /// Standard deviation of the estimated length after the trim, mm.
-    pub length_after_sd_mm: f64,
-    /// Number of contacts from the most likely moment of the cut to its detection.
-    pub contacts_to_detect: i64,
-}
-
-/// The end of a compensation.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct EndedRow {
-    /// Number of the compensation.
-    pub compensation_id: i64,
-    /// Time of the end, µs since 1970 UTC by the supervisor's clock.
-    pub ended_us: i64,
-    /// Reason for the end, such as `REPLACED`.
-    #[borsh(deserialize_with = "words::word")]
-    pub end_reason: &'static str,
-}
-
-/// A new state of a setpoint.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct SetpointStateRow {
-    /// Identifier of the setpoint, a UUID.
-    pub command_id: String,
-    /// Number of the robot; 0 if it is unknown because the batch was read from the intent log.
-    #[borsh(skip)]
-    pub robot_id: i64,
-    /// Time of the change, µs since 1970 UTC by the supervisor's clock.
-    pub recorded_us: i64,
-    /// The new state, such as `APPLIED`.
-    #[borsh(deserialize_with = "words::word")]
-    pub state: &'static str,
-    /// Reason that the robot gave for rejecting the setpoint.
-    #[borsh(deserialize_with = "words::word_if_any")]
-    pub error: Option<&'static str>,
-    /// Pressure that the robot reported as reached, MPa.
-    pub pressure_mpa: Option<f64>,
-}
-
-/// A raised alarm.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct AlarmRow {
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
-    pub raised_us: i64,
-    /// Kind of alarm, such as `UNCOMPENSATED`.
-    #[borsh(deserialize_with = "words::word")]
-    pub kind: &'static str,
-}
-
-/// The end of an alarm's cause.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct AlarmClearedRow {
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Time of the end, µs since 1970 UTC by the supervisor's clock.
-    pub cleared_us: i64,
-    /// Kind of alarm, such as `UNCOMPENSATED`.
-    #[borsh(deserialize_with = "words::word")]
-    pub kind: &'static str,
-}
-
-/// A policy that an operator has set; the migration documents the columns.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct PolicyRow {
-    /// Name of the fleet.
-    pub fleet: String,
-    /// Version of the fleet's policy, from 1.
-    pub version: i64,
-    /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
-    #[borsh(deserialize_with = "words::word")]
-    pub mode: &'static str,
-    /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
-    #[borsh(deserialize_with = "words::word")]
-    pub objective: &'static str,
-    /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
-    #[borsh(deserialize_with = "words::word")]
-    pub longer_for_shorter: &'static str,
-    /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
-    pub predicted_error_max: f64,
-    /// Cost of a neighbour that gives up its own role, in units of mean error.
-    pub own_role_cost: f64,
-    /// Least gain for which an assignment in force is changed, in units of mean error.
-    pub change_margin: f64,
-    /// Time at which it was set, µs since 1970 UTC by the supervisor's clock.
-    pub changed_us: i64,
-    /// Person or token that set it.
-    pub changed_by: String,
-    /// Reason that the person gave.
-    pub reason: Option<String>,
-    /// Number of the action that set it.
-    pub action_id: i64,
-}
-
-/// A decision with its candidates.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct DecisionRow {
-    /// Number of the compensation: the robot's number in the upper 32 bits, a count in the lower.
-    pub compensation_id: i64,
-    /// Number of the robot in the database.
-    pub robot_id: i64,
-    /// Number of the trimmed whisker (the target) in the database.
-    pub target_whisker_id: i64,
-    /// Length of the target before the trim, mm.
-    pub target_length_mm: f64,
-    /// Nominal pressure of the target, MPa.
-    pub target_pressure_mpa: f64,
-    /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
-    pub decided_us: i64,
-    /// `PROPOSED` if it waits for approval, else `AUTOMATIC`.
-    #[borsh(deserialize_with = "words::word")]
-    pub approval: &'static str,
-    /// All whiskers that were evaluated as compensators, in that order.
-    pub candidates: Vec<CandidateRow>,
-}
-
-/// A whisker that a decision evaluated as compensator.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct CandidateRow {
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Case of the paper, such as `SELF_COMPENSATION`.
-    #[borsh(deserialize_with = "words::word")]
-    pub case: &'static str,
-    /// Estimated length, mm.
-    pub length_mm: f64,
-    /// Standard deviation of the estimated length, mm.
-    pub length_sd_mm: f64,
-    /// Nominal pressure, MPa, whatever pressure the whisker holds for another compensation.
-    pub pressure_before_mpa: f64,
-    /// Pressure of the setpoint by Eq. 34, MPa; if Eq. 34 has no root within the range, the nearest limit of the
-    /// range.
-    pub pressure_mpa: Option<f64>,
-    /// Predicted mean error (Eq. 35), as a ratio.
-    pub predicted_error: Option<f64>,
-    /// 95 % interval of `predicted_error`.
-    pub predicted_error_interval: Option<(f64, f64)>,
-    /// Predicted errors by contact ratio, as a JSON array.
-    pub predicted_error_by_ratio: Option<String>,
-    /// Whether the whisker would give up its own role as a sensor.
-    pub gives_up_own_role: bool,
-    /// Whether the whisker was chosen.
-    pub chosen: bool,
-    /// Reason why it was not chosen, such as `COSTS_MORE`.
-    #[borsh(deserialize_with = "words::word_if_any")]
-    pub refused: Option<&'static str>,
-}
-
-/// A setpoint; the migration documents the columns.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct SetpointRow {
-    /// Identifier of the setpoint, a UUID.
-    pub command_id: String,
-    /// Number of the robot in the database.
-    pub robot_id: i64,
-    /// Number of the whisker in the database.
-    pub whisker_id: i64,
-    /// Number of the compensation that it belongs to, if any.
-    pub compensation_id: Option<i64>,
-    /// Epoch of the supervisor that decided it.
-    pub epoch: i64,
-    /// Version of the setpoint on its robot.
-    pub version: i64,
-    /// The only boot of the robot that may apply it.
-    pub robot_boot_id: String,
-    /// Pressure to hold, MPa.
-    pub pressure_mpa: f64,
-    /// Rate at which the pressure approaches the setpoint, MPa per second.
-    pub slew_mpa_per_s: f64,
-    /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
-    pub issued_us: i64,
-    /// Time from which on the robot must not apply it, µs since 1970 UTC by the robot's clock.
-    pub expires_us: i64,
-    /// Reason, such as `SELF_COMPENSATION` or `RELEASE`.
-    #[borsh(deserialize_with = "words::word")]
-    pub reason: &'static str,
-    /// Residual gain, as a JSON array of contact ratios and gains.
-    pub gain: Option<String>,
-}
-
-/// A measured compensation error with its contact-ratio bins.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct ErrorRow {
-    /// Number of the compensation.
-    pub compensation_id: i64,
-    /// Time of the measurement, µs since 1970 UTC by the supervisor's clock.
-    pub recorded_us: i64,
-    /// Number of contacts of the compensator in the measurement.
-    pub contacts: i64,
-    /// Pressure of the compensator during the measurement, MPa.
-    pub pressure_mpa: f64,
-    /// Mean of Eq. 35 over the bins, as a ratio.
-    pub error: Interval,
-    /// Mean error with the gain in force applied, as a ratio.
-    pub with_gain: Option<Interval>,
-    /// The error in each contact-ratio bin.
-    pub bins: Vec<ErrorBinRow>,
-}
-
-/// An evaluation of a setpoint; the migration documents the columns.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct RefinementRow {
-    /// Number of the compensation.
-    pub compensation_id: i64,
-    /// Time of the evaluation, µs since 1970 UTC by the supervisor's clock.
-    pub recorded_us: i64,
-    /// Number of contacts of the compensator at the evaluated pressure.
-    pub contacts: i64,
-    /// Outcome: `REFINED`, or why the pressure stays, such as `HELD_MARGIN`.
-    #[borsh(deserialize_with = "words::word")]
-    pub outcome: &'static str,
-    /// Pressure that was evaluated, MPa.
-    pub pressure_from_mpa: f64,
-    /// Best pressure by the measured responses, MPa; `None` if the model has no solution.
-    pub pressure_best_mpa: Option<f64>,
-    /// Mean error (Eq. 35) at the evaluated pressure, from smoothed responses, as a ratio.
-    pub error: Interval,
-    /// Mean error expected at the best pressure, as a ratio.
-    pub error_best: Option<Interval>,
-    /// Mean error that remains with the published gain applied, as a ratio.
-    pub error_with_gain: f64,
-    /// Mean error that would remain with a gain computed from these contacts, as a ratio.
-    pub error_with_own_gain: f64,
-    /// Whether a new gain was published.
-    pub gain_published: bool,
-}
-
-/// One contact-ratio bin of a measured error.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
-pub struct ErrorBinRow {
-    /// Centre of the bin, as a contact ratio.
-    pub ratio: f64,
-    /// Number of contacts of the compensator in the bin.
-    pub contacts: i64,
-    /// Sensitivity of the compensator at its new pressure, strain per mm of deflection.
-    pub after_per_mm: f64,
-    /// Sensitivity of the compensator at its nominal pressure, strain per mm of deflection.
-    pub before_per_mm: f64,
-    /// Origin of `before_per_mm`: `MEASURED` or `MODEL`.
-    #[borsh(deserialize_with = "words::word")]
-    pub before_origin: &'static str,
-    /// Sensitivity of the target before the trim, strain per mm of deflection.
-    pub target_per_mm: f64,
-    /// Origin of `target_per_mm`: `MEASURED` or `MODEL`.
-    #[borsh(deserialize_with = "words::word")]
-    pub target_origin: &'static str,
-    /// Error by Eq. 35 in this bin, as a ratio.
-    pub error: Interval,
+impl SetpointRow {
+    /// The state that a new setpoint has.
+    pub(crate) fn first_state(&self) -> SetpointStateRow {
+        SetpointStateRow {
+            command_id: self.command_id.clone(),
+            robot_id: self.robot_id,
+            recorded_us: self.issued_us,
+            state: PENDING,
+            error: None,
+            pressure_mpa: None,
+        }
+    }
 }

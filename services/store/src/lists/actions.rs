@@ -4,11 +4,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// An action that a person requested: an entry of the audit log.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     #[schema(as = Action)]

@@ -5,11 +5,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A decision about a trimmed whisker, and the compensation that followed from it.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct CompensationSummary {
@@ -199,7 +199,7 @@ impl TryFrom<String> for Numbers {
     }
 }
 
-crate::readings::text_columns!(Numbers);
+crate::from_row::text_columns!(Numbers);
 
 sorts! {
     /// Sort keys of the list of compensations.

@@ -4,12 +4,12 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
-use crate::group::Group;
+use crate::aggregates::Group;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A measured error of a compensation (Eq. 35), as recorded.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct ErrorStatement {

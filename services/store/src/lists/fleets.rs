@@ -6,10 +6,10 @@ use utoipa::ToSchema;
 use super::counts::{alarm_counts, proposal_counts, whisker_counts};
 use super::sorts;
 use crate::Store;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 
-readings! {
+from_row! {
     /// A fleet with counts of its robots, whiskers, alarms and proposals.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct FleetSummary {

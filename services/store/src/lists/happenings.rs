@@ -5,11 +5,11 @@ use utoipa::ToSchema;
 
 use super::counts::alarms;
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A detected trim of a whisker.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Trim {

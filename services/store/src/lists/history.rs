@@ -4,11 +4,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// Aggregates of a whisker's contacts in a minute or an hour. Means are over the contacts that were used or
     /// learned from, unless the field says otherwise.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]

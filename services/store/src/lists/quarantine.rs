@@ -4,8 +4,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
 /// Most characters of a message that a list shows.
@@ -39,7 +39,7 @@ where
     }
 }
 
-readings! {
+from_row! {
     /// A valid message whose rows the database refused. It was receipted, and had no other effect.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Quarantined {

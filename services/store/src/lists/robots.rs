@@ -5,11 +5,11 @@ use utoipa::ToSchema;
 
 use super::counts::{alarm_counts, proposal_counts, whisker_counts};
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A robot with counts of its whiskers, alarms and proposals.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct RobotSummary {

@@ -4,11 +4,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::{Kind, List, Sort};
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A setpoint that was sent to a robot.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Setpoint {

@@ -4,11 +4,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
+use crate::from_row::from_row;
 use crate::list::List;
-use crate::readings::readings;
 use crate::time::Time;
 
-readings! {
+from_row! {
     /// A whisker with its estimated length and its health.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct Whisker {

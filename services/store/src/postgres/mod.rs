@@ -1,21 +1,23 @@
-//! PostgreSQL's part of the store: sessions, statements for many rows, and a statement for a whole transaction.
+//! PostgreSQL's part of the store: sessions, `COPY`, and a statement for a whole transaction.
 
 mod copy;
 mod parts;
-mod rows;
 mod sorted;
 pub(super) mod whole;
 
-use sqlx::postgres::{PgConnection, PgPool, PgPoolOptions};
+use sqlx::postgres::{PgArguments, PgConnection, PgPool, PgPoolOptions, Postgres};
 
 use super::StoreError;
 use super::address::PostgresAddress;
 use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
 use super::error::failed;
 
-pub(super) use copy::append_contacts;
-pub(super) use parts::{COUNTED, kept};
-pub(super) use rows::{Statement, append_responses, append_rollups, write_robots, write_whiskers};
+pub(super) use copy::{are_copied, copy_contacts};
+pub(super) use parts::COUNTED;
+pub(super) use whole::intent;
+
+/// A statement whose parameters are being bound.
+pub(super) type Query = sqlx::query::Query<'static, Postgres, PgArguments>;
 
 /// Version number of the oldest supported server (`server_version_num`).
 const OLDEST: i32 = 150_000;

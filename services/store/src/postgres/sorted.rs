@@ -1,54 +1,32 @@
 //! Sorts a batch's records by kind, if one statement can write them all.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use crate::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Record,
     RefinementRow, SetpointRow, SetpointStateRow, TrimRow,
 };
+use crate::tables::{BinKey, CandidateKey};
 
 /// The records of a batch by kind, each kind in its order.
 #[derive(Default)]
 pub(super) struct Sorted<'b> {
     pub(super) health: Vec<&'b HealthRow>,
     pub(super) trims: Vec<&'b TrimRow>,
-    pub(super) decisions: Vec<Decided<'b>>,
-    pub(super) candidates: Vec<Asked<'b>>,
+    pub(super) decisions: Vec<&'b DecisionRow>,
+    pub(super) candidates: Vec<(CandidateKey, &'b CandidateRow)>,
     pub(super) ended: Vec<&'b EndedRow>,
     pub(super) setpoints: Vec<&'b SetpointRow>,
-    pub(super) states: Vec<&'b SetpointStateRow>,
-    /// For each setpoint of `states`, its last state.
-    pub(super) answered: Vec<Answered<'b>>,
+    /// States of setpoints, also the first ones of `setpoints`.
+    pub(super) states: Vec<Cow<'b, SetpointStateRow>>,
+    /// For each older setpoint of `states`, its last state with the last pressure that the robot reported for it.
+    pub(super) answered: Vec<SetpointStateRow>,
     pub(super) errors: Vec<&'b ErrorRow>,
-    pub(super) bins: Vec<Bin<'b>>,
+    pub(super) bins: Vec<(BinKey, &'b ErrorBinRow)>,
     pub(super) refinements: Vec<&'b RefinementRow>,
     pub(super) alarms: Vec<&'b AlarmRow>,
     pub(super) cleared: Vec<&'b AlarmClearedRow>,
-}
-
-/// A decision with its chosen candidate.
-pub(super) struct Decided<'b> {
-    pub(super) row: &'b DecisionRow,
-    pub(super) chosen: Option<&'b CandidateRow>,
-}
-
-/// A candidate of a decision.
-pub(super) struct Asked<'b> {
-    pub(super) compensation_id: i64,
-    pub(super) ordinal: i64,
-    pub(super) row: &'b CandidateRow,
-}
-
-/// The last state of a setpoint, with the last pressure that the robot reported for it.
-pub(super) struct Answered<'b> {
-    pub(super) last: &'b SetpointStateRow,
-    pub(super) pressure_mpa: Option<f64>,
-}
-
-/// A contact-ratio bin of an error.
-pub(super) struct Bin<'b> {
-    pub(super) of: &'b ErrorRow,
-    pub(super) row: &'b ErrorBinRow,
 }
 
 /// A row that a record inserts or updates. The parts of one statement do not see each other's rows, so each row may
@@ -93,34 +71,36 @@ impl<'b> Sorted<'b> {
         Some(sorted)
     }
 
-    fn answered(&mut self, row: &SetpointStateRow) -> Option<&mut Answered<'b>> {
-        self.answered.iter_mut().find(|one| one.last.command_id == row.command_id)
+    fn answered(&mut self, row: &SetpointStateRow) -> Option<&mut SetpointStateRow> {
+        self.answered.iter_mut().find(|last| last.command_id == row.command_id)
     }
 
     fn put(&mut self, record: &'b Record) {
         match record {
             Record::Health(row) => self.health.push(row),
             Record::Trim(row) => self.trims.push(row),
-            Record::Decision(decision) => {
-                let chosen = decision.candidates.iter().find(|one| one.chosen);
-                self.decisions.push(Decided { row: decision, chosen });
-                let asked = |(row, ordinal)| Asked { compensation_id: decision.compensation_id, ordinal, row };
-                self.candidates.extend(decision.candidates.iter().zip(0..).map(asked));
+            Record::Decision(row) => {
+                self.decisions.push(row);
+                self.candidates.extend(row.rows());
             }
             Record::Ended(row) => self.ended.push(row),
-            Record::Setpoint(row) => self.setpoints.push(row),
+            Record::Setpoint(row) => {
+                self.setpoints.push(row);
+                self.states.push(Cow::Owned(row.first_state()));
+            }
             Record::SetpointState(row) => {
-                self.states.push(row);
+                self.states.push(Cow::Borrowed(row));
                 match self.answered(row) {
-                    Some(one) => {
-                        *one = Answered { last: row, pressure_mpa: row.pressure_mpa.or(one.pressure_mpa) };
+                    Some(last) => {
+                        let pressure_mpa = row.pressure_mpa.or(last.pressure_mpa);
+                        *last = SetpointStateRow { pressure_mpa, ..row.clone() };
                     }
-                    None => self.answered.push(Answered { last: row, pressure_mpa: row.pressure_mpa }),
+                    None => self.answered.push(row.clone()),
                 }
             }
             Record::Error(row) => {
                 self.errors.push(row);
-                self.bins.extend(row.bins.iter().map(|bin| Bin { of: row, row: bin }));
+                self.bins.extend(row.rows());
             }
             Record::Refinement(row) => self.refinements.push(row),
             Record::Alarm(row) => self.alarms.push(row),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::problem::Problem;
-use vibrissa_store::list::{Place, Rows, Selection, Sort};
+use vibrissa_store::list::{Position, Rows, Selection, Sort};
 
 /// Default number of rows per page.
 pub const LIMIT: u32 = 100;
@@ -50,7 +50,9 @@ pub struct Paging<'a> {
 struct Cursor {
     sort: String,
     descending: bool,
-    place: Place,
+    /// Clients hold cursors with this name.
+    #[serde(rename = "place")]
+    position: Position,
 }
 
 impl Paging<'_> {
@@ -65,19 +67,19 @@ impl Paging<'_> {
         }
         let descending = self.order.map_or(self.sort.descending, |order| order == Order::Descending);
         let after = self.cursor.filter(|cursor| !cursor.is_empty());
-        let after = after.map(|cursor| place(cursor, self.sort, descending)).transpose()?;
+        let after = after.map(|cursor| position(cursor, self.sort, descending)).transpose()?;
         Ok(Selection { filters: Vec::new(), sort: self.sort, descending, after, limit })
     }
 }
 
-fn place(cursor: &str, sort: Sort, descending: bool) -> Result<Place, Problem> {
+fn position(cursor: &str, sort: Sort, descending: bool) -> Result<Position, Problem> {
     let read = URL_SAFE_NO_PAD.decode(cursor).ok();
     let read = read.and_then(|bytes| serde_json::from_slice::<Cursor>(&bytes).ok());
-    if read.as_ref().is_some_and(|cursor| cursor.place.value.has_nul() || cursor.sort.contains('\0')) {
+    if read.as_ref().is_some_and(|cursor| cursor.position.value.has_nul() || cursor.sort.contains('\0')) {
         return Err(Problem::nul("cursor"));
     }
     let read = read.filter(|cursor| cursor.sort == sort.column && cursor.descending == descending);
-    read.filter(|cursor| cursor.place.value.is_a(sort.kind)).map(|cursor| cursor.place).ok_or_else(|| {
+    read.filter(|cursor| cursor.position.value.is_a(sort.kind)).map(|cursor| cursor.position).ok_or_else(|| {
         Problem::invalid("cursor", "belongs to another list or order: use next_cursor of the previous page unchanged")
     })
 }
@@ -86,8 +88,8 @@ impl<T> Page<T> {
     /// Builds a page from these rows.
     #[must_use]
     pub fn of(rows: Rows<T>, selection: &Selection) -> Self {
-        let next_cursor = rows.next.and_then(|place| {
-            let cursor = Cursor { sort: selection.sort.column.to_owned(), descending: selection.descending, place };
+        let next_cursor = rows.next.and_then(|position| {
+            let cursor = Cursor { sort: selection.sort.column.to_owned(), descending: selection.descending, position };
             serde_json::to_vec(&cursor).ok()
         });
         Self { items: rows.rows, next_cursor: next_cursor.map(|json| URL_SAFE_NO_PAD.encode(json)) }

@@ -9,9 +9,9 @@ use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::figures::{Axes, COLOURS, Panel, chart, drawing, legend};
 use vibrissa_edge::words::Z95;
 use vibrissa_store::Store;
+use vibrissa_store::from_row::LengthPoint;
 use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::compensations::{COMPENSATIONS, CompensationSummary, RATIO_ERRORS, RatioError};
-use vibrissa_store::readings::LengthPoint;
 
 /// Contacts per point of a curve.
 const EVERY: i64 = 15;

@@ -103,7 +103,7 @@ impl Committer {
         let first = Instant::now();
         loop {
             let begun = Instant::now();
-            match self.writer.keep(&self.lease, number, bytes).await {
+            match self.writer.write_intent(&self.lease, number, bytes).await {
                 Ok(()) => {
                     self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
                     break;

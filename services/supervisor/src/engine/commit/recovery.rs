@@ -32,7 +32,7 @@ struct Follower {
 
 /// Writes the rows of the transactions in the intent log. An unreadable one is logged and dropped.
 async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
-    while let Some((number, bytes)) = writer.kept(lease).await? {
+    while let Some((number, bytes)) = writer.pending_intent(lease).await? {
         let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
             let (fleet, bytes) = (lease.fleet(), bytes.len());
             error!(%fleet, number, bytes, %problem, "cannot read a transaction of the intent log, its rows are lost");

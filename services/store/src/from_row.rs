@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Defines structs that are read from rows: each field is the column of the same name.
-macro_rules! readings {
+macro_rules! from_row {
     ($($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$field_meta:meta])* $field_vis:vis $field:ident: $type:ty,)+ })+) => {
         $($(#[$meta])* $vis struct $name { $($(#[$field_meta])* $field_vis $field: $type,)+ }
 
@@ -21,7 +21,7 @@ macro_rules! readings {
         )+
     };
 }
-pub(super) use readings;
+pub(super) use from_row;
 
 /// Lets a type be read from text columns.
 macro_rules! text_columns {
@@ -61,7 +61,7 @@ macro_rules! text_columns {
 }
 pub(super) use text_columns;
 
-readings! {
+from_row! {
     /// Estimated length after a contact.
     #[derive(Debug, Clone)]
     pub struct LengthPoint {

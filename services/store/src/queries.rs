@@ -5,8 +5,8 @@ use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 
 use super::database::on;
+use super::from_row::{HealthChangeReading, LengthPoint, SetpointStateReading};
 use super::list::{Filter, List, Selection};
-use super::readings::{HealthChangeReading, LengthPoint, SetpointStateReading};
 use super::{Store, StoreError, failed};
 
 /// Most rows of one query.

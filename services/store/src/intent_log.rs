@@ -17,15 +17,15 @@ impl Writer {
     ///
     /// # Errors
     /// The database cannot be written now, or the lease is lost.
-    pub async fn keep(&mut self, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
-        self.attempt("commit", PATIENCE, async |link| keep(link, lease, number, rows).await).await
+    pub async fn write_intent(&mut self, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
+        self.attempt("commit", PATIENCE, async |link| write(link, lease, number, rows).await).await
     }
 
     /// The fleet's oldest intent whose rows are not written, with its number.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn kept(&mut self, lease: &Lease) -> Result<Option<(i64, Vec<u8>)>, StoreError> {
+    pub async fn pending_intent(&mut self, lease: &Lease) -> Result<Option<(i64, Vec<u8>)>, StoreError> {
         const WHAT: &str = "read the intent log";
         const SQL: &str = "SELECT number, rows FROM redo WHERE fleet = $1 ORDER BY number LIMIT 1";
         self.attempt(WHAT, PATIENCE, async |link| {
@@ -36,12 +36,13 @@ impl Writer {
     }
 }
 
-async fn keep(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
+async fn write(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Result<(), StoreError> {
     let asked = Instant::now();
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
     {
-        let statement = lease.bind(sqlx::query(postgres::kept())).bind(lease.fleet().as_str()).bind(number).bind(rows);
+        let statement =
+            lease.bind(sqlx::query(postgres::intent())).bind(lease.fleet().as_str()).bind(number).bind(rows);
         let row = statement.fetch_one(link).await.map_err(failed("commit"))?;
         if row.try_get::<i64, _>(0).map_err(failed("commit"))? == 1 {
             lease.committed(Some(asked));

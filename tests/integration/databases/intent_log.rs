@@ -22,25 +22,25 @@ async fn kept_and_written(database: &Fresh) {
     let robot = rows::robot(&mut writer, &lease).await;
     let batch = Batch { responses: Vec::new(), ..contacts(&robot, 0..5) };
     let bytes = batch.to_bytes().unwrap();
-    writer.keep(&lease, 7, &bytes).await.unwrap();
-    writer.keep(&lease, 8, &contacts(&robot, 5..6).to_bytes().unwrap()).await.unwrap();
+    writer.write_intent(&lease, 7, &bytes).await.unwrap();
+    writer.write_intent(&lease, 8, &contacts(&robot, 5..6).to_bytes().unwrap()).await.unwrap();
     assert_eq!(database.store.contact_count().await.unwrap(), 0, "only the bytes may be stored");
     // The rows are written once and in order.
     for (number, contacts) in [(7, 5), (8, 6)] {
-        let (first, bytes) = writer.kept(&lease).await.unwrap().unwrap();
+        let (first, bytes) = writer.pending_intent(&lease).await.unwrap().unwrap();
         assert_eq!(first, number);
         let batch = Batch { redo_done: Some(number), ..Batch::from_bytes(&bytes).unwrap() };
         writer.commit(&lease, &batch).await.unwrap();
         assert_eq!(database.store.contact_count().await.unwrap(), contacts);
     }
-    assert_eq!(writer.kept(&lease).await.unwrap(), None);
+    assert_eq!(writer.pending_intent(&lease).await.unwrap(), None);
 
     // A supervisor that has lost its fleet cannot defer transactions.
     let (b, mut other) = (supervisor("b"), database.store.writer());
     let new = until("taken over", async || other.acquire(&b, &fleet()).await.unwrap()).await;
-    let refused = writer.keep(&lease, 9, &bytes).await.unwrap_err();
+    let refused = writer.write_intent(&lease, 9, &bytes).await.unwrap_err();
     assert!(matches!(refused, StoreError::LeaseLost { .. }), "{refused}");
-    assert_eq!(other.kept(&new).await.unwrap(), None);
+    assert_eq!(other.pending_intent(&new).await.unwrap(), None);
 }
 
 #[tokio::test]
@@ -61,14 +61,14 @@ async fn regress_whoever_takes_a_fleet_up_writes_what_was_kept() {
     let (mut writer, lease) = lease(&database).await;
     let robot = rows::robot(&mut writer, &lease).await;
     let bytes = contacts(&robot, 0..5).to_bytes().unwrap();
-    writer.keep(&lease, 7, &bytes).await.unwrap();
-    writer.keep(&lease, 8, &bytes[..bytes.len() / 2]).await.unwrap();
-    writer.keep(&lease, 9, &contacts(&robot, 5..8).to_bytes().unwrap()).await.unwrap();
+    writer.write_intent(&lease, 7, &bytes).await.unwrap();
+    writer.write_intent(&lease, 8, &bytes[..bytes.len() / 2]).await.unwrap();
+    writer.write_intent(&lease, 9, &contacts(&robot, 5..8).to_bytes().unwrap()).await.unwrap();
 
     let (folder, url) = (tempfile::tempdir().unwrap(), Postgres::url(database.server.as_ref().unwrap().port()));
     let mut next = Replica::start(folder.path(), "s", "f", &url, broker.port(), 0.8);
     next.says(200, "OWNED").await;
     assert_eq!(database.store.contact_count().await.unwrap(), 8);
-    assert_eq!(writer.kept(&lease).await.unwrap(), None);
+    assert_eq!(writer.pending_intent(&lease).await.unwrap(), None);
     next.terminate().await;
 }

@@ -44,7 +44,7 @@ pub struct FleetLease {
 
 /// State of the cluster, from which a supervisor determines its share of fleets.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Roll {
+pub struct Membership {
     /// Leases of the fleets that this supervisor may own.
     pub leases: Vec<FleetLease>,
     /// Supervisors that are present, including this one.
@@ -77,7 +77,7 @@ impl Writer {
     ///
     /// # Errors
     /// The database does not answer within the time to live.
-    pub async fn sign_in(&mut self, supervisor: &Supervisor, held: &[Lease]) -> Result<Roll, StoreError> {
+    pub async fn sign_in(&mut self, supervisor: &Supervisor, held: &[Lease]) -> Result<Membership, StoreError> {
         self.sign_in_hearing(supervisor, held, &FleetsHeard::default()).await
     }
 
@@ -91,13 +91,15 @@ impl Writer {
         supervisor: &Supervisor,
         held: &[Lease],
         hearing: &FleetsHeard,
-    ) -> Result<Roll, StoreError> {
+    ) -> Result<Membership, StoreError> {
         const WHAT: &str = "renew the leases";
         let asked = Instant::now();
-        let (roll, renewed) = self
+        let (membership, renewed) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 match link {
-                    Either::Sqlite(link) => sqlite_roll(link, supervisor).await.map(|roll| (roll, Vec::new())),
+                    Either::Sqlite(link) => {
+                        sqlite_membership(link, supervisor).await.map(|membership| (membership, Vec::new()))
+                    }
                     Either::Postgres(link) => sign_in(link, supervisor, held, hearing).await,
                 }
                 .map_err(failed(WHAT))
@@ -106,7 +108,7 @@ impl Writer {
         for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
             lease.confirmed(asked);
         }
-        Ok(roll)
+        Ok(membership)
     }
 
     /// Acquires the lease of a free fleet, in a new epoch; `None` if another supervisor was faster.
@@ -215,7 +217,7 @@ async fn raise_epoch(
     Ok(epoch)
 }
 
-async fn sqlite_roll(link: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Roll> {
+async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Membership> {
     let rows = sqlx::query("SELECT fleet, epoch, owner, holder FROM leases").fetch_all(link).await?;
     let leases = supervisor.fleets.iter().map(|fleet| {
         let row = rows.iter().find(|row| row.get::<&str, _>("fleet") == fleet.as_str());
@@ -232,7 +234,7 @@ async fn sqlite_roll(link: &mut SqliteConnection, supervisor: &Supervisor) -> sq
     // No other supervisor can own the fleets, so hearing does not matter.
     let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());
     let present = vec![Present { supervisor, fleets, hearing: FleetsHeard::default() }];
-    Ok(Roll { leases: leases.collect(), present })
+    Ok(Membership { leases: leases.collect(), present })
 }
 
 /// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed fleets. A row
@@ -243,7 +245,7 @@ async fn sign_in(
     supervisor: &Supervisor,
     held: &[Lease],
     hearing: &FleetsHeard,
-) -> sqlx::Result<(Roll, Vec<String>)> {
+) -> sqlx::Result<(Membership, Vec<String>)> {
     let joined = |fleets: &[Name]| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",");
     let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
     let renewed = sqlx::query_scalar(
@@ -292,7 +294,7 @@ async fn sign_in(
         fleets: names(row, "fleets"),
         hearing: FleetsHeard { deaf: names(row, "deaf"), heard: names(row, "heard") },
     });
-    Ok((Roll { leases: leases.collect(), present: present.collect() }, renewed))
+    Ok((Membership { leases: leases.collect(), present: present.collect() }, renewed))
 }
 
 /// Deletes supervisors that ended without signing out a day ago or more; each start has a new identifier.
