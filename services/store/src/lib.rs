@@ -25,6 +25,7 @@ pub mod lists;
 mod load;
 mod lock;
 mod partitions;
+pub mod policies;
 mod postgres;
 mod quarantine;
 pub mod read;

@@ -5,7 +5,7 @@ use sqlx::QueryBuilder;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RefinementRow, SetpointRow, SetpointStateRow};
 use super::database::{Tx, on};
-use super::{StoreError, actions, calibrations, failed, quarantine};
+use super::{StoreError, actions, calibrations, failed, policies, quarantine};
 
 /// Takes all whiskers off a robot; the batch's whisker rows put the present ones back.
 pub(super) async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
@@ -53,7 +53,7 @@ pub(super) async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) 
         Record::Activation(row) => {
             calibrations::write_activation(tx, row).await.map_err(failed("activate a calibration"))
         }
-        Record::Policy(policy) => actions::write_policy(tx, policy).await.map_err(failed("write a policy")),
+        Record::Policy(policy) => policies::write(tx, policy).await.map_err(failed("write a policy")),
         Record::Quarantined(row) => {
             quarantine::write(tx, fleet, row).await.map_err(failed("put a message into quarantine"))
         }

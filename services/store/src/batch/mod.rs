@@ -2,11 +2,13 @@
 
 mod bytes;
 mod parts;
+mod policy;
 mod record;
 mod words;
 
 pub use parts::{Owner, Owners};
 pub(crate) use parts::{Parts, Rows};
+pub use policy::{PolicyChanged, PolicyRow};
 pub use record::*;
 
 use borsh::{BorshDeserialize, BorshSerialize};
