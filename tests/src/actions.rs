@@ -2,6 +2,9 @@
 
 use std::time::Duration;
 
+use serde_json::{Value, json};
+use vibrissa_core::policy::PolicyParams;
+use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::Store;
@@ -9,6 +12,20 @@ use vibrissa_store::actions::{Action, Asked, NewAction};
 use vibrissa_supervisor::mailroom::Mailroom;
 
 use crate::wait::PATIENCE;
+
+/// The body of a request that sets this policy.
+#[must_use]
+pub fn policy_body(policy: &PolicyParams) -> Value {
+    let mut body = json!({
+        "mode": policy.mode.word(),
+        "objective": policy.objective.word(),
+        "longer_for_shorter": policy.longer_for_shorter.word(),
+    });
+    for number in PolicyParams::NUMBERS {
+        body[number.name] = json!((number.of)(policy));
+    }
+    body
+}
 
 /// A new action for fleet `f` without a robot, array or whisker.
 #[must_use]

@@ -5,12 +5,10 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{LongerForShorter, Mode, PolicyParams};
+use vibrissa_core::policy_numbers;
 use vibrissa_core::robot::{OperatorAction, Place, Scope};
 
 use crate::words::{Word, named};
-
-/// Upper limit of the policy's numbers, as in the configuration.
-const NUMBER_MAX: f64 = 10.0;
 
 /// Kind of the action that activates a calibration.
 pub const CALIBRATION: &str = "CALIBRATION";
@@ -70,39 +68,72 @@ pub enum Request<'a> {
     Policy(PolicyChange),
 }
 
-/// A change of the policy; absent values stay as they are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PolicyChange {
-    /// Version of the policy that must be in force; 0 for the policy of the configuration.
-    pub expected_version: i64,
-    /// Who starts compensations.
-    pub mode: Mode,
-    /// Quantity that setpoints are solved for.
-    pub objective: Option<Objective>,
-    /// When a longer whisker may compensate for a shorter one.
-    pub longer_for_shorter: Option<LongerForShorter>,
-    /// Highest mean predicted error, as a ratio, 0 to 10.
-    pub predicted_error_max: Option<f64>,
-    /// Cost of a neighbour's own role, in units of mean error, 0 to 10.
-    pub own_role_cost: Option<f64>,
-    /// Least gain that changes an assignment, in units of mean error, 0 to 10.
-    pub change_margin: Option<f64>,
-}
-
-impl PolicyChange {
-    /// The given policy with these changes.
-    #[must_use]
-    pub fn over(&self, base: PolicyParams) -> PolicyParams {
-        PolicyParams {
-            mode: self.mode,
-            objective: self.objective.unwrap_or(base.objective),
-            longer_for_shorter: self.longer_for_shorter.unwrap_or(base.longer_for_shorter),
-            predicted_error_max: self.predicted_error_max.unwrap_or(base.predicted_error_max),
-            own_role_cost: self.own_role_cost.unwrap_or(base.own_role_cost),
-            change_margin: self.change_margin.unwrap_or(base.change_margin),
+macro_rules! policy_change {
+    ([$($name:ident {
+        key: $key:tt, default: $default:tt, min: $min:tt, max: $max:tt, unit: $unit:tt, title: $title:tt, doc: $doc:tt,
+    })+]) => {
+        /// A change of the policy; absent values stay as they are.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct PolicyChange {
+            /// Version of the policy that must be in force; 0 for the policy of the configuration.
+            pub expected_version: i64,
+            /// Who starts compensations.
+            pub mode: Mode,
+            /// Quantity that setpoints are solved for.
+            pub objective: Option<Objective>,
+            /// When a longer whisker may compensate for a shorter one.
+            pub longer_for_shorter: Option<LongerForShorter>,
+            $(#[doc = $doc] pub $name: Option<f64>,)+
         }
-    }
+
+        impl PolicyChange {
+            /// The given policy with these changes.
+            #[must_use]
+            pub fn over(&self, base: PolicyParams) -> PolicyParams {
+                PolicyParams {
+                    mode: self.mode,
+                    objective: self.objective.unwrap_or(base.objective),
+                    longer_for_shorter: self.longer_for_shorter.unwrap_or(base.longer_for_shorter),
+                    $($name: self.$name.unwrap_or(base.$name),)+
+                }
+            }
+        }
+
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct PolicyParameters {
+            expected_version: i64,
+            mode: String,
+            objective: Option<String>,
+            longer_for_shorter: Option<String>,
+            $($name: Option<f64>,)+
+        }
+
+        impl TryFrom<PolicyParameters> for PolicyChange {
+            type Error = ActionError;
+
+            fn try_from(told: PolicyParameters) -> Result<Self, ActionError> {
+                let wrong = |name, range| ActionError::Value { name, range };
+                let mode = named(&told.mode).ok_or(wrong("mode", "AUTOMATIC or ADVISE"))?;
+                let objective = told.objective.map(|word| named(&word).ok_or(wrong("objective", "TIP or MEAN")));
+                let longer = told.longer_for_shorter.map(|word| {
+                    named(&word).ok_or(wrong("longer_for_shorter", "NEVER, LAST_RESORT or ALLOWED"))
+                });
+                $(if told.$name.is_some_and(|number| !($min..=$max).contains(&number)) {
+                    return Err(wrong(stringify!($name), concat!("a number from ", $min, " to ", $max)));
+                })+
+                Ok(Self {
+                    expected_version: told.expected_version,
+                    mode,
+                    objective: objective.transpose()?,
+                    longer_for_shorter: longer.transpose()?,
+                    $($name: told.$name,)+
+                })
+            }
+        }
+    };
 }
+policy_numbers!(policy_change);
 
 /// Why an action is invalid. The texts are for people.
 #[derive(Debug, thiserror::Error)]
@@ -155,18 +186,6 @@ struct Nothing {}
 #[serde(deny_unknown_fields)]
 struct SetpointParameters {
     pressure_mpa: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PolicyParameters {
-    expected_version: i64,
-    mode: String,
-    objective: Option<String>,
-    longer_for_shorter: Option<String>,
-    predicted_error_max: Option<f64>,
-    own_role_cost: Option<f64>,
-    change_margin: Option<f64>,
 }
 
 /// Parses an action from the word of its kind and the JSON object of its parameters. Whether the subject exists,
@@ -227,44 +246,7 @@ fn policy(kind: &'static str, parameters: &str, subject: Subject<'_>) -> Result<
     if subject != Subject::default() {
         return Err(ActionError::Subject { kind, what: "a whole fleet" });
     }
-    let told: PolicyParameters = parsed(kind, parameters)?;
-    let mode = mode(&told.mode).ok_or(ActionError::Value { name: "mode", range: "AUTOMATIC or ADVISE" })?;
-    let wrong = |name, range| ActionError::Value { name, range };
-    let objective = told.objective.map(|word| objective(&word).ok_or(wrong("objective", "TIP or MEAN")));
-    let longer = told
-        .longer_for_shorter
-        .map(|word| longer_for_shorter(&word).ok_or(wrong("longer_for_shorter", "NEVER, LAST_RESORT or ALLOWED")));
-    let number = |name, value: Option<f64>| match value {
-        Some(number) if !(0.0..=NUMBER_MAX).contains(&number) => Err(wrong(name, "a number from 0 to 10")),
-        known => Ok(known),
-    };
-    Ok(PolicyChange {
-        expected_version: told.expected_version,
-        mode,
-        objective: objective.transpose()?,
-        longer_for_shorter: longer.transpose()?,
-        predicted_error_max: number("predicted_error_max", told.predicted_error_max)?,
-        own_role_cost: number("own_role_cost", told.own_role_cost)?,
-        change_margin: number("change_margin", told.change_margin)?,
-    })
-}
-
-/// The mode with this name.
-#[must_use]
-pub fn mode(word: &str) -> Option<Mode> {
-    named(word)
-}
-
-/// The objective with this name.
-#[must_use]
-pub fn objective(word: &str) -> Option<Objective> {
-    named(word)
-}
-
-/// The policy for case 2 with this name.
-#[must_use]
-pub fn longer_for_shorter(word: &str) -> Option<LongerForShorter> {
-    named(word)
+    parsed::<PolicyParameters>(kind, parameters)?.try_into()
 }
 
 #[cfg(test)]

@@ -106,35 +106,6 @@ from_row! {
         /// Time of the answer, µs since 1970 UTC; `None` while the action is pending.
         pub done_us: Option<i64>,
     }
-
-    /// The newest policy that an operator has set for a fleet.
-    #[derive(Debug, Clone, PartialEq, Serialize)]
-    pub struct PolicyReading {
-        /// Name of the fleet.
-        pub fleet: String,
-        /// Version of the fleet's policy, from 1.
-        pub version: i64,
-        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
-        pub mode: String,
-        /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
-        pub objective: String,
-        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
-        pub longer_for_shorter: String,
-        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
-        pub predicted_error_max: f64,
-        /// Cost of a neighbour that gives up its own role, in units of mean error.
-        pub own_role_cost: f64,
-        /// Least gain for which an assignment in force is changed, in units of mean error.
-        pub change_margin: f64,
-        /// Time at which this version was set, µs since 1970 UTC.
-        pub changed_us: i64,
-        /// Person or token that set this version.
-        pub changed_by: String,
-        /// Reason that the person gave.
-        pub reason: Option<String>,
-        /// Number of the action that set this version.
-        pub action_id: i64,
-    }
 }
 
 impl Action {
@@ -187,19 +158,7 @@ impl Store {
         on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(action_id).fetch_optional(pool).await)
             .map_err(failed("read an action"))
     }
-
-    /// The newest policy that an operator has set for a fleet; `None` if the policy of the configuration is in force.
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn policy(&self, fleet: &str) -> Result<Option<PolicyReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(POLICY).bind(fleet).fetch_optional(pool).await)
-            .map_err(failed("read the policy"))
-    }
 }
-
-const POLICY: &str = "SELECT fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, \
-     change_margin, changed_us, changed_by, reason, action_id FROM policies WHERE fleet = $1 ORDER BY version DESC LIMIT 1";
 
 impl Writer {
     /// At most `most` pending actions of the lease's fleet, in the order of their requests.
@@ -216,20 +175,6 @@ impl Writer {
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_all(link).await)
                 .map_err(failed(WHAT))
-        })
-        .await
-    }
-
-    /// The newest policy that an operator has set for the lease's fleet; `None` if the policy of the configuration is
-    /// in force.
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn policy(&mut self, lease: &Lease) -> Result<Option<PolicyReading>, StoreError> {
-        const WHAT: &str = "read the policy";
-        let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(POLICY).bind(fleet).fetch_optional(link).await).map_err(failed(WHAT))
         })
         .await
     }

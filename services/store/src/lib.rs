@@ -28,6 +28,7 @@ mod load;
 mod lock;
 mod membership;
 mod partitions;
+pub mod policies;
 mod postgres;
 mod quarantine;
 pub mod queries;

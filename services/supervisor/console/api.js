@@ -67,11 +67,13 @@ export async function list(path, query = {}, pages = 5) {
 }
 
 let served = null;
+let schemas = {};
 
-/** Reads the service's routes from its OpenAPI document; missing ones are not offered. */
+/** Reads the service's routes and schemas from its OpenAPI document; missing routes are not offered. */
 export async function learn() {
   if (served) return;
-  const { paths } = await get("/openapi.json");
+  const { paths, components } = await get("/openapi.json");
+  schemas = components?.schemas ?? {};
   const routes = new Map();
   for (const [path, item] of Object.entries(paths)) {
     for (const method of Object.keys(item)) routes.set(`${method.toUpperCase()} ${shape(path)}`, item[method]);
@@ -86,6 +88,11 @@ function shape(path) {
 /** Whether a route exists, for example `has("POST", "/v1/compensations/{}/approve")`. */
 export function has(method, route) {
   return served?.has(`${method} ${shape(route)}`) ?? false;
+}
+
+/** A schema of the OpenAPI document by its name. */
+export function schema(name) {
+  return schemas[name];
 }
 
 /** The result of `ask` if the route exists, otherwise `instead`. */

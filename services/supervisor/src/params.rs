@@ -5,13 +5,11 @@ use std::sync::Arc;
 
 use tracing::error;
 use vibrissa_core::mechanics::{Formulation, Model};
-use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
-use vibrissa_edge::actions;
 
 use crate::calibration_file::CalibrationFile;
-use vibrissa_store::actions::PolicyReading;
 use vibrissa_store::calibrations::ActiveCalibration;
+use vibrissa_store::policies::PolicyReading;
 
 /// The parameters with the calibration of a model replaced or added.
 pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<Params>, String> {
@@ -42,26 +40,13 @@ pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration
 /// The parameters with the policy that an operator has set, if there is one.
 pub(crate) fn with_policy(params: Arc<Params>, set: Option<&PolicyReading>) -> Arc<Params> {
     let Some(set) = set else { return params };
-    let words = (
-        actions::mode(&set.mode),
-        actions::objective(&set.objective),
-        actions::longer_for_shorter(&set.longer_for_shorter),
-    );
-    let (Some(mode), Some(objective), Some(longer_for_shorter)) = words else {
+    let Some(policy) = set.params() else {
         error!(
             fleet = set.fleet,
             version = set.version,
             "unknown words in a policy, using the one of the configuration"
         );
         return params;
-    };
-    let policy = PolicyParams {
-        mode,
-        objective,
-        longer_for_shorter,
-        predicted_error_max: set.predicted_error_max,
-        own_role_cost: set.own_role_cost,
-        change_margin: set.change_margin,
     };
     Arc::new(Params { policy, ..(*params).clone() })
 }

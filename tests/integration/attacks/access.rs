@@ -1,6 +1,8 @@
 //! Access without a token, limits on streams, and the actors in the audit log.
 
 use serde_json::json;
+use vibrissa_core::policy::{Mode, PolicyParams};
+use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::wait::until;
 use vibrissa_tests::web::{open, send};
 
@@ -99,8 +101,7 @@ async fn tokens_are_actors_of_their_own(place: &Place) {
     let tokens = ["a", "b"].map(|fleet| (fleet, place.token("engineer", &["--fleet", fleet])));
     let started = place.start_closed(&["--fleets", "a,b"]);
     started.owns(&["a", "b"]).await;
-    let policy = json!({ "mode": "ADVISE", "objective": "TIP", "longer_for_shorter": "NEVER", "predicted_error_max": 0.5,
-                         "own_role_cost": 0.25, "change_margin": 0.1 });
+    let policy = policy_body(&PolicyParams { mode: Mode::Advise, ..PolicyParams::default() });
     for (fleet, token) in &tokens {
         let bearer = format!("Bearer {token}");
         let headers = [("Authorization", bearer.as_str()), ("If-Match", "*"), ("Idempotency-Key", "monday")];

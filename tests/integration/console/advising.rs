@@ -1,7 +1,9 @@
 //! Approval of proposals in the console, from the cut to the robot's setpoint, with the real routes.
 
 use serde_json::json;
+use vibrissa_core::policy::{Mode, PolicyParams};
 use vibrissa_protocol::{SetpointOutcome, SetpointReason};
+use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::web::{ask, send};
 
 use crate::stage::Stage;
@@ -27,8 +29,7 @@ async fn press(stage: &mut Stage, name: &str, reason: &str) {
 async fn a_proposal_is_shown_without_reload_and_approved_on_its_page() {
     let mut stage = Stage::start().await;
     let http = stage.service.http;
-    let policy = json!({ "mode": "ADVISE", "objective": "TIP", "longer_for_shorter": "LAST_RESORT",
-                         "predicted_error_max": 0.5, "own_role_cost": 0.25, "change_margin": 0.1 });
+    let policy = policy_body(&PolicyParams { mode: Mode::Advise, ..PolicyParams::default() });
     let set = send(http, "PUT", "/v1/fleets/f/policy", &[("If-Match", "\"0\"")], Some(&policy)).await.unwrap();
     assert_eq!(set.status, 200, "{}", set.body);
     stage.open("#/fleets/f/robots/r").await;

@@ -1,10 +1,12 @@
 //! Rows are read back as they were written, with the same result on both databases.
 
 use serde_json::{Value, json};
+use vibrissa_core::mechanics::Objective;
+use vibrissa_core::policy::{Mode, PolicyParams};
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Interval,
-    PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
+    PolicyChanged, PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
 };
 use vibrissa_store::changes::Mark;
 use vibrissa_store::list::{Filter, Value as FilterValue};
@@ -172,19 +174,22 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     assert_eq!(pending.iter().map(|one| one.action_id).collect::<Vec<_>>(), [1, 2]);
     assert_eq!(pending[0], known);
     assert_eq!((writer.policy(lease).await.unwrap(), store.action(99).await.unwrap()), (None, None));
-    let version = |version| PolicyRow {
-        fleet: "f".to_owned(),
-        version,
-        mode: "ADVISE",
-        objective: "MEAN",
-        longer_for_shorter: "LAST_RESORT",
-        predicted_error_max: 0.5,
-        own_role_cost: 0.25,
-        change_margin: 0.0625 * version as f64,
-        changed_us: 16,
-        changed_by: "ann".to_owned(),
-        reason: None,
-        action_id: 2,
+    let version = |version: i64| {
+        let policy = PolicyParams {
+            mode: Mode::Advise,
+            objective: Objective::Mean,
+            change_margin: 0.0625 * version as f64,
+            ..PolicyParams::default()
+        };
+        let changed = PolicyChanged {
+            fleet: "f".to_owned(),
+            version,
+            changed_us: 16,
+            changed_by: "ann".to_owned(),
+            reason: None,
+            action_id: 2,
+        };
+        PolicyRow::new(&policy, changed)
     };
     let problem = Some("HELD: released first".to_owned());
     let records = vec![

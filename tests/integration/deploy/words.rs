@@ -1,12 +1,11 @@
-//! Each word of the core's closed enums must appear in every list that people see, so that a new word is added
-//! everywhere.
+//! The places that are written by hand and need each word of the core's closed enums, or each number of the policy. A
+//! test names the place that lacks one. What the service serves derives from the declarations: see `http/words.rs`.
 
-use std::fs::read_to_string;
+use std::fs::{read_dir, read_to_string};
 
-use vibrissa_core::policy::{Case, Refused};
-use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Fault, RefinementOutcome};
-use vibrissa_core::robot::event::Link;
-use vibrissa_edge::actions::ActionKind;
+use vibrissa::config::Key;
+use vibrissa_core::policy::{Case, PolicyParams};
+use vibrissa_core::robot::effect::{AlarmKind, Condition, Fault};
 use vibrissa_edge::words::{Word, Words};
 
 use crate::project;
@@ -20,51 +19,6 @@ fn part(path: &str, from: &str, to: &str) -> String {
     let text = read_to_string(project().join(path)).unwrap();
     let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("{path}: {from}"));
     rest.split_once(to).unwrap_or_else(|| panic!("{path}: {to} after {from}")).0.to_owned()
-}
-
-#[test]
-fn the_console_has_a_text_for_each_word() {
-    let lists = [
-        ("CONDITIONS", words::<Condition>()),
-        ("FAULTS", words::<Fault>()),
-        ("CONNECTIONS", words::<Link>()),
-        ("CASES", words::<Case>()),
-        ("REFUSALS", words::<Refused>()),
-        ("END_REASONS", words::<EndReason>()),
-        ("SETPOINT_STATES", words::<CommandState>()),
-        // The words of cases are included from another list.
-        ("SETPOINT_REASONS", vec!["REFINEMENT", "RELEASE", "OPERATOR"]),
-        ("LOOKS", words::<RefinementOutcome>()),
-        ("ACTION_KINDS", words::<ActionKind>()),
-    ];
-    for (list, words) in lists {
-        let part = part("services/supervisor/console/words.js", &format!("export const {list} = {{"), "\n};");
-        for word in words {
-            assert!(part.contains(&format!("\n  {word}: ")), "console/words.js: {list} needs {word}");
-        }
-    }
-}
-
-#[test]
-fn the_api_names_each_word() {
-    let lists = [
-        ("ConditionWord", words::<Condition>()),
-        ("ConnectionWord", words::<Link>()),
-        ("CaseWord", words::<Case>()),
-        ("SetpointStateWord", words::<CommandState>()),
-        ("AlarmKindWord", words::<AlarmKind>()),
-    ];
-    for (list, words) in lists {
-        let part = part("services/supervisor/src/http/words.rs", &format!("pub enum {list} {{"), "\n    }");
-        for word in &words {
-            assert!(part.contains(&format!(" = \"{word}\",")), "http/words.rs: {list} needs {word}");
-        }
-        assert_eq!(
-            part.matches(" = \"").count(),
-            words.len(),
-            "http/words.rs: {list} has a word that the core does not have"
-        );
-    }
 }
 
 #[test]
@@ -83,6 +37,53 @@ fn the_dashboards_have_a_colour_for_each_condition_and_a_name_for_each_case() {
     for (words, part) in [(words::<Condition>(), colours), (words::<Case>(), cases)] {
         for word in words {
             assert!(part.contains(&format!("\"{word}\": ")), "dashboards/source/words.py needs {word}");
+        }
+    }
+}
+
+#[test]
+fn the_glossary_names_each_condition_fault_alarm_and_case() {
+    // An entry ends with an empty line.
+    let entry = |term: &str| part("docs/glossary.md", &format!("**{term}.**"), "\n\n");
+    let is_fault = |kind: &AlarmKind| matches!(kind, AlarmKind::Fault(_));
+    let entries = [
+        ("Condition", words::<Condition>()),
+        ("Fault", words::<Fault>()),
+        ("Compensation case", words::<Case>()),
+        ("Alarm", AlarmKind::all().into_iter().filter(|kind| !is_fault(kind)).map(Word::word).collect()),
+    ];
+    for (term, words) in entries {
+        let entry = entry(term);
+        let named: Vec<&str> = entry.split(|c: char| c != '_' && !c.is_ascii_alphanumeric()).collect();
+        for word in words {
+            assert!(named.contains(&word), "docs/glossary.md: the entry {term} needs {word}");
+        }
+    }
+}
+
+#[test]
+fn the_runbook_of_faults_names_each_fault_but_silence() {
+    let meaning = part("docs/runbooks/VibrissaWhiskerFault.md", "## Meaning", "## Risk");
+    for fault in Fault::all().into_iter().filter(|&fault| fault != Fault::Stale) {
+        let named = meaning.split(|c: char| c != '_' && !c.is_ascii_alphanumeric()).any(|word| word == fault.word());
+        assert!(named, "docs/runbooks/VibrissaWhiskerFault.md: the meaning needs {}", fault.word());
+    }
+}
+
+#[test]
+fn each_number_of_the_policy_is_a_setting_and_a_column_of_both_databases() {
+    let example = read_to_string(project().join("deploy/vibrissa.example.toml")).unwrap();
+    for (number, key) in PolicyParams::NUMBERS.iter().zip(Key::POLICY_NUMBERS) {
+        assert_eq!(key.path(), format!("policy.{}", number.name));
+        let setting = format!("#{} = ", number.name);
+        assert!(example.contains(&setting), "deploy/vibrissa.example.toml needs {}", number.name);
+        let default = key.default().and_then(|text| text.parse::<f64>().ok());
+        assert_eq!(default, Some((number.of)(&PolicyParams::default())), "{key}");
+        for folder in ["migrations/sqlite", "migrations/postgres"] {
+            let files =
+                read_dir(project().join(folder)).unwrap().map(|file| read_to_string(file.unwrap().path()).unwrap());
+            let has_column = files.into_iter().any(|sql| sql.contains("policies") && sql.contains(number.name));
+            assert!(has_column, "{folder}: the table policies needs a column {}", number.name);
         }
     }
 }

@@ -15,3 +15,4 @@ mod scope;
 mod series;
 mod served;
 mod streams;
+mod words;

@@ -1,8 +1,10 @@
 //! Operator actions over HTTP, from the request to the robot and the audit log.
 
 use serde_json::{Value, json};
+use vibrissa_core::policy::{LongerForShorter, PolicyParams};
 use vibrissa_core::units::Megapascal;
 use vibrissa_protocol::{ArrayType, SetpointOutcome, SetpointReason};
+use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::web::{Answer, Events, ServerEvent, open, send};
 
@@ -85,8 +87,14 @@ async fn a_policy_is_changed_by_those_who_have_read_it() {
     let read = ask(&running, "GET", path, &[], None).await;
     assert_eq!((read.headers["etag"].as_str(), &read.json()["mode"]), ("\"0\"", &json!("AUTOMATIC")));
     let policy = |mode: &str| {
-        json!({ "mode": mode, "objective": "TIP", "longer_for_shorter": "NEVER", "predicted_error_max": 0.4,
-                "own_role_cost": 0.25, "change_margin": 0.1, "reason": "first week" })
+        let set = PolicyParams {
+            longer_for_shorter: LongerForShorter::Never,
+            predicted_error_max: 0.4,
+            ..PolicyParams::default()
+        };
+        let mut body = policy_body(&set);
+        (body["mode"], body["reason"]) = (json!(mode), json!("first week"));
+        body
     };
     let put = async |tag: Option<&str>, policy: Value| {
         let headers: Vec<(&str, &str)> = tag.iter().map(|tag| ("If-Match", *tag)).collect();

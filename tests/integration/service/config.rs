@@ -107,10 +107,10 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::ModelFormulation => ["consistent", "published", "consistent"],
         Key::PolicyObjective => ["mean", "tip", "mean"],
         Key::PolicyLongerForShorter => ["never", "allowed", "last-resort"],
-        Key::PolicyPredictedErrorMax => ["0.25", "0.75", "1.0"],
-        Key::PolicyOwnRoleCost | Key::PolicyChangeMargin => ["0.125", "0.5", "1.5"],
         Key::DetectionContactsBetweenFalseAlarms => ["10000.0", "100000.0", "10000000.0"],
         Key::DetectionColdStartContacts => ["20", "30", "40"],
+        key if Key::POLICY_NUMBERS.contains(&key) => ["0.125", "0.75", "1.5"],
+        key => panic!("{key} needs values"),
     }
 }
 

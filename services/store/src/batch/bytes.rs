@@ -1,11 +1,13 @@
 //! Serialization of a batch for the intent log, until its rows are written.
 
 use borsh::io::{Error, ErrorKind, Result};
+use vibrissa_core::policy::PolicyParams;
 
 use super::Batch;
 
 /// First byte of the serialized batch: the format version. Bytes of another version are not read.
 const VERSION: u8 = 1;
+const _: () = assert!(PolicyParams::NUMBERS.len() == 3, "raise VERSION: the rows of policies have other numbers");
 
 impl Batch {
     /// Serializes the batch; `None` if a value in it cannot be serialized.

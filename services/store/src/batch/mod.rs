@@ -3,6 +3,7 @@
 mod bytes;
 mod compensation;
 mod parts;
+mod policy;
 mod record;
 mod rows;
 mod words;
@@ -10,6 +11,7 @@ mod words;
 pub use compensation::*;
 pub use parts::{Owner, Owners};
 pub(crate) use parts::{Parts, Rows};
+pub use policy::{PolicyChanged, PolicyRow};
 pub use record::*;
 pub use rows::*;
 

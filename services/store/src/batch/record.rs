@@ -2,7 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::{DecisionRow, ErrorRow, RefinementRow, words};
+use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, words};
 use crate::calibrations::ActivationRow;
 use crate::row::row;
 
@@ -191,37 +191,6 @@ row! {
         /// Kind of alarm, such as `UNCOMPENSATED`.
         #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
-    }
-
-    /// A policy that an operator has set; the migration documents the columns.
-    pub struct PolicyRow {
-        /// Name of the fleet.
-        pub fleet: String,
-        /// Version of the fleet's policy, from 1.
-        pub version: i64,
-        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
-        #[borsh(deserialize_with = "words::word")]
-        pub mode: &'static str,
-        /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
-        #[borsh(deserialize_with = "words::word")]
-        pub objective: &'static str,
-        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
-        #[borsh(deserialize_with = "words::word")]
-        pub longer_for_shorter: &'static str,
-        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
-        pub predicted_error_max: f64,
-        /// Cost of a neighbour that gives up its own role, in units of mean error.
-        pub own_role_cost: f64,
-        /// Least gain for which an assignment in force is changed, in units of mean error.
-        pub change_margin: f64,
-        /// Time at which it was set, µs since 1970 UTC by the supervisor's clock.
-        pub changed_us: i64,
-        /// Person or token that set it.
-        pub changed_by: String,
-        /// Reason that the person gave.
-        pub reason: Option<String>,
-        /// Number of the action that set it.
-        pub action_id: i64,
     }
 
     /// A setpoint; the migration documents the columns.

@@ -1,4 +1,4 @@
-//! The audit log of actions that people requested, and the policies that operators have set.
+//! The audit log of actions that people requested.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -49,34 +49,6 @@ from_row! {
         /// Time at which the action was done, refused or expired; null while it is pending.
         pub done_at: Option<Time>,
     }
-
-    /// A policy: the rules by which a fleet's compensations are decided.
-    #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-    #[schema(as = Policy)]
-    pub struct PolicyRow {
-        /// Name of the fleet.
-        pub fleet: String,
-        /// Version of the fleet's policy, from 1; 0 is the policy of the configuration.
-        pub version: i64,
-        /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for an operator's approval.
-        pub mode: String,
-        /// Quantity that a setpoint is solved for: `TIP` (equal sensitivity at the tip) or `MEAN` (least mean error).
-        pub objective: String,
-        /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
-        pub longer_for_shorter: String,
-        /// Highest predicted mean error (Eq. 35) at which a compensation may start, as a ratio.
-        pub predicted_error_max: f64,
-        /// Cost of a neighbour that gives up its own role, in units of mean error.
-        pub own_role_cost: f64,
-        /// Least gain for which an assignment in force is changed, in units of mean error.
-        pub change_margin: f64,
-        /// Time at which this version was set; null for the policy of the configuration.
-        pub changed_at: Option<Time>,
-        /// Person or token that set this version; null for the policy of the configuration.
-        pub changed_by: Option<String>,
-        /// Reason that the person gave; null if none was given.
-        pub reason: Option<String>,
-    }
 }
 
 sorts! {
@@ -87,14 +59,6 @@ sorts! {
     }
 }
 
-sorts! {
-    /// Sort keys of a fleet's policies.
-    pub enum PolicySort {
-        /// By version, which is the order in which they came into force.
-        Version = "version" Whole Down,
-    }
-}
-
 /// The audit log.
 pub static ACTIONS: List = List {
     what: "list the actions",
@@ -102,13 +66,4 @@ pub static ACTIONS: List = List {
              role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at FROM actions",
     sorts: ActionSort::SORTS,
     id: "action_id",
-};
-
-/// The policies that operators have set, in all versions.
-pub static POLICIES: List = List {
-    what: "list the policies",
-    select: "SELECT fleet, version, mode, objective, longer_for_shorter, predicted_error_max, own_role_cost, \
-             change_margin, changed_us AS changed_at, changed_by, reason FROM policies",
-    sorts: PolicySort::SORTS,
-    id: "version",
 };

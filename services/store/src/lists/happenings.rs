@@ -80,8 +80,7 @@ from_row! {
         /// Number of the whisker in its array.
         #[schema(minimum = 0)]
         pub whisker: i64,
-        /// Kind of alarm: `UNCOMPENSATED`, `SETPOINT_FAILED`, `SENSITIVITY_LOSS`, `ERODING`, `ARRAY_SHIFT`,
-        /// `BASELINE_DRIFT`, `PROPOSED`, or the name of a fault such as `LEAK`.
+        /// Kind of alarm, such as `UNCOMPENSATED`, or a fault, such as `LEAK`: one of the values of the filter `kind`.
         pub kind: String,
         /// Time at which it was raised, by the supervisor's clock.
         pub raised_at: Time,

@@ -8,6 +8,7 @@ pub mod errors;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod policies;
 pub mod quarantine;
 pub mod robots;
 pub mod setpoints;

@@ -36,7 +36,7 @@ from_row! {
         pub length_low_mm: f64,
         /// Upper bound of the 95 % interval of `length_mm`, mm.
         pub length_high_mm: f64,
-        /// Mechanical condition: `LEARNING`, `HEALTHY`, `SUSPECTED`, `TRIMMED`, `ERODING` or `SENSITIVITY_LOSS`.
+        /// Mechanical condition, such as `HEALTHY`: one of the values of the filter `condition`.
         pub condition: String,
         /// Fault, such as `LEAK` or `STALE`; null without a fault.
         pub fault: Option<String>,

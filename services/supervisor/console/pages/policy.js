@@ -1,24 +1,18 @@
 // The compensation policy of a fleet, and the dialog to change it.
 
-import { ask, has, ifServed, list } from "../api.js";
+import { ask, has, ifServed, list, schema } from "../api.js";
 import { confirm } from "../dialog.js";
 import { h } from "../dom.js";
 import { percent, time } from "../format.js";
 import { api, link, ROUTES } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
-import { say } from "../words.js";
+import { LONGER_FOR_SHORTER, MODES, OBJECTIVES, say } from "../words.js";
 
-const MODES = {
-  AUTOMATIC: "automatic: compensations start at once",
-  ADVISE: "advise: an operator approves each compensation",
-};
-const OBJECTIVES = { TIP: "equal sensitivity at the tip (Eq. 34)", MEAN: "least mean error over contact ratios" };
-const LONGER = { NEVER: "never", LAST_RESORT: "as a last resort", ALLOWED: "whenever it costs least" };
-const NUMBERS = [
-  ["predicted_error_max", "Maximum predicted error", "As a ratio from 0 to 10; 1 means no better than doing nothing."],
-  ["own_role_cost", "Cost of losing an own role", "In units of mean error, 0 to 10."],
-  ["change_margin", "Minimum gain of a change", "In units of mean error, 0 to 10."],
-];
+/** The policy's numbers, as the OpenAPI document declares them. */
+const numbers = () =>
+  Object.entries(schema("NewPolicy")?.properties ?? {})
+    .filter(([, one]) => one.type === "number")
+    .map(([name, one]) => ({ name, ...one, label: one["x-label"] ?? name, percent: one["x-unit"] === "ratio" }));
 
 export default {
   async load({ fleet }) {
@@ -51,10 +45,8 @@ async function policyOf(fleet) {
 const shown = (policy) => [
   ["Mode", say(MODES, policy.mode)],
   ["Objective of the setpoint", say(OBJECTIVES, policy.objective)],
-  ["Longer whisker for a shorter one", say(LONGER, policy.longer_for_shorter)],
-  ["Maximum predicted error", percent(policy.predicted_error_max, 0)],
-  ["Cost of losing an own role", policy.own_role_cost],
-  ["Minimum gain of a change", policy.change_margin],
+  ["Longer whisker for a shorter one", say(LONGER_FOR_SHORTER, policy.longer_for_shorter)],
+  ...numbers().map((one) => [one.label, one.percent ? percent(policy[one.name], 0) : policy[one.name]]),
 ];
 
 function part(policy, refresh) {
@@ -83,13 +75,13 @@ function change({ fleet, tag, now }) {
     value: now[name],
     required: true,
   });
-  const number = ([name, label, hint]) => ({
+  const number = ({ name, label, description, minimum, maximum }) => ({
     name,
     label,
-    hint,
+    hint: `${description} From ${minimum} to ${maximum}.`,
     type: "number",
-    min: 0,
-    max: 10,
+    min: minimum,
+    max: maximum,
     step: "any",
     required: true,
     value: now[name],
@@ -102,8 +94,8 @@ function change({ fleet, tag, now }) {
     fields: [
       choice("mode", "Mode", MODES),
       choice("objective", "Objective of the setpoint", OBJECTIVES),
-      choice("longer_for_shorter", "Longer whisker for a shorter one", LONGER),
-      ...NUMBERS.map(number),
+      choice("longer_for_shorter", "Longer whisker for a shorter one", LONGER_FOR_SHORTER),
+      ...numbers().map(number),
     ],
     reason: "optional",
     button: "Change the policy",
@@ -112,8 +104,8 @@ function change({ fleet, tag, now }) {
     method: "PUT",
     headers: tag ? { "If-Match": tag } : {},
     body: ({ reason, ...values }) => {
-      const numbers = Object.fromEntries(NUMBERS.map(([name]) => [name, Number(values[name])]));
-      return { ...values, ...numbers, reason: reason.trim() || undefined };
+      const told = Object.fromEntries(numbers().map(({ name }) => [name, Number(values[name])]));
+      return { ...values, ...told, reason: reason.trim() || undefined };
     },
   };
 }
@@ -126,9 +118,9 @@ function historyTable({ fleet, history }) {
     columns: [
       { name: "Time", head: true, cell: (row) => time(row.changed_at) },
       { name: "Actor", cell: (row) => row.changed_by },
-      { name: "Mode", cell: (row) => say({ AUTOMATIC: "automatic", ADVISE: "advise" }, row.mode) },
-      { name: "Objective", cell: (row) => say({ TIP: "tip", MEAN: "mean" }, row.objective) },
-      { name: "Longer for shorter", cell: (row) => say(LONGER, row.longer_for_shorter) },
+      { name: "Mode", cell: (row) => say({}, row.mode) },
+      { name: "Objective", cell: (row) => say({}, row.objective) },
+      { name: "Longer for shorter", cell: (row) => say(LONGER_FOR_SHORTER, row.longer_for_shorter) },
       { name: "Maximum error", numeric: true, cell: (row) => percent(row.predicted_error_max, 0) },
       { name: "Reason", cell: (row) => row.reason ?? "\u2013" },
     ],

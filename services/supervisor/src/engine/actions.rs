@@ -20,7 +20,7 @@ use crate::params::with_model;
 use crate::trace::Asked;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::actions::Action;
-use vibrissa_store::batch::{PolicyRow, Record};
+use vibrissa_store::batch::{PolicyChanged, PolicyRow, Record};
 use vibrissa_store::calibrations::ActivationRow;
 
 /// Limit of the actions read at a time.
@@ -208,20 +208,15 @@ impl Engine {
     }
 
     fn policy_row(&self, action: &Action, policy: &PolicyParams) -> PolicyRow {
-        PolicyRow {
+        let changed = PolicyChanged {
             fleet: self.fleet.to_string(),
             version: self.policy_version,
-            mode: policy.mode.word(),
-            objective: policy.objective.word(),
-            longer_for_shorter: policy.longer_for_shorter.word(),
-            predicted_error_max: policy.predicted_error_max,
-            own_role_cost: policy.own_role_cost,
-            change_margin: policy.change_margin,
             changed_us: wall_clock().0 as i64,
             changed_by: action.actor.clone(),
             reason: action.reason.clone(),
             action_id: action.action_id,
-        }
+        };
+        PolicyRow::new(policy, changed)
     }
 }
 

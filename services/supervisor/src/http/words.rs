@@ -1,4 +1,79 @@
 //! Enumerations of the API, in the words of the contract.
+//!
+//! Those of the core are [`OneOf`] its words, as `vibrissa_edge::words` declares them; the others are declared here.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
+use vibrissa_core::mechanics::Objective;
+use vibrissa_core::policy::{Case, LongerForShorter, Mode};
+use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition};
+use vibrissa_core::robot::event::Link;
+use vibrissa_edge::words::{Word, Words, named};
+
+/// A value of one of the core's closed enums, in JSON and in queries as its word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OneOf<T>(pub T);
+
+/// Mechanical condition of a whisker.
+pub type ConditionWord = OneOf<Condition>;
+/// Connection state of a robot.
+pub type ConnectionWord = OneOf<Link>;
+/// Compensation case of the paper.
+pub type CaseWord = OneOf<Case>;
+/// Progress of a setpoint.
+pub type SetpointStateWord = OneOf<CommandState>;
+/// Kind of alarm.
+pub type AlarmKindWord = OneOf<AlarmKind>;
+/// Whether compensations need approval.
+pub type ModeWord = OneOf<Mode>;
+/// Objective of the setpoint solver.
+pub type ObjectiveWord = OneOf<Objective>;
+/// Whether a longer whisker may compensate for a shorter one.
+pub type LongerForShorterWord = OneOf<LongerForShorter>;
+
+impl<T: Words + Copy> fmt::Display for OneOf<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.word())
+    }
+}
+
+impl<T: Words + Copy> Serialize for OneOf<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.word())
+    }
+}
+
+impl<'de, T: Words + Copy> Deserialize<'de> for OneOf<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        named(&word).map(Self).ok_or_else(|| {
+            let words: Vec<String> = T::all().into_iter().map(|one| format!("`{}`", one.word())).collect();
+            serde::de::Error::custom(format!("unknown variant `{word}`, expected one of {}", words.join(", ")))
+        })
+    }
+}
+
+impl<T: Words> PartialSchema for OneOf<T> {
+    fn schema() -> RefOr<Schema> {
+        let words: Vec<&str> = T::all().into_iter().map(Word::word).collect();
+        let labels =
+            T::all().into_iter().zip(&words).filter_map(|(one, word)| Some(format!("`{word}`: {}", one.label()?)));
+        let labels = labels.collect::<Vec<_>>().join("; ");
+        let description = (!labels.is_empty()).then(|| format!("{labels}."));
+        let schema = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).enum_values(Some(words));
+        schema.description(description).into()
+    }
+}
+
+impl<T: Words> ToSchema for OneOf<T> {
+    fn name() -> std::borrow::Cow<'static, str> {
+        format!("{}Word", T::NAME).into()
+    }
+}
 
 /// Defines an enumeration with its words in JSON and in the database.
 macro_rules! words {
@@ -17,24 +92,6 @@ macro_rules! words {
 pub(super) use words;
 
 words! {
-    /// Mechanical condition of a whisker.
-    pub enum ConditionWord {
-        /// Baseline is still being learned (cold start).
-        Learning = "LEARNING",
-        /// No trim, erosion or sensitivity loss detected.
-        Healthy = "HEALTHY",
-        /// The detector has raised an alarm that is not confirmed yet.
-        Suspected = "SUSPECTED",
-        /// Shortened by a cut.
-        Trimmed = "TRIMMED",
-        /// Shortening gradually (erosion).
-        Eroding = "ERODING",
-        /// Sensitivity loss that no trim explains.
-        SensitivityLoss = "SENSITIVITY_LOSS",
-    }
-}
-
-words! {
     /// Length of the intervals over which contacts are aggregated.
     pub enum ResolutionWord {
         /// Intervals of one minute.
@@ -45,96 +102,12 @@ words! {
 }
 
 words! {
-    /// Connection state of a robot.
-    pub enum ConnectionWord {
-        /// The robot is connected.
-        Online = "ONLINE",
-        /// Signed off, or never connected.
-        Offline = "OFFLINE",
-        /// Connection lost without sign-off.
-        ConnectionBroken = "CONNECTION_BROKEN",
-    }
-}
-
-words! {
-    /// Compensation case of the paper.
-    pub enum CaseWord {
-        /// The trimmed whisker compensates for itself at another pressure.
-        SelfCompensation = "SELF_COMPENSATION",
-        /// A shorter neighbour compensates for a longer target.
-        ShorterForLonger = "SHORTER_FOR_LONGER",
-        /// A longer neighbour compensates for a shorter target.
-        LongerForShorter = "LONGER_FOR_SHORTER",
-    }
-}
-
-words! {
-    /// Progress of a setpoint.
-    pub enum SetpointStateWord {
-        /// Decided; the robot has not answered yet.
-        Pending = "PENDING",
-        /// The robot has received it.
-        Received = "RECEIVED",
-        /// The robot is changing the pressure.
-        Applying = "APPLYING",
-        /// The robot has reached the pressure.
-        Applied = "APPLIED",
-        /// The robot has rejected it.
-        Rejected = "REJECTED",
-        /// The robot could not reach the pressure.
-        Failed = "FAILED",
-        /// Replaced by a newer setpoint.
-        Superseded = "SUPERSEDED",
-        /// The robot did not answer in time.
-        Expired = "EXPIRED",
-        /// The robot restarted before it answered.
-        Abandoned = "ABANDONED",
-    }
-}
-
-words! {
     /// Kind of a health change.
     pub enum HealthKindWord {
         /// Change of the mechanical condition.
         Condition = "CONDITION",
         /// Change of the fault.
         Fault = "FAULT",
-    }
-}
-
-words! {
-    /// Kind of alarm.
-    pub enum AlarmKindWord {
-        /// A trimmed whisker has no possible compensator.
-        Uncompensated = "UNCOMPENSATED",
-        /// A compensation waits for approval.
-        Proposed = "PROPOSED",
-        /// A setpoint was given up.
-        SetpointFailed = "SETPOINT_FAILED",
-        /// A whisker has a sensitivity loss that no trim explains.
-        SensitivityLoss = "SENSITIVITY_LOSS",
-        /// A whisker is eroding.
-        Eroding = "ERODING",
-        /// Most healthy whiskers of an array share a shift.
-        ArrayShift = "ARRAY_SHIFT",
-        /// The baseline of a strain gauge has drifted.
-        BaselineDrift = "BASELINE_DRIFT",
-        /// A whisker has been silent for too long.
-        Stale = "STALE",
-        /// Open circuit in a strain gauge.
-        GaugeOpen = "GAUGE_OPEN",
-        /// Short circuit in a strain gauge.
-        GaugeShort = "GAUGE_SHORT",
-        /// A strain gauge is saturated.
-        GaugeSaturated = "GAUGE_SATURATED",
-        /// A strain gauge is unreliable.
-        Gauge = "GAUGE",
-        /// A chamber does not hold its pressure.
-        Leak = "LEAK",
-        /// Fault of a pressure regulator.
-        Regulator = "REGULATOR",
-        /// The supply pressure is too low.
-        SupplyLow = "SUPPLY_LOW",
     }
 }
 

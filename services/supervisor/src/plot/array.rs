@@ -1,6 +1,9 @@
 //! An array drawn to scale, seen from the side: one row for each line of whiskers, tips upwards.
 
 use super::svg::{Anchor, Svg};
+use vibrissa_core::robot::effect::{Condition, Fault};
+use vibrissa_core::robot::event::GaugeState;
+use vibrissa_edge::words::{Word as _, named};
 use vibrissa_store::lists::whiskers::Whisker;
 
 /// Space above the longest whisker of a row, for arrows.
@@ -9,6 +12,8 @@ const ABOVE: f64 = 46.0;
 const BELOW: f64 = 96.0;
 /// Width of a whisker's labels.
 const COLUMN: f64 = 88.0;
+/// Letters of a word that fit a column.
+const WORD_MAX: usize = 11;
 /// Maximum vertical scale, in units of the picture per mm.
 const UP_MAX: f64 = 3.6;
 const HEAD: f64 = 82.0;
@@ -30,12 +35,12 @@ fn health(whisker: &Whisker) -> Health<'_> {
     if let Some(fault) = &whisker.fault {
         return Health { word: fault, shape: "\u{2716}", class: "p-b" };
     }
-    let (shape, class) = match whisker.condition.as_str() {
-        "HEALTHY" => ("\u{25cf}", "p-c"),
-        "TRIMMED" => ("\u{25bc}", "p-b"),
-        "ERODING" | "SENSITIVITY_LOSS" => ("\u{25e2}", "p-b"),
-        "SUSPECTED" => ("\u{25c6}", "p-a"),
-        _ => ("\u{25cb}", "p-m"),
+    let (shape, class) = match named(&whisker.condition) {
+        Some(Condition::Healthy) => ("\u{25cf}", "p-c"),
+        Some(Condition::Trimmed) => ("\u{25bc}", "p-b"),
+        Some(Condition::Eroding | Condition::SensitivityLoss) => ("\u{25e2}", "p-b"),
+        Some(Condition::Suspected) => ("\u{25c6}", "p-a"),
+        Some(Condition::Learning) | None => ("\u{25cb}", "p-m"),
     };
     Health { word: &whisker.condition, shape, class }
 }
@@ -161,11 +166,17 @@ fn words(svg: &mut Svg, whisker: &Whisker, (x, base): (f64, f64)) {
 
 /// A label that fits its column.
 fn short(shape: &str, word: &str) -> String {
-    match word {
-        "SENSITIVITY_LOSS" => format!("{shape} FEELS LESS"),
-        "GAUGE_SATURATED" => format!("{shape} GAUGE FULL"),
-        word => format!("{shape} {}", word.replace('_', " ")),
-    }
+    let word = if word == Condition::SensitivityLoss.word() {
+        "FEELS LESS".to_owned()
+    } else if word == Fault::Gauge(GaugeState::Saturated).word() {
+        "GAUGE FULL".to_owned()
+    } else if word.len() > WORD_MAX {
+        let start: String = word.chars().take(WORD_MAX - 1).collect();
+        format!("{}\u{2026}", start.replace('_', " "))
+    } else {
+        word.replace('_', " ")
+    };
+    format!("{shape} {word}")
 }
 
 /// Pairs of compensator and target.

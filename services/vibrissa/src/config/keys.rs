@@ -1,10 +1,13 @@
-//! The table of all configuration keys: everything that can be set is listed here, and only here.
+//! The table of all configuration keys: everything that can be set is listed here, and only here; but for the numbers
+//! of the policy, which `vibrissa_core::policy_numbers!` declares.
 //!
 //! The names follow from the path: `mqtt.ca_file` in the file is `VIBRISSA_MQTT_CA_FILE` in the environment and
 //! `--mqtt-ca-file` on the command line.
 
 use std::fmt;
 use std::sync::LazyLock;
+
+use vibrissa_core::policy_numbers;
 
 /// Type and range of a value. Its meaning is checked where it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,9 +58,30 @@ struct Row {
     help: &'static str,
 }
 
-/// Defines the enum and its table together, so that both have the same keys.
+/// Defines the enum and its table together, so that both have the same keys: those before the policy's numbers, the
+/// numbers as `policy_numbers!` declares them, and those after.
 macro_rules! keys {
-    ($($key:ident: $path:literal, $kind:expr, $default:expr, $help:literal;)+) => {
+    (
+        [$($name:ident {
+            key: $number:ident, default: $value:tt, min: $min:tt, max: $max:tt, unit: $unit:tt, title: $title:tt,
+            doc: $doc:tt,
+        })+]
+        { $($before:tt)* }
+        { $($after:tt)* }
+    ) => {
+        keys! {
+            $($before)*
+            $($number: concat!("policy.", stringify!($name)), Kind::Number { min: $min, max: $max },
+                Some(stringify!($value)), $doc;)+
+            $($after)*
+        }
+
+        impl Key {
+            /// The keys of the policy's numbers, in the order of `PolicyParams::NUMBERS`.
+            pub const POLICY_NUMBERS: &[Self] = &[$(Self::$number),+];
+        }
+    };
+    ($($key:ident: $path:expr, $kind:expr, $default:expr, $help:tt;)+) => {
         /// A key of the configuration.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Key {
@@ -77,7 +101,7 @@ macro_rules! keys {
     };
 }
 
-keys! {
+policy_numbers! { keys {
     Name: "name", Kind::Text, None,
         "Name of this supervisor, for people; default: the host's name";
     Fleets: "fleets", Kind::Texts, Some(r#"["fleet"]"#),
@@ -163,20 +187,14 @@ keys! {
          contact ratios)";
     PolicyLongerForShorter: "policy.longer_for_shorter", Kind::Text, Some(r#""last-resort""#),
         "Whether a longer whisker may compensate for a shorter one: never, last-resort or allowed";
-    PolicyPredictedErrorMax: "policy.predicted_error_max", Kind::Number { min: 0.0, max: 10.0 }, Some("0.5"),
-        "Maximum mean predicted error of a compensation, as a ratio";
-    PolicyOwnRoleCost: "policy.own_role_cost", Kind::Number { min: 0.0, max: 10.0 }, Some("0.25"),
-        "Cost of a neighbour that gives up its own role, in units of mean error: the trimmed whisker itself is \
-         preferred unless a neighbour is better by more";
-    PolicyChangeMargin: "policy.change_margin", Kind::Number { min: 0.0, max: 10.0 }, Some("0.1"),
-        "Minimum gain for changing an active assignment, in units of mean error, for each whisker that changes";
+} {
     DetectionContactsBetweenFalseAlarms:
         "detection.contacts_between_false_alarms", Kind::Number { min: 1e3, max: 1e12 }, Some("1e6"),
         "Mean number of contacts of a healthy whisker between false alarms";
     DetectionColdStartContacts:
         "detection.cold_start_contacts", Kind::Whole { min: 20, max: 100_000 }, Some("150"),
         "Number of contacts for learning a whisker's offset and noise, before anything is reported";
-}
+} }
 
 /// Environment variable and flag of a key.
 struct Names {
@@ -246,10 +264,11 @@ impl Key {
         self.row().default
     }
 
-    /// Its description, in one line.
+    /// Its description, in one line without a full stop.
     #[must_use]
-    pub const fn help(self) -> &'static str {
-        self.row().help
+    pub fn help(self) -> &'static str {
+        let help = self.row().help;
+        help.strip_suffix('.').filter(|start| !start.ends_with('.')).unwrap_or(help)
     }
 
     /// The key with that path.

@@ -23,8 +23,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tracing_subscriber::EnvFilter;
-use vibrissa_core::mechanics::{Formulation, Model, Objective};
-use vibrissa_core::policy::{LongerForShorter, Mode};
+use vibrissa_core::mechanics::{Formulation, Model};
+use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
@@ -35,7 +35,7 @@ pub use problem::{Origin, Problem, Problems};
 
 use self::layers::Layers;
 use self::reader::Reader;
-use choices::{FormulationArg, KeepArg, LongerForShorterArg, ModeArg, ObjectiveArg, SeriesArg};
+use choices::{FormulationArg, KeepArg, SeriesArg};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::retention::Retention;
 use vibrissa_supervisor::calibration_file::{self, CalibrationFileError};
@@ -80,18 +80,8 @@ pub struct Config {
     pub traces: Option<TraceOptions>,
     /// Interpretation of the paper's equations.
     pub formulation: Formulation,
-    /// Whether compensations need approval.
-    pub mode: Mode,
-    /// Objective of the setpoint solver.
-    pub objective: Objective,
-    /// Whether a longer whisker may compensate for a shorter one.
-    pub longer_for_shorter: LongerForShorter,
-    /// Maximum mean predicted error of a compensation, as a ratio.
-    pub predicted_error_max: f64,
-    /// Cost of a neighbour that gives up its own role, in units of mean error.
-    pub own_role_cost: f64,
-    /// Minimum gain for changing an active assignment, in units of mean error.
-    pub change_margin: f64,
+    /// Policy of the compensations, unless an operator has set another one.
+    pub policy: PolicyParams,
     /// Mean number of contacts of a healthy whisker between false alarms.
     pub contacts_between_false_alarms: f64,
     /// Number of contacts of a whisker's cold start.
@@ -144,12 +134,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let access = http::access(reader);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);
-    let mode = reader.word::<ModeArg>(Key::PolicyMode);
-    let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
-    let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
-    let predicted_error_max = reader.number(Key::PolicyPredictedErrorMax);
-    let own_role_cost = reader.number(Key::PolicyOwnRoleCost);
-    let change_margin = reader.number(Key::PolicyChangeMargin);
+    let policy = policy::policy(reader);
     let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
     let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
     Some(Config {
@@ -171,12 +156,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         metrics_per_whisker: series? == SeriesArg::Whiskers,
         traces: traces?,
         formulation: formulation?,
-        mode: mode?.into(),
-        objective: objective?.into(),
-        longer_for_shorter: longer_for_shorter?.into(),
-        predicted_error_max: predicted_error_max?,
-        own_role_cost: own_role_cost?,
-        change_margin: change_margin?,
+        policy: policy?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
         secret_files: std::mem::take(&mut reader.secret_files),
@@ -252,12 +232,7 @@ impl Config {
     pub fn params(&self) -> Params {
         let mut params = Params::nguyen_2021(self.formulation);
         params.models.extend(self.models.iter().map(|(name, model)| (Arc::new(name.clone()), model.clone())));
-        params.policy.mode = self.mode;
-        params.policy.objective = self.objective;
-        params.policy.longer_for_shorter = self.longer_for_shorter;
-        params.policy.predicted_error_max = self.predicted_error_max;
-        params.policy.own_role_cost = self.own_role_cost;
-        params.policy.change_margin = self.change_margin;
+        params.policy = self.policy;
         params.detection.contacts_between_false_alarms = self.contacts_between_false_alarms;
         params.detection.cold_start_contacts = self.cold_start_contacts;
         params

@@ -1,10 +1,10 @@
-//! Another policy for comparisons: a file with some keys of `[policy]`.
+//! The policy, and another one for comparisons: a file with some keys of `[policy]`.
 
 use std::path::PathBuf;
 
 use vibrissa_core::policy::PolicyParams;
 
-use super::choices::{LongerForShorterArg, ObjectiveArg};
+use super::choices::{LongerForShorterArg, ModeArg, ObjectiveArg};
 use super::keys::Key;
 use super::layers::{Layers, Sources};
 use super::problem::Problems;
@@ -12,6 +12,24 @@ use super::reader::Reader;
 
 /// Section of such a file.
 const SECTION: &str = "policy";
+
+/// The policy of the configuration.
+pub(super) fn policy(reader: &mut Reader) -> Option<PolicyParams> {
+    let mode = reader.word::<ModeArg>(Key::PolicyMode);
+    let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
+    let longer_for_shorter = reader.word::<LongerForShorterArg>(Key::PolicyLongerForShorter);
+    let numbers: Vec<_> = Key::POLICY_NUMBERS.iter().map(|&key| reader.number(key)).collect();
+    let mut policy = PolicyParams {
+        mode: mode?.into(),
+        objective: objective?.into(),
+        longer_for_shorter: longer_for_shorter?.into(),
+        ..PolicyParams::default()
+    };
+    for (number, value) in PolicyParams::NUMBERS.iter().zip(numbers) {
+        *(number.of_mut)(&mut policy) = value?;
+    }
+    Some(policy)
+}
 
 /// The policy `base`, overridden by the keys in the file.
 ///
@@ -35,15 +53,11 @@ pub fn policy_over(base: PolicyParams, path: PathBuf, text: String) -> Result<Po
     {
         policy.longer_for_shorter = word.into();
     }
-    for (key, value) in [
-        (Key::PolicyPredictedErrorMax, &mut policy.predicted_error_max),
-        (Key::PolicyOwnRoleCost, &mut policy.own_role_cost),
-        (Key::PolicyChangeMargin, &mut policy.change_margin),
-    ] {
+    for (&key, number) in Key::POLICY_NUMBERS.iter().zip(PolicyParams::NUMBERS) {
         if reader.is_explicit(key)
-            && let Some(number) = reader.number(key)
+            && let Some(value) = reader.number(key)
         {
-            *value = number;
+            *(number.of_mut)(&mut policy) = value;
         }
     }
     if reader.problems.is_empty() { Ok(policy) } else { Err(Problems(reader.problems)) }

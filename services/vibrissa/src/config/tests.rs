@@ -37,12 +37,7 @@ fn the_defaults_are_a_good_configuration() {
     assert!(config.access.token.is_none() && config.access.oidc.is_none());
     assert_eq!(config.traces, None);
     assert_eq!(config.history, HistoryOptions::default());
-    assert_eq!(config.mode, core.policy.mode);
-    assert_eq!(config.objective, core.policy.objective);
-    assert_eq!(config.longer_for_shorter, core.policy.longer_for_shorter);
-    assert_eq!(config.predicted_error_max, core.policy.predicted_error_max);
-    assert_eq!(config.own_role_cost, core.policy.own_role_cost);
-    assert_eq!(config.change_margin, core.policy.change_margin);
+    assert_eq!(config.policy, core.policy);
     assert_eq!(config.contacts_between_false_alarms, core.detection.contacts_between_false_alarms);
     assert_eq!(config.cold_start_contacts, core.detection.cold_start_contacts);
 }

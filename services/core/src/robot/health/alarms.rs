@@ -20,7 +20,15 @@ const KINDS: [AlarmKind; 7] = [
     AlarmKind::Proposed,
 ];
 
+// A stored state has one byte for these kinds and the bit that says whether a fault follows.
+const _: () = assert!(KINDS.len() < 8, "an eighth kind needs a second byte: see Standing");
+
 /// The alarms that stand for a whisker: of its faults only the worst.
+///
+/// The seven kinds and the bit for a fault fill the stored byte. An eighth kind can be stored without a new format
+/// version as follows: a condition is either SENSITIVITY_LOSS or ERODING, so no stored byte has both lowest bits set.
+/// Let such a byte announce two bytes with all kinds, and write it only if a kind from the eighth on stands. States
+/// without such an alarm keep their bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Standing {
     fault: Option<Fault>,

@@ -3,12 +3,13 @@
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Json, Response};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use vibrissa_edge::words::Word;
+use vibrissa_core::policy::PolicyParams;
+use vibrissa_core::policy_numbers;
 
 use super::paths::FleetPath;
 use crate::http::App;
@@ -16,68 +17,65 @@ use crate::http::asking::{Asker, ask, reason};
 use crate::http::extract::{Body, Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
-use crate::http::words::words;
-use vibrissa_store::lists::actions::{ActionRow, POLICIES, PolicyRow, PolicySort};
+use crate::http::words::{LongerForShorterWord, ModeWord, ObjectiveWord};
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::lists::policies::{POLICIES, PolicyRow, PolicySort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_policy, put_policy)).routes(routes!(list_policies))
 }
 
-words! {
-    /// Whether compensations need approval.
-    pub enum ModeWord {
-        /// Compensations start without approval.
-        Automatic = "AUTOMATIC",
-        /// An operator approves each proposed compensation.
-        Advise = "ADVISE",
-    }
-}
+macro_rules! policy_body {
+    ([$($name:ident {
+        key: $key:tt, default: $default:tt, min: $min:tt, max: $max:tt, unit: $unit:tt, title: $title:tt, doc: $doc:tt,
+    })+]) => {
+        /// A complete policy.
+        #[derive(Debug, Deserialize, Serialize, ToSchema)]
+        #[serde(deny_unknown_fields)]
+        #[schema(as = NewPolicy)]
+        pub struct PolicyBody {
+            /// Whether compensations need approval.
+            pub mode: ModeWord,
+            /// Objective of the setpoint solver.
+            pub objective: ObjectiveWord,
+            /// Whether a longer whisker may compensate for a shorter one.
+            pub longer_for_shorter: LongerForShorterWord,
+            $(
+                #[doc = $doc]
+                #[schema(
+                    minimum = $min, maximum = $max,
+                    extensions(("x-label" = json!($title)), ("x-unit" = json!($unit)))
+                )]
+                pub $name: f64,
+            )+
+            /// Reason in free text, at most 1000 characters.
+            #[schema(max_length = 1000)]
+            #[serde(skip_serializing)]
+            pub reason: Option<String>,
+        }
 
-words! {
-    /// Objective of the setpoint solver.
-    pub enum ObjectiveWord {
-        /// Equal sensitivity at the tip.
-        Tip = "TIP",
-        /// Least mean error over the contact ratios.
-        Mean = "MEAN",
-    }
+        impl PolicyBody {
+            /// Checks the numbers' ranges.
+            fn check(&self) -> Result<(), Problem> {
+                for (number, value) in PolicyParams::NUMBERS.iter().zip([$(self.$name),+]) {
+                    if !(number.min..=number.max).contains(&value) {
+                        let what = format!("must be from {} to {}, not {value}", number.min, number.max);
+                        return Err(Problem::invalid(number.name, what));
+                    }
+                }
+                Ok(())
+            }
+        }
+    };
 }
+policy_numbers!(policy_body);
 
-words! {
-    /// Whether a longer whisker may compensate for a shorter one.
-    pub enum LongerForShorterWord {
-        /// A longer whisker is never used.
-        Never = "NEVER",
-        /// Only if no other candidate is suitable.
-        LastResort = "LAST_RESORT",
-        /// Like any other candidate.
-        Allowed = "ALLOWED",
-    }
-}
-
-/// A complete policy.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = NewPolicy)]
-pub struct PolicyBody {
-    /// Whether compensations need approval.
-    pub mode: ModeWord,
-    /// Objective of the setpoint solver.
-    pub objective: ObjectiveWord,
-    /// Whether a longer whisker may compensate for a shorter one.
-    pub longer_for_shorter: LongerForShorterWord,
-    /// Maximum mean predicted error of a compensation, as a ratio.
-    #[schema(minimum = 0.0, maximum = 10.0)]
-    pub predicted_error_max: f64,
-    /// Cost of a neighbour that gives up its own role, in units of mean error.
-    #[schema(minimum = 0.0, maximum = 10.0)]
-    pub own_role_cost: f64,
-    /// Minimum gain for a change of an active assignment, in units of mean error.
-    #[schema(minimum = 0.0, maximum = 10.0)]
-    pub change_margin: f64,
-    /// Reason in free text, at most 1000 characters.
-    #[schema(max_length = 1000)]
-    pub reason: Option<String>,
+/// Parameters of the action that sets a policy.
+#[derive(Serialize)]
+struct Parameters {
+    expected_version: i64,
+    #[serde(flatten)]
+    policy: PolicyBody,
 }
 
 async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {
@@ -85,20 +83,7 @@ async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {
         return Err(Problem::not_found(at));
     }
     let set: Option<PolicyRow> = app.store.first(&POLICIES, at.filters()).await?;
-    let policy = &app.params.policy;
-    Ok(set.unwrap_or_else(|| PolicyRow {
-        fleet: at.fleet.to_string(),
-        version: 0,
-        mode: policy.mode.word().to_owned(),
-        objective: policy.objective.word().to_owned(),
-        longer_for_shorter: policy.longer_for_shorter.word().to_owned(),
-        predicted_error_max: policy.predicted_error_max,
-        own_role_cost: policy.own_role_cost,
-        change_margin: policy.change_margin,
-        changed_at: None,
-        changed_by: None,
-        reason: None,
-    }))
+    Ok(set.unwrap_or_else(|| PolicyRow::configured(at.fleet.to_string(), &app.params.policy)))
 }
 
 fn etag(version: i64) -> String {
@@ -140,29 +125,12 @@ async fn put_policy(
     Path(at): Path<FleetPath>,
     headers: HeaderMap,
     asker: Asker,
-    Body(body): Body<PolicyBody>,
+    Body(mut body): Body<PolicyBody>,
 ) -> Result<Response, Problem> {
-    let numbers = [
-        ("predicted_error_max", body.predicted_error_max),
-        ("own_role_cost", body.own_role_cost),
-        ("change_margin", body.change_margin),
-    ];
-    for (field, number) in numbers {
-        if !(0.0..=10.0).contains(&number) {
-            return Err(Problem::invalid(field, format!("must be from 0 to 10, not {number}")));
-        }
-    }
-    let why = reason(body.reason)?;
+    body.check()?;
+    let why = reason(body.reason.take())?;
     let expected_version = expected(&app, &at, &headers).await?;
-    let parameters = json!({
-        "expected_version": expected_version,
-        "mode": body.mode,
-        "objective": body.objective,
-        "longer_for_shorter": body.longer_for_shorter,
-        "predicted_error_max": body.predicted_error_max,
-        "own_role_cost": body.own_role_cost,
-        "change_margin": body.change_margin,
-    });
+    let parameters = json!(Parameters { expected_version, policy: body });
     let mut action = asker.action("POLICY", &parameters, why);
     action.fleet = Some(at.fleet.to_string());
     ask(&app, &at.fleet, &action).await

@@ -4,12 +4,16 @@
 //! Debug builds read the files from the source folder, so that they can be edited while the service runs; release
 //! builds embed them.
 
+mod declared;
+
+use std::borrow::Cow;
+
 use axum::Router;
 use axum::extract::Path;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use rust_embed::{EmbeddedFile, RustEmbed};
+use rust_embed::RustEmbed;
 
 use super::problem::{Kind, Problem};
 
@@ -46,21 +50,29 @@ async fn file(Path(path): Path<String>, headers: HeaderMap) -> Response {
 }
 
 fn answer(path: &str, headers: &HeaderMap) -> Response {
-    let Some(file) = Files::get(path) else { return missing() };
-    let tag = tag(&file);
+    let Some((content, hash)) = content(path) else { return missing() };
+    let tag = tag(&hash);
     if headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok()).is_some_and(|tags| has(tags, &tag)) {
         return (StatusCode::NOT_MODIFIED, HEADERS, [(header::ETAG, tag)]).into_response();
     }
-    (HEADERS, [(header::ETAG, tag), (header::CONTENT_TYPE, media_type(path).to_owned())], file.data).into_response()
+    (HEADERS, [(header::ETAG, tag), (header::CONTENT_TYPE, media_type(path).to_owned())], content).into_response()
+}
+
+/// Content of a file, and its hash.
+fn content(path: &str) -> Option<(Cow<'static, [u8]>, [u8; 32])> {
+    if path == declared::PATH {
+        let module = declared::MODULE.as_bytes();
+        return Some((module.into(), blake3::hash(module).into()));
+    }
+    Files::get(path).map(|file| (file.data, file.metadata.sha256_hash()))
 }
 
 fn missing() -> Response {
     Problem::new(Kind::NotFound, "the console has no file of that name").into_response()
 }
 
-/// `ETag` of a file: a hash of its content.
-fn tag(file: &EmbeddedFile) -> String {
-    let hash = file.metadata.sha256_hash();
+/// `ETag` of a file, from the hash of its content.
+fn tag(hash: &[u8]) -> String {
     let start: String = hash.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     format!("\"{start}\"")
 }
@@ -112,7 +124,8 @@ mod tests {
 
     #[test]
     fn every_file_has_a_type_that_browsers_take() {
-        for path in Files::iter() {
+        assert!(Files::get(declared::PATH).is_none(), "{} is made, and no file", declared::PATH);
+        for path in Files::iter().chain([declared::PATH.into()]) {
             assert_ne!(media_type(&path), "application/octet-stream", "{path}");
         }
         assert!(Files::iter().any(|path| path == PAGE));

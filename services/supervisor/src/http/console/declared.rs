@@ -1,0 +1,71 @@
+//! The console's module with the words of the API and their labels, from the declaration in `vibrissa_edge::words`.
+
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+
+use serde_json::{Value, json};
+use vibrissa_core::mechanics::Objective;
+use vibrissa_core::policy::{Case, LongerForShorter, Mode, Refused};
+use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome};
+use vibrissa_core::robot::event::{ArrayKind, Link};
+use vibrissa_edge::actions::ActionKind;
+use vibrissa_edge::words::Words;
+
+/// Path of the module below `/console/`.
+pub(super) const PATH: &str = "declared.js";
+
+/// Text of the module: for each enum a constant that maps its words to their labels, or to `[label, severity]`.
+pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
+    let lists = [
+        ("CONDITIONS", words::<Condition>()),
+        ("FAULTS", words::<Fault>()),
+        ("CONNECTIONS", words::<Link>()),
+        ("CASES", words::<Case>()),
+        ("REFUSALS", words::<Refused>()),
+        ("END_REASONS", words::<EndReason>()),
+        ("SETPOINT_STATES", words::<CommandState>()),
+        ("SETPOINT_REASONS", words::<Reason>()),
+        ("LOOKS", words::<RefinementOutcome>()),
+        ("ALARM_KINDS", labels::<AlarmKind>()),
+        ("ACTION_KINDS", words::<ActionKind>()),
+        ("ARRAY_TYPES", words::<ArrayKind>()),
+        ("MODES", words::<Mode>()),
+        ("OBJECTIVES", words::<Objective>()),
+        ("LONGER_FOR_SHORTER", words::<LongerForShorter>()),
+    ];
+    lists.into_iter().fold(String::new(), |mut module, (name, words)| {
+        let _ = writeln!(module, "export const {name} = {words};");
+        module
+    })
+});
+
+fn words<T: Words + Copy>() -> Value {
+    let told = |one: T| one.severity().map_or(json!(one.label()), |severity| json!([one.label(), severity.as_str()]));
+    T::all().into_iter().map(|one| (one.word().to_owned(), told(one))).collect()
+}
+
+/// Only the labels, of an enum of which some values have a severity.
+fn labels<T: Words + Copy>() -> Value {
+    T::all().into_iter().map(|one| (one.word().to_owned(), json!(one.label()))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    #[test]
+    fn each_word_has_a_label_and_each_list_severities_for_all_words_or_none() {
+        for line in MODULE.lines() {
+            let (name, words) = line.trim_end_matches(';').split_once(" = ").unwrap();
+            let words: BTreeMap<String, Value> = serde_json::from_str(words).unwrap();
+            let is_marked = words.values().next().unwrap().is_array();
+            for (word, told) in &words {
+                assert_eq!(told.is_array(), is_marked, "{name} in edge/src/words.rs: severity of {word}");
+                let label = if is_marked { &told[0] } else { told };
+                assert!(label.is_string(), "{name} in edge/src/words.rs: {word} needs a label");
+            }
+        }
+    }
+}
