@@ -170,3 +170,16 @@ pub fn written() -> Vec<Written> {
     };
     all.into_iter().map(|one| Written { table: one.table(), inserts: one.inserts(), columns: names(one) }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::statement::ROWS_A_STATEMENT;
+
+    #[test]
+    fn no_statement_has_more_parameters_than_sqlite_accepts() {
+        for one in written() {
+            assert!(one.columns.len() * ROWS_A_STATEMENT <= 32_766, "{one:?}");
+        }
+    }
+}

@@ -3,7 +3,7 @@
 //! [`row!`] declares the struct, [`Statement`] writes it into a table. A new column is a new field of the struct
 //! and a column in the two migrations.
 
-mod statement;
+pub(crate) mod statement;
 mod value;
 
 pub(crate) use statement::{Declared, Parent, Statement};

@@ -12,8 +12,8 @@ use sqlx::sqlite::{Sqlite, SqliteArguments};
 use super::{Array, Column, Row, Type, Value};
 use crate::database::{Either, Tx};
 
-/// Most rows of one SQLite statement: SQLite accepts 32,766 parameters.
-const ROWS_A_STATEMENT: usize = 512;
+/// Most rows of one SQLite statement, which may have 32,766 parameters.
+pub(crate) const ROWS_A_STATEMENT: usize = 512;
 /// Number of powers of two up to [`ROWS_A_STATEMENT`].
 const SIZES: usize = ROWS_A_STATEMENT.ilog2() as usize + 1;
 
