@@ -9,7 +9,7 @@ use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::Store;
 use vibrissa_store::actions::{Action, Asked, NewAction};
-use vibrissa_supervisor::mailroom::Mailroom;
+use vibrissa_supervisor::action_notifier::ActionNotifier;
 
 use crate::wait::PATIENCE;
 
@@ -60,14 +60,14 @@ pub fn asks_of(kind: &str, parameters: &str, whisker: Option<i64>) -> NewAction 
 ///
 /// # Panics
 /// The action was stored before, or it is not answered in time.
-pub async fn answered(store: &Store, mailroom: &Mailroom, action: &NewAction) -> Action {
+pub async fn answered(store: &Store, action_notifier: &ActionNotifier, action: &NewAction) -> Action {
     let Asked::New(action_id) = store.ask(action).await.expect("a database") else {
         panic!("{action:?} was stored before")
     };
     if let Some(fleet) = &action.fleet {
-        mailroom.ring(&Name::new(fleet).expect("a name"));
+        action_notifier.notify(&Name::new(fleet).expect("a name"));
     }
-    let answer = mailroom.answer(store, action_id, PATIENCE + Duration::from_secs(2)).await;
+    let answer = action_notifier.answer(store, action_id, PATIENCE + Duration::from_secs(2)).await;
     let answer = answer.expect("a database").expect("asked just now");
     assert!(!answer.is_pending(), "the action is still pending: {answer:?}");
     answer

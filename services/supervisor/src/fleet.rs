@@ -9,9 +9,9 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
+use crate::action_notifier::ActionNotifier;
 use crate::ending::Ending;
-use crate::engine::{Engine, Keep, Limits};
-use crate::mailroom::Mailroom;
+use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
 use crate::readiness::{Readiness, Standing};
@@ -38,11 +38,11 @@ pub(crate) struct Shared {
     pub(crate) prepared: Prepared,
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
-    pub(crate) mailroom: Mailroom,
+    pub(crate) action_notifier: ActionNotifier,
     pub(crate) traces: Option<Traces>,
     pub(crate) params: Arc<Params>,
     /// Which contacts get a row of their own.
-    pub(crate) keep: Keep,
+    pub(crate) keep: ContactRetention,
     /// Limits on the number of robots.
     pub(crate) limits: Limits,
     /// Allow list of robots from a file, if one is configured.
@@ -141,20 +141,21 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     };
     let mut backoff = crate::backoff::Backoff::default();
     loop {
-        let started = Engine::start(
-            lease.clone(),
-            boot_id.clone(),
-            shared.params.clone(),
-            shared.store.writer(),
-            shared.metrics.clone(),
-            shared.readiness.clone(),
-            shared.mailroom.clone(),
-        );
-        match started.await {
-            Ok(engine) => {
-                let engine = engine.keeping(shared.keep).limited(shared.limits).allowing(shared.robots_file.clone());
-                return Some((engine.traced(shared.traces.as_ref()), boot_id));
-            }
+        let options = EngineOptions {
+            lease: lease.clone(),
+            boot_id: boot_id.clone(),
+            params: shared.params.clone(),
+            writer: shared.store.writer(),
+            metrics: shared.metrics.clone(),
+            readiness: shared.readiness.clone(),
+            action_notifier: shared.action_notifier.clone(),
+            retention: shared.keep,
+            limits: shared.limits,
+            robots_file: shared.robots_file.clone(),
+            traces: shared.traces.clone(),
+        };
+        match options.start().await {
+            Ok(engine) => return Some((engine, boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "fleet not loaded, lease lost");
                 return None;

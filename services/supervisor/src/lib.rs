@@ -6,10 +6,10 @@
 
 pub mod service;
 
-mod ears;
+pub mod action_notifier;
 mod ending;
 mod fleet;
-pub mod mailroom;
+mod hearing_trials;
 mod ownership;
 pub mod readiness;
 mod sharing;

@@ -8,8 +8,8 @@ use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
 use vibrissa_protocol::Name;
 
-use crate::ears::Ears;
 use crate::fleet::{Fleet, Shared};
+use crate::hearing_trials::HearingTrials;
 use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
 use crate::readiness::Standing;
@@ -35,7 +35,7 @@ pub(crate) struct Ownership {
     ending: JoinSet<()>,
     ending_names: BTreeMap<Name, AbortHandle>,
     is_prepared: bool,
-    ears: Ears,
+    hearing: HearingTrials,
     outage: Outage,
 }
 
@@ -74,7 +74,7 @@ impl Ownership {
             ending: JoinSet::new(),
             ending_names: BTreeMap::new(),
             is_prepared,
-            ears: Ears::default(),
+            hearing: HearingTrials::default(),
             outage: Outage::default(),
         }
     }
@@ -114,16 +114,16 @@ impl Ownership {
             self.shared.store.prepare().await?;
             self.is_prepared = true;
         }
-        self.bury();
+        self.remove_ended();
         let held: Vec<_> = self.fleets.values().map(|fleet| fleet.lease().clone()).collect();
         if self.shared.store.is_shared() {
             let links = self.fleets.iter().map(|(name, fleet)| (name, fleet.link()));
-            self.ears.listen(links, &self.shared);
+            self.hearing.listen(links, &self.shared);
         }
-        let membership = self.writer.sign_in_hearing(&self.supervisor, &held, &self.ears.told()).await?;
+        let membership = self.writer.sign_in_hearing(&self.supervisor, &held, &self.hearing.report()).await?;
         self.drop_lost(&membership);
         if self.shared.store.is_shared() {
-            self.ears.try_doubtful(&membership, &self.supervisor.id, &self.shared);
+            self.hearing.try_doubtful(&membership, &self.supervisor.id, &self.shared);
         }
         let shares = shares(&membership);
         let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
@@ -163,7 +163,7 @@ impl Ownership {
     }
 
     /// Removes fleets whose supervision has ended on its own, and collects the stopped ones.
-    fn bury(&mut self) {
+    fn remove_ended(&mut self) {
         let over: Vec<Name> =
             self.fleets.iter().filter(|(_, fleet)| fleet.is_over()).map(|(name, _)| name.clone()).collect();
         for name in over {

@@ -13,12 +13,12 @@ use uuid::Uuid;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
+use crate::action_notifier::ActionNotifier;
 use crate::broker::Broker;
-use crate::engine::{Keep, Limits};
+use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, HttpOptions, Serving};
-use crate::mailroom::Mailroom;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -41,7 +41,7 @@ pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct HistoryOptions {
     /// Which contacts get a row of their own.
-    pub keep: Keep,
+    pub keep: ContactRetention,
     /// Retention periods of these rows and of the aggregates.
     pub retention: Retention,
 }
@@ -101,7 +101,7 @@ pub struct Service {
     /// Problems that keep the service from its work.
     pub readiness: Readiness,
     /// Connects HTTP requests for actions with the fleets' engines.
-    pub mailroom: Mailroom,
+    pub action_notifier: ActionNotifier,
     traces: Option<Traces>,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
@@ -147,7 +147,7 @@ impl Service {
         let follow = |path| robots_file::follow(path, stopped.clone()).map_err(anyhow::Error::msg);
         let robots_file = options.limits.robots_file.map(follow).transpose().context("limits.robots_file")?;
         let readiness = Readiness::default();
-        let mailroom = Mailroom::default();
+        let action_notifier = ActionNotifier::default();
         let params = Arc::new(options.params);
         let shared = Shared {
             store: store.clone(),
@@ -155,7 +155,7 @@ impl Service {
             prepared,
             metrics: metrics.clone(),
             readiness: readiness.clone(),
-            mailroom: mailroom.clone(),
+            action_notifier: action_notifier.clone(),
             traces: traces.clone(),
             params: params.clone(),
             keep: options.history.keep,
@@ -183,7 +183,7 @@ impl Service {
             metrics.clone(),
             readiness.clone(),
             access,
-            mailroom.clone(),
+            action_notifier.clone(),
             params,
             stopped.clone(),
         )
@@ -201,7 +201,7 @@ impl Service {
             store,
             metrics,
             readiness,
-            mailroom,
+            action_notifier,
             traces,
             embedded,
             stop,

@@ -38,13 +38,13 @@ pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mu
 
 async fn look_after(store: &Store, retention: Retention, metrics: &Metrics) -> Result<bool, StoreError> {
     let now_us = wall_clock().0 as i64;
-    let mut told = |done| tell(&done, metrics);
-    store.make_partitions(now_us, &mut told).await?;
-    let is_more = store.look_after(retention, now_us, &mut told).await?;
-    Ok(store.forget_announced(now_us, &mut told).await? || is_more)
+    let mut note = |done| note_done(&done, metrics);
+    store.make_partitions(now_us, &mut note).await?;
+    let is_more = store.look_after(retention, now_us, &mut note).await?;
+    Ok(store.forget_announced(now_us, &mut note).await? || is_more)
 }
 
-fn tell(done: &Done, metrics: &Metrics) {
+fn note_done(done: &Done, metrics: &Metrics) {
     match done {
         Done::Made { partition } => info!(partition, "partition created"),
         Done::Indexed { partition } => info!(partition, "partition indexed"),

@@ -51,7 +51,7 @@ pub async fn record(
     let boot_id = BootId::new(&mark).context("making a boot id for the connection")?;
     let (sender, mut heard) = mpsc::channel(WAITING);
     let breaks = Arc::new(AtomicU64::new(0));
-    let taps: Vec<_> = fleets
+    let recorders: Vec<_> = fleets
         .iter()
         .map(|fleet| {
             let connection = Connection {
@@ -62,14 +62,14 @@ pub async fn record(
                 epoch: 0,
                 link: LinkState::default(),
             };
-            mqtt::tap(connection, sender.clone(), breaks.clone())
+            mqtt::record(connection, sender.clone(), breaks.clone())
         })
         .collect();
     drop(sender);
     let mut journal = Journal::new(out);
     let written = write_until(&mut journal, &mut heard, stop).await;
-    for tap in &taps {
-        tap.abort();
+    for recorder in &recorders {
+        recorder.abort();
     }
     written?;
     // Messages that arrived before the stop.

@@ -9,10 +9,10 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::{DatabaseAddress, Store};
+use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{Access, AccessOptions, Role, Scope};
 use vibrissa_supervisor::http::{App, serve};
-use vibrissa_supervisor::mailroom::Mailroom;
 use vibrissa_supervisor::metrics::Metrics;
 use vibrissa_supervisor::readiness::Readiness;
 use vibrissa_tests::wait::until_true;
@@ -64,7 +64,7 @@ async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_flee
     let params = Arc::new(Params::nguyen_2021(Formulation::Published));
     let access = Access::new(&AccessOptions::default(), IpAddr::V4(Ipv4Addr::UNSPECIFIED));
     let (metrics, readiness) = (Metrics::new(false).unwrap(), Readiness::default());
-    let app = App::new(store.clone(), metrics, readiness, access, Mailroom::default(), params, stopped.clone());
+    let app = App::new(store.clone(), metrics, readiness, access, ActionNotifier::default(), params, stopped.clone());
     let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
 
     let now_us = now_us() as i64;

@@ -75,7 +75,7 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     robot.touch(1, 1).await;
     robot.receipted().await;
     let action = asks_of("SETPOINT", r#"{"pressure_mpa": 0.05}"#, Some(1));
-    let answer = answered(&other.store, &other.mailroom, &action).await;
+    let answer = answered(&other.store, &other.action_notifier, &action).await;
     assert_eq!(answer.state, "DONE", "{answer:?}");
     let (setpoint, _) = robot.setpoint().await;
     assert_eq!((setpoint.whisker, setpoint.pressure_mpa), (1, 0.05));
@@ -84,7 +84,7 @@ async fn what_is_asked_of_the_supervisor_that_stands_by_is_done_by_the_owner() {
     owner.stop().await;
     until_true("another owner", async || owns(&other)).await;
     let release = asks_of("RELEASE", "{}", Some(1));
-    assert_eq!(answered(&other.store, &other.mailroom, &release).await.state, "DONE");
+    assert_eq!(answered(&other.store, &other.action_notifier, &release).await.state, "DONE");
     let mut link = server.connect().connect().await.unwrap();
     let held: bool = sqlx::query_scalar("SELECT bool_or(held) FROM whiskers").fetch_one(&mut link).await.unwrap();
     assert!(!held);
@@ -102,7 +102,7 @@ async fn brute_force_connections_that_break_lose_no_action_and_do_none_twice() {
     let mut link = server.connect().connect().await.unwrap();
     for at in 0..ACTIONS {
         assert_eq!(asker.ask(&policy(at)).await.unwrap(), Asked::New(at + 1));
-        service.mailroom.ring(&fleet());
+        service.action_notifier.notify(&fleet());
         // Each attempt cuts the connection at a different moment of the transaction.
         tokio::time::sleep(std::time::Duration::from_micros(400 * (at as u64 % 17))).await;
         proxy.cut();
@@ -125,7 +125,7 @@ async fn an_owner_that_loses_the_fleet_leaves_what_it_has_not_done_to_the_next_o
             proxy.stall(true);
         }
         second.store.ask(&policy(at)).await.unwrap();
-        first.mailroom.ring(&fleet());
+        first.action_notifier.notify(&fleet());
     }
     until_true("all done", async || policies(&mut link).await == (10, 10, 10)).await;
     assert!(owns(&second));

@@ -10,7 +10,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{ArrayType, SetpointOutcome};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::Resolution;
-use vibrissa_supervisor::engine::Keep;
+use vibrissa_supervisor::engine::ContactRetention;
 use vibrissa_supervisor::engine::rollup::{Open, Rollup};
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
@@ -238,7 +238,7 @@ async fn brute_force_minutes_and_hours_outlive_a_kill_on_postgres() {
 /// Contacts until a whisker is learned.
 const LEARNED: usize = 60;
 
-async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Keep) -> Service {
+async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: ContactRetention) -> Service {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
     Service::start(ServiceOptions {
@@ -287,7 +287,7 @@ async fn cut_and_compensated(broker: &Mosquitto) -> (i64, i64) {
 
 /// Under each retention policy the right contacts are stored, and everything else is the same.
 async fn policies(address: impl AsyncFn() -> (DatabaseAddress, Option<Postgres>)) {
-    for keep in [Keep::All, Keep::Decisions, Keep::None] {
+    for keep in [ContactRetention::All, ContactRetention::Decisions, ContactRetention::None] {
         let broker = Mosquitto::start();
         let (address, server) = address().await;
         let service = supervise(&address, &broker, keep).await;
@@ -307,12 +307,12 @@ async fn policies(address: impl AsyncFn() -> (DatabaseAddress, Option<Postgres>)
         let added: i32 = written(&address, Resolution::Hour).await.values().map(|row| row.0.iter().sum::<i32>()).sum();
         assert_eq!(i64::from(added), sent, "{keep:?}");
         match keep {
-            Keep::All => {
+            ContactRetention::All => {
                 assert_eq!(kept, sent);
                 assert_eq!(assert_exact(&address).await as i64, sent);
             }
-            Keep::None => assert_eq!(kept, 0),
-            Keep::Decisions => {
+            ContactRetention::None => assert_eq!(kept, 0),
+            ContactRetention::Decisions => {
                 let of_responses = "SELECT count(*) FROM compensation_responses r JOIN contacts c ON c.t_us = r.t_us";
                 assert_eq!(number(of_responses).await, responses, "contacts of compensators must be stored");
                 // The contacts before the trim are stored, ordinary ones are not.

@@ -9,13 +9,13 @@ use tokio::sync::watch;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_store::{DatabaseAddress, Store};
+use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::{
     App,
     access::{Access, AccessOptions},
     serve,
     streams::StreamOptions,
 };
-use vibrissa_supervisor::mailroom::Mailroom;
 use vibrissa_supervisor::metrics::Metrics;
 use vibrissa_supervisor::readiness::Readiness;
 use vibrissa_tests::postgres::Postgres;
@@ -89,8 +89,8 @@ impl Served {
         let (stop, stopped) = watch::channel(false);
         let (metrics, params) = (Metrics::new(false).unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
         let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
-        let (readiness, mailroom) = (Readiness::default(), Mailroom::default());
-        let app = App::new(store.clone(), metrics, readiness, access, mailroom, params, stopped.clone());
+        let (readiness, action_notifier) = (Readiness::default(), ActionNotifier::default());
+        let app = App::new(store.clone(), metrics, readiness, access, action_notifier, params, stopped.clone());
         let app = app.with_streams(streams);
         let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
         Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }

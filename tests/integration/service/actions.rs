@@ -9,7 +9,7 @@ use vibrissa_tests::wait::until_true;
 use crate::running::{LEARNED, Running, quick};
 
 async fn ask(running: &Running, action: &NewAction) -> Action {
-    answered(&running.service.store, &running.service.mailroom, action).await
+    answered(&running.service.store, &running.service.action_notifier, action).await
 }
 
 async fn done(running: &Running, action: &NewAction) {
@@ -165,7 +165,7 @@ async fn property_an_answer_and_its_effects_are_there_at_the_same_time() {
     for at in 0..20 {
         let action = asks_of(if at % 2 == 0 { "HOLD" } else { "RELEASE" }, "{}", None);
         let Asked::New(_) = running.service.store.ask(&action).await.unwrap() else { panic!("new") };
-        running.service.mailroom.ring(&vibrissa_protocol::Name::new("f").unwrap());
+        running.service.action_notifier.notify(&vibrissa_protocol::Name::new("f").unwrap());
         for _ in 0..20 {
             if running.database.number("SELECT count(*) FROM actions WHERE state = 'DONE'").await > 0 {
                 assert_eq!(running.database.number(both).await, 0, "after {at} actions");

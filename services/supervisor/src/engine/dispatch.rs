@@ -4,43 +4,37 @@
 use std::time::Instant;
 
 use tracing::error;
-use vibrissa_protocol::{RobotTopic, Topic};
+use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::Engine;
 use super::commit::committer::{LeaseLost, Outage};
-use super::intake::Parcel;
-use super::quarantine::suspects;
-use super::shard::{Shard, shard_of};
+use super::message::RawMessage;
+use super::quarantine::suspect::{Turn, quarantined};
+use super::shard::shards::index_of;
 use crate::inbox::Incoming;
-
-/// Number of messages from which on the shards work in tasks of their own.
-const WORTH_TASKS: usize = 128;
-/// Payload bytes from which on the shards work in tasks, about a millisecond's work. Meanwhile this thread receives, so
-/// that no robot's messages wait in the broker behind those of a robot that sends much.
-const WORTH_A_TASK_BYTES: usize = 128 * 1024;
 
 impl Engine {
     /// Steps messages through the core, those of each robot in order.
-    pub(super) async fn take_in(&mut self, messages: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
-        let count = messages.len();
-        let mut parcels: Vec<Vec<Parcel>> = self.shards.iter().map(|_| Vec::new()).collect();
-        for incoming in messages.drain(..) {
-            let Some((shard, parcel)) = self.address(incoming) else { continue };
-            let Some(parcel) = self.unless_suspect(parcel) else { continue };
-            if parcel.kind == RobotTopic::Factsheet {
-                self.handle_parcels(&mut parcels).await;
-                self.take_factsheet(shard, parcel).await?;
+    pub(super) async fn take_in(&mut self, incoming: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
+        let count = incoming.len();
+        let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
+        for incoming in incoming.drain(..) {
+            let Some(raw) = self.address(incoming) else { continue };
+            let Some(raw) = self.suspects.pass(raw) else { continue };
+            if raw.kind == RobotTopic::Factsheet {
+                self.shards.handle(&mut messages, &self.workers).await;
+                self.take_factsheet(raw).await?;
             } else {
-                parcels[shard].push(parcel);
+                messages[index_of(&raw.robot, self.shards.count())].push(raw);
             }
         }
-        self.handle_parcels(&mut parcels).await;
-        self.gathered(count);
+        self.shards.handle(&mut messages, &self.workers).await;
+        self.pipeline.stepped(count, &self.shards);
         Ok(())
     }
 
-    /// The shard of a message; `None` if the message is not from a robot of the fleet.
-    fn address(&self, incoming: Incoming) -> Option<(usize, Parcel)> {
+    /// The robot of a message; `None` if the message is not from a robot of the fleet.
+    fn address(&self, incoming: Incoming) -> Option<RawMessage> {
         let Ok(text) = std::str::from_utf8(&incoming.topic) else {
             self.metrics.refuse("unknown_topic", "a topic that is not UTF-8", "");
             return None;
@@ -59,64 +53,40 @@ impl Engine {
         self.metrics.messages_received.count([kind.as_str()]);
         let (robot, kind) = (robot.clone(), *kind);
         let Incoming { payload, received, .. } = incoming;
-        Some((shard_of(&robot, self.shards.len()), Parcel { topic, robot, kind, payload, received }))
-    }
-
-    /// Handles the parcels in their shards; each shard is owned by one task until it is done.
-    async fn handle_parcels(&mut self, parcels: &mut [Vec<Parcel>]) {
-        let busy = parcels.iter().filter(|parcels| !parcels.is_empty()).count();
-        let is_few = busy <= 1 || parcels.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
-        let bytes: usize = parcels.iter().flatten().map(|parcel| parcel.payload.len()).sum();
-        if is_few && bytes < WORTH_A_TASK_BYTES {
-            for (shard, parcels) in self.shards.iter_mut().zip(parcels) {
-                shard.handle_all(parcels);
-            }
-            return;
-        }
-        let mut tasks = Vec::with_capacity(self.shards.len());
-        for (mut shard, parcels) in self.shards.drain(..).zip(parcels) {
-            let mut parcels = std::mem::take(parcels);
-            tasks.push(self.workers.spawn(async move {
-                shard.handle_all(&mut parcels);
-                shard
-            }));
-        }
-        for task in tasks {
-            // The task is never aborted, so an error means that it has panicked.
-            let shard: Shard = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
-            self.shards.push(shard);
-        }
+        Some(RawMessage { topic, robot, kind, payload, received })
     }
 
     /// Handles a factsheet that needs row ids for a robot, boot or whiskers, and waits while the database is
     /// unreachable. The factsheet is stepped after it has its ids. If the database rejects it permanently, it is put
     /// into quarantine.
-    pub(super) async fn take_factsheet(&mut self, shard: usize, parcel: Parcel) -> Result<(), LeaseLost> {
-        let Some(told) = self.shards[shard].factsheet(&parcel) else { return Ok(()) };
-        if !self.shards[shard].robots.contains_key(&parcel.robot)
+    async fn take_factsheet(&mut self, raw: RawMessage) -> Result<(), LeaseLost> {
+        let Some(factsheet) = self.shards.of(&raw.robot).factsheet(&raw) else { return Ok(()) };
+        if self.shards.robot(&raw.robot).is_none()
             && let Some(reason) = self.has_no_room_for_another()
         {
-            self.shards[shard].refuse_new(&parcel, reason);
+            self.shards.of(&raw.robot).refuse_new(&raw, reason);
             return Ok(());
         }
         let (mut outage, mut is_again) = (Outage::default(), false);
         loop {
             self.settle().await?;
-            let Some(committer) = &mut self.committer else { return Ok(()) };
-            let told = (&told, std::mem::replace(&mut is_again, true));
-            let Err(problem) = self.shards[shard].handle_factsheet(&parcel, told, committer).await else {
-                if committer.end_of(&outage) {
-                    self.listen_anew();
+            let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+            let shard = self.shards.of(&raw.robot);
+            let attempt = (&factsheet, std::mem::replace(&mut is_again, true));
+            let Err(problem) = shard.handle_factsheet(&raw, attempt, committer).await else {
+                let was_away = committer.end_of(&outage);
+                if was_away {
+                    self.restart_silence_timers();
                 }
-                self.shards[shard].gathering.messages.push(parcel);
-                if !self.has_room() {
+                self.shards.of(&raw.robot).batch_mut().push_message(raw);
+                if !self.shards.has_room() {
                     self.begin_commit();
                 }
                 return Ok(());
             };
             if let Some(rejection) = problem.rejection() {
-                error!(%problem, fleet = %self.fleet, robot = %parcel.robot, "database rejects this message for good");
-                self.quarantine(suspects::quarantined(&parcel, &rejection));
+                error!(%problem, fleet = %self.fleet, robot = %raw.robot, "database rejects this message for good");
+                self.suspects.quarantine(quarantined(&raw, &rejection), &mut self.shards, &mut self.pipeline);
                 return Ok(());
             }
             committer.wait_out(&mut outage, problem, "cannot assign row ids").await?;
@@ -125,22 +95,45 @@ impl Engine {
 
     /// Reason why no new robot is accepted now, if there is one.
     fn has_no_room_for_another(&mut self) -> Option<&'static str> {
-        let robots: usize = self.shards.iter().map(|shard| shard.robots.len()).sum();
-        if robots >= self.limits.robots_per_fleet as usize {
+        if self.shards.robot_count() >= self.limits.robots_per_fleet as usize {
             return Some("too_many_robots");
         }
         (!self.new_robots.take(Instant::now())).then_some("too_many_new_robots")
     }
-}
 
-impl Shard {
-    fn handle_all(&mut self, parcels: &mut Vec<Parcel>) {
-        for parcel in parcels.drain(..) {
-            self.gathering.has_stepped = false;
-            self.handle(&parcel);
-            if self.gathering.has_stepped {
-                self.gathering.messages.push(parcel);
+    /// Steps the next messages of suspects.
+    pub(super) async fn step_suspects(&mut self) -> Result<(), LeaseLost> {
+        let now = tokio::time::Instant::now();
+        for (name, turns) in self.suspects.begin(now, &mut self.shards) {
+            self.step_turns(&name, turns).await?;
+        }
+        self.suspects.clear(now, &self.shards);
+        Ok(())
+    }
+
+    async fn step_turns(&mut self, name: &Name, turns: Vec<Turn>) -> Result<(), LeaseLost> {
+        let count = turns.len();
+        for turn in turns {
+            // A transaction sealed meanwhile may have been rejected: then all turns wait again.
+            if !self.suspects.is_under_way(name) {
+                return Ok(());
+            }
+            match turn {
+                Turn::Receipt(raw) => self.shards.of(name).receipt_alone(&raw),
+                Turn::Message(raw) if raw.kind == RobotTopic::Factsheet => self.take_factsheet(raw).await?,
+                Turn::Message(raw) => self.shards.of(name).handle(&raw),
             }
         }
+        // The suspect keeps these messages, not the transaction.
+        self.shards.of(name).batch_mut().retain_messages(|raw| raw.robot != *name);
+        let number = self.pipeline.open_number();
+        self.suspects.stepped(name, number);
+        self.pipeline.stepped(count, &self.shards);
+        self.pipeline.commit_now();
+        if self.shards.is_empty() && !self.pipeline.is_writing() {
+            // The messages had no effects.
+            self.suspects.committed(number);
+        }
+        Ok(())
     }
 }

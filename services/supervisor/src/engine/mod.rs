@@ -1,266 +1,102 @@
 //! Processing of messages: received, decoded, stepped through the core, committed, and only then answered.
 //!
-//! Each robot's state has one owner, a [`shard`]. The effects of some milliseconds of messages are collected there and
-//! become one transaction ([`commit`]), while the next messages are stepped; then setpoints and receipts are published.
-//! Thus everything published is committed, and robots send again whatever is not committed.
+//! In the order of the data:
+//! - [`dispatch`]: messages are distributed to the shards.
+//! - [`shard`]: each robot's state has one owner, which steps its events and collects the effects in an open batch.
+//! - [`commit`]: the open batches of some milliseconds become one transaction, while the next messages are stepped; then
+//!   setpoints and receipts are published.
+//! - [`quarantine`]: robots whose rows the database rejects.
+//! - [`actions`], [`allow_list_sources`]: changes by operators.
+//! - [`start`]: loads a fleet.
+//!
+//! Everything published is committed, and robots send again whatever is not committed.
 
-pub mod actions;
-mod allowed;
-mod announced;
-mod boots;
-mod commands;
+mod actions;
+mod allow_list;
+mod allow_list_sources;
 mod commit;
 mod dispatch;
-mod fingerprints;
 mod fleet_metrics;
-mod history;
-mod intake;
-mod limits;
-mod publication;
+mod message;
 mod quarantine;
-mod record;
-pub mod retention;
-pub mod rollup;
+mod robot;
 mod shard;
+mod start;
 
-pub use limits::Limits;
-pub use retention::Keep;
+pub use robot::limits::Limits;
+pub use robot::retention::ContactRetention;
+pub use robot::rollup;
+pub(crate) use start::EngineOptions;
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
-use tokio::task::{JoinHandle, yield_now};
+use tokio::task::yield_now;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
-use tracing::info;
-use vibrissa_core::robot::Params;
-use vibrissa_core::units::{Megapascal, Micros};
-use vibrissa_protocol::{BootId, Name};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::Name;
 
+use crate::action_notifier::ActionNotifier;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
-use crate::mailroom::Mailroom;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::Publication;
-use crate::params;
-use crate::readiness::Readiness;
-use crate::trace::{Lives, Traces};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
-use vibrissa_store::{Lease, StoreError, Writer};
 
-use allowed::AllowedSource;
-use announced::Announced;
-use commit::batch::{Gathering, Sealed};
-use commit::checkpoint::Pace;
-use commit::committer::{Committer, LeaseLost};
-use commit::pipeline::{Done, done};
-use commit::schedule::{RECEIPTS, Rounds, TICK};
-use limits::Bucket;
-use quarantine::suspects::Suspect;
-use shard::{Shard, shard_of};
+use actions::{ACTIONS_MAX, Execution, ParamsInForce};
+use allow_list_sources::AllowListSources;
+use commit::committer::{LeaseLost, Written};
+use commit::pipeline::Pipeline;
+use commit::schedule::{RECEIPTS, TICK};
+use quarantine::suspects::Suspects;
+use robot::limits::Bucket;
+use shard::shards::Shards;
 
 /// Largest number of messages taken from the inbox at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
-/// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
-const CONTACTS_MAX: usize = 32_768;
-/// Limit of journal bytes per transaction, likewise.
-const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
-/// Limit of messages per transaction, likewise. They stay in memory until the commit succeeds, in case the database
-/// rejects it.
-const MESSAGES_MAX: usize = 65_536;
-/// Limit of whiskers whose checkpoints a transaction must write because of decisions, likewise. Their rows and alarms
-/// take some tenths of a second.
-const DECIDED_MAX: usize = 2500;
 /// Ticks between two checks of the allow list (4 s).
-const TICKS_A_LIST: u32 = 16;
+const TICKS_PER_ALLOW_LIST: u32 = 16;
 /// Ticks between two reads of the actions sent to other supervisors, and between two surveys of all robots for the
 /// metrics (1 s).
-const TICKS_A_LOOK: u32 = 4;
+const TICKS_PER_SURVEY: u32 = 4;
 /// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
-/// Largest number of shards per fleet.
-const SHARDS_MAX: usize = 16;
 
 /// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
-pub struct Engine {
+pub(crate) struct Engine {
     fleet: Name,
-    lease: Lease,
-    params: Arc<Params>,
-    shards: Vec<Shard>,
-    /// `None` while a transaction is being written.
-    committer: Option<Committer>,
-    committing: Option<JoinHandle<Done>>,
-    /// Transactions whose intents are committed, and whose rows must be written, in order.
-    kept: VecDeque<Sealed>,
-    outbox: Option<mpsc::Sender<Publication>>,
+    shards: Shards,
+    pipeline: Pipeline,
+    suspects: Suspects,
+    in_force: ParamsInForce,
+    allow_list: AllowListSources,
+    action_notifier: ActionNotifier,
+    /// Notified when an action for the fleet is sent to this supervisor.
+    action_sent: Arc<Notify>,
+    limits: Limits,
+    /// Limits the rate of new robots.
+    new_robots: Bucket,
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
     /// Metrics shared by all fleets.
     program: Metrics,
     metrics: FleetMetrics,
-    /// Schedule of the commits.
-    rounds: Rounds,
     /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
-    /// No more messages arrive: all receipts are sent at once.
-    is_ending: bool,
-    /// Number of the last sealed transaction.
-    number: i64,
-    /// Transactions whose entries are still in the journal, with the number of their contacts.
-    journal: VecDeque<(i64, usize)>,
-    /// Number of contacts in the journal.
-    journal_contacts: usize,
-    pace: Pace,
-    mailroom: Mailroom,
-    /// Notified when an action for the fleet is sent to this supervisor.
-    bell: Arc<Notify>,
-    /// Actions whose answers are in the open batch.
-    answered: Vec<i64>,
-    /// Version of the policy in force; 0 while it is the configuration's.
-    policy_version: i64,
-    /// Robots whose rows the database has rejected.
-    suspects: BTreeMap<Name, Suspect>,
-    readiness: Readiness,
-    limits: Limits,
-    /// Limits the rate of new robots.
-    new_robots: Bucket,
-    allowed: AllowedSource,
-}
-
-/// One shard per core.
-fn shard_count() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
 }
 
 impl Engine {
-    /// Loads every robot of a fleet as of the last commit.
-    ///
-    /// # Errors
-    /// The database cannot be used, or the lease is lost.
-    pub async fn start(
-        lease: Lease,
-        boot_id: BootId,
-        params: Arc<Params>,
-        mut writer: Writer,
-        program: Metrics,
-        readiness: Readiness,
-        mailroom: Mailroom,
-    ) -> Result<Self, StoreError> {
-        let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
-        let policy = writer.policy(&lease).await?;
-        let params = params::with_policy(params, policy.as_ref());
-        let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
-        let metrics = program.of_fleet(&fleet);
-        let shard = || Shard {
-            robots: Default::default(),
-            announced: Announced::of_shards(shard_count()),
-            epoch,
-            told_until: None,
-            gathering: Gathering::new(fleet.clone(), boot_id.clone(), params.clone(), metrics.clone()),
-        };
-        let mut shards: Vec<Shard> = (0..shard_count()).map(|_| shard()).collect();
-        let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = commit::recovery::take_up(&mut writer, &lease, &mut shards).await?;
-        let robots: usize = shards.iter().map(|shard| shard.robots.len()).sum();
-        info!(%fleet, epoch, robots, "fleet loaded, supervision starts");
-        // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
-        metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer {
-            fleet: fleet.clone(),
-            lease: lease.clone(),
-            writer,
-            program: program.clone(),
-            metrics: metrics.clone(),
-            readiness: readiness.clone(),
-        };
-        let mut engine = Self {
-            bell: mailroom.bell(&fleet),
-            mailroom,
-            answered: Vec::new(),
-            policy_version: policy.map_or(0, |policy| policy.version),
-            suspects: BTreeMap::new(),
-            readiness,
-            fleet,
-            lease,
-            params,
-            shards,
-            committer: Some(committer),
-            committing: None,
-            kept: VecDeque::new(),
-            outbox: None,
-            workers: Handle::current(),
-            program,
-            metrics,
-            rounds: Rounds::new(Instant::now()),
-            survey_from: Instant::now(),
-            is_ending: false,
-            number: last,
-            // The journal so far was replayed; it is deleted once the first checkpoints are written.
-            journal: (last > 0).then_some((last, 0)).into_iter().collect(),
-            journal_contacts: 0,
-            pace: Pace::new(wall_clock()),
-            limits: Limits::default(),
-            new_robots: Bucket::new(0, 0),
-            allowed: AllowedSource::default(),
-        };
-        engine = engine.limited(Limits::default());
-        if let Some(allowed) = &allowed {
-            engine.set_allowed(allowed);
-        }
-        engine.number_gatherings();
-        engine.show_params();
-        engine.survey_robots();
-        Ok(engine)
-    }
-
-    /// Adds traces, if there is a collector; those of setpoints under way are continued.
-    #[must_use]
-    pub(crate) fn traced(mut self, traces: Option<&Traces>) -> Self {
-        for shard in &mut self.shards {
-            shard.gathering.lives = traces.map(|traces| {
-                let mut lives = Lives::new(traces.clone(), self.fleet.clone());
-                for known in shard.robots.values() {
-                    lives.take_up(&known.name, known.robot_id, &known.robot);
-                }
-                lives
-            });
-        }
-        self
-    }
-
-    /// Sets which contacts get a row of their own.
-    #[must_use]
-    pub(crate) fn keeping(mut self, keep: Keep) -> Self {
-        for shard in &mut self.shards {
-            shard.gathering.keep = keep;
-            for known in shard.robots.values_mut() {
-                known.history.keep(keep);
-            }
-        }
-        self
-    }
-
-    /// Sets the limits on the number of robots.
-    #[must_use]
-    pub(crate) fn limited(mut self, limits: Limits) -> Self {
-        self.limits = limits;
-        self.new_robots = Bucket::new(limits.new_robots_per_minute, limits.new_robots_per_minute);
-        self
-    }
-
     /// Runs until no more messages can arrive and all are committed, or until the lease is lost. In the latter case
     /// robots send their uncommitted messages again to the new owner.
-    pub async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
-        self.outbox = Some(outbox);
+    pub(crate) async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
+        self.pipeline.connect(outbox);
         let ending = match self.work(inbox).await {
             Ok(()) => Ending::Stopped,
             Err(LeaseLost) => Ending::LeaseLost,
         };
-        for lives in self.shards.iter_mut().filter_map(|shard| shard.gathering.lives.as_mut()) {
-            lives.end(ending);
-        }
+        self.shards.end_traces(ending);
         ending
     }
 
@@ -271,15 +107,16 @@ impl Engine {
             ticks
         };
         let (mut ticks, mut receipts) = (every(TICK), every(RECEIPTS));
-        let bell = self.bell.clone();
+        let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let mut is_ticking = false;
         loop {
-            let has_room = self.has_room();
-            inbox.begin_round(self.rounds.number());
-            let due = self.rounds.due().filter(|_| self.committing.is_none());
+            let has_room = self.shards.has_room();
+            inbox.begin_round(self.pipeline.schedule().number());
+            let due = self.pipeline.due();
+            let are_few = self.pipeline.schedule().are_few();
             tokio::select! {
-                done = done(&mut self.committing) => self.committed(done)?,
+                written = self.pipeline.written() => self.committed(written)?,
                 () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => {}
                 count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => {
                     if count == 0 {
@@ -287,9 +124,9 @@ impl Engine {
                     }
                     self.take_in(&mut messages).await?;
                     if inbox.is_throttling() {
-                        self.rounds.are_waited_for();
+                        self.pipeline.schedule().hurry();
                     }
-                    if self.committing.is_some() {
+                    if self.pipeline.is_writing() {
                         // The commit may run in this thread.
                         yield_now().await;
                     }
@@ -298,22 +135,23 @@ impl Engine {
                     self.at_tick(&inbox).await?;
                     is_ticking = true;
                 }
-                () = bell.notified() => {
-                    self.open_mail(self.now(&inbox)).await?;
-                    self.look_at_allowed().await?;
+                () = action_sent.notified() => {
+                    self.handle_actions(now(&inbox)).await?;
+                    self.refresh_allow_list().await?;
                 }
-                _ = receipts.tick(), if !self.rounds.are_few() => self.look_at_receipts(),
+                _ = receipts.tick(), if !are_few => self.check_receipts(),
             }
             if !self.suspects.is_empty() {
-                self.go_on_with_suspects().await?;
+                self.step_suspects().await?;
             }
-            if std::mem::take(&mut self.allowed.has_changed) {
+            if self.allow_list.take_changed() {
                 inbox.want_retained();
             }
-            if is_ticking && self.has_room() {
-                is_ticking = !self.tick(self.now(&inbox));
+            if is_ticking && self.shards.has_room() {
+                is_ticking = !self.shards.tick(now(&inbox));
+                self.pipeline.stepped(0, &self.shards);
             }
-            if self.is_due() {
+            if self.pipeline.is_due(&self.shards) {
                 self.begin_commit();
             }
         }
@@ -324,24 +162,25 @@ impl Engine {
     /// far more than a message.
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
-        self.listen_anew_if_deaf(inbox);
-        let (number, is_round) = self.rounds.tick();
+        self.restart_silence_timers_if_deaf(inbox);
+        let (number, is_round) = self.pipeline.schedule().tick();
         if is_round {
-            self.look_at_receipts();
+            self.check_receipts();
         }
-        if number.is_multiple_of(TICKS_A_LIST) {
-            self.look_at_allowed().await?;
+        if number.is_multiple_of(TICKS_PER_ALLOW_LIST) {
+            self.refresh_allow_list().await?;
         }
-        if number.is_multiple_of(TICKS_A_LOOK) {
+        if number.is_multiple_of(TICKS_PER_SURVEY) {
             // Actions may have been sent to another supervisor.
-            self.open_mail(self.now(inbox)).await?;
-            self.survey_queues(inbox);
+            self.handle_actions(now(inbox)).await?;
+            fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
-                self.survey_robots();
+                fleet_metrics::survey_robots(&mut self.shards, &self.fleet, &self.program, &self.metrics);
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
-            self.close_history(self.now(inbox));
+            self.shards.close_history(now(inbox));
+            self.pipeline.stepped(0, &self.shards);
         }
         Ok(())
     }
@@ -350,104 +189,129 @@ impl Engine {
     /// journal; in a very large fleet only some of them, because time is limited.
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
-        self.rounds.receipts_are_due(Instant::now());
-        self.is_ending = true;
-        self.pace = Pace::at_the_end(wall_clock());
-        for shard in &mut self.shards {
-            shard.no_longer_wait();
-        }
+        self.pipeline.prepare_last();
+        self.shards.make_checkpoints_due();
         self.begin_commit();
         self.settle().await
     }
 
-    /// Whether the open batches may take more.
-    fn has_room(&self) -> bool {
-        let gatherings = || self.shards.iter().map(|shard| &shard.gathering);
-        gatherings().map(|one| one.batch.contacts.len()).sum::<usize>() < CONTACTS_MAX
-            && gatherings().map(|one| one.journal.bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
-            && gatherings().map(|one| one.messages.len()).sum::<usize>() < MESSAGES_MAX
-            && gatherings().map(|one| one.waiting.next_whiskers()).sum::<usize>() < DECIDED_MAX
+    /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it.
+    fn begin_commit(&mut self) {
+        // A suspect's checkpoint may be rejected, so its journal entries are needed for longer.
+        self.pipeline.begin(&mut self.shards, !self.suspects.is_empty());
     }
 
-    /// Schedules a commit after `messages` messages, or other work with effects.
-    fn gathered(&mut self, messages: usize) {
-        self.rounds.heard(messages);
-        let now = Instant::now();
-        if self.is_urgent() {
-            self.rounds.due_by(now);
-        } else if self.shards.iter().any(|shard| !shard.gathering.is_empty()) {
-            self.rounds.has_gathered(now);
+    /// Waits until no transaction is being written, and the rows of all are written.
+    async fn settle(&mut self) -> Result<(), LeaseLost> {
+        loop {
+            if self.pipeline.is_writing() {
+                let written = self.pipeline.written().await;
+                self.committed(written)?;
+            }
+            if !self.pipeline.has_pending() {
+                return Ok(());
+            }
+            self.begin_commit();
         }
     }
 
-    fn is_due(&self) -> bool {
-        let is_now = |due: Instant| due <= Instant::now();
-        self.committing.is_none()
-            && (self.rounds.due().is_some_and(is_now) || !self.has_room() || !self.kept.is_empty())
+    /// Handles the end of a write: the publications go out.
+    fn committed(&mut self, written: Written) -> Result<(), LeaseLost> {
+        let mut done = self.pipeline.committed(written)?;
+        if done.committed.was_away {
+            self.restart_silence_timers();
+        }
+        if !done.committed.offenders.is_empty() {
+            let offenders = std::mem::take(&mut done.committed.offenders);
+            self.suspects.reject(offenders, &mut done.transaction, &mut self.shards, &mut self.pipeline);
+        }
+        if done.has_rows() {
+            self.suspects.committed(done.transaction.number());
+            self.action_notifier.answered(done.transaction.take_answered());
+            if done.transaction.has_records() {
+                self.action_notifier.changed();
+            }
+        }
+        self.pipeline.publish_committed(done, &mut self.shards);
+        Ok(())
+    }
+
+    /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
+    ///
+    /// The answers so far are committed first, because actions without a committed answer would be read again.
+    async fn handle_actions(&mut self, now: Micros) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        if self.pipeline.has_answers() {
+            return Ok(());
+        }
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        let pending = match writer.pending(lease, ACTIONS_MAX).await {
+            Ok(pending) => pending,
+            Err(problem) => {
+                committer.failed(&problem, "cannot read operator actions");
+                return Ok(());
+            }
+        };
+        if pending.len() as i64 == ACTIONS_MAX {
+            self.action_sent.notify_one();
+        }
+        let Self { fleet, shards, in_force, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { fleet, shards, in_force, metrics, now };
+        for action in &pending {
+            execution.handle(action, suspects, pipeline);
+        }
+        self.pipeline.stepped(0, &self.shards);
+        Ok(())
+    }
+
+    /// Reads the allow lists if they have changed, and writes the refused robots. If the database is unreachable, this
+    /// does not wait.
+    async fn refresh_allow_list(&mut self) -> Result<(), LeaseLost> {
+        self.allow_list.read_changed_file(&mut self.shards);
+        self.settle().await?;
+        if let Some(committer) = self.pipeline.idle_committer() {
+            self.allow_list.refresh(committer, &mut self.shards).await;
+        }
+        Ok(())
     }
 
     /// Schedules a commit if receipts are due, or if checkpoints have waited long enough.
-    fn look_at_receipts(&mut self) {
-        let now = wall_clock();
-        let is_state_due = self.shards.iter_mut().any(|shard| shard.is_state_due(now));
-        let is_receipt_due = self.shards.iter().any(|shard| !shard.gathering.receipts_due.is_empty());
+    fn check_receipts(&mut self) {
+        let is_due = self.shards.is_round_due(wall_clock());
         if fault::is(Fault::ReceiptBeforeCommit) {
-            self.receipt_at_once();
+            // A fault planted by a test: receipts are published before the commit.
+            self.pipeline.publish(self.shards.take_publications());
         }
-        if is_receipt_due || is_state_due {
-            self.rounds.receipts_are_due(Instant::now());
+        if is_due {
+            self.pipeline.schedule().receipts_are_due(Instant::now());
         }
-    }
-
-    /// Time for the core: not later than the receipt of the oldest message that waits.
-    fn now(&self, inbox: &Inbox) -> Micros {
-        let now = wall_clock();
-        inbox.oldest().map_or(now, |oldest| oldest.min(now))
-    }
-
-    /// Steps the tick through all robots. Returns false if it stopped because the batches are full; then it must
-    /// continue later.
-    fn tick(&mut self, now: Micros) -> bool {
-        let whiskers_max = DECIDED_MAX / self.shards.len();
-        let is_under_way = self.shards.iter().any(|shard| shard.told_until.is_some());
-        let mut is_done = true;
-        for shard in &mut self.shards {
-            // A shard that is done waits for the others.
-            if !is_under_way || shard.told_until.is_some() {
-                is_done &= shard.tick(now, whiskers_max);
-            }
-        }
-        self.gathered(0);
-        is_done
     }
 
     /// Restarts silence timers after the broker was unreachable or messages were shed, because the robots may have
     /// sent.
-    fn listen_anew_if_deaf(&mut self, inbox: &Inbox) {
+    fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
         if self.metrics.broker_connected.get() == 0 || others > 0 {
-            return self.listen_anew();
+            return self.restart_silence_timers();
         }
         let now = wall_clock();
         let names = robots.iter().filter_map(|shed| Name::robot(std::str::from_utf8(&shed.robot).ok()?).ok());
         for name in names {
-            let at = shard_of(&name, self.shards.len());
-            self.shards[at].listen_to_one_from(&name, now);
+            self.shards.of(&name).restart_silence_timer(&name, now);
         }
     }
 
     /// Restarts the silence timers of all robots, because this supervisor was deaf.
-    fn listen_anew(&mut self) {
-        let now = wall_clock();
-        for shard in &mut self.shards {
-            shard.listen_from(now);
-        }
+    fn restart_silence_timers(&mut self) {
+        self.shards.restart_silence_timers(wall_clock());
     }
 }
 
-/// A pressure in MPa, if there is one.
-fn mpa(pressure: Option<Megapascal>) -> Option<f64> {
-    pressure.map(Megapascal::mpa)
+/// Time for the core: not later than the receipt of the oldest message that waits.
+fn now(inbox: &Inbox) -> Micros {
+    let now = wall_clock();
+    inbox.oldest().map_or(now, |oldest| oldest.min(now))
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use indexmap::IndexMap;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
@@ -12,17 +11,20 @@ use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 use vibrissa_protocol::{self as protocol, BootId, Name, RobotTopic};
 
-use super::announced::Announced;
-use super::commit::batch::{Gathering, Sealed, Source};
-use super::commit::checkpoint::Pace;
-use super::commit::recovery::Journey;
-use super::intake::Parcel;
-use super::limits::{BOOTS_AT_ONCE, Bucket};
-use super::retention::Keep;
-use super::shard::{Known, Shard};
+use super::commit::batch::Source;
+use super::commit::checkpoint::CheckpointRate;
+use super::commit::recovery::Replay;
+use super::commit::transaction::SealedTransaction;
+use super::message::RawMessage;
+use super::robot::KnownRobot;
+use super::robot::limits::{BOOTS_AT_ONCE, Bucket};
+use super::robot::retention::ContactRetention;
+use super::shard::shards::Shards;
+use super::shard::stepper::Stepper;
+use super::shard::{Receipts, Shard};
 use crate::metrics::Metrics;
-use vibrissa_store::Resolution;
-use vibrissa_store::StoredRobot;
+use vibrissa_store::batch::Batch;
+use vibrissa_store::{Resolution, StoredRobot};
 
 const WHISKERS: u16 = 6;
 const PRESSURE_MPA: f64 = 0.1;
@@ -59,19 +61,19 @@ struct Tables {
 }
 
 impl Tables {
-    fn write(&mut self, sealed: Sealed) {
-        for robot in sealed.batch.robots {
+    fn write(&mut self, rows: Batch) {
+        for robot in rows.robots {
             self.robots.insert(robot.robot_id, (robot.journal_number, robot.state));
         }
-        for whisker in sealed.batch.whiskers {
+        for whisker in rows.whiskers {
             self.whiskers.insert(whisker.whisker_id, whisker.state);
             self.rollups.insert(whisker.whisker_id, whisker.rollup);
         }
-        for row in sealed.batch.rollups {
+        for row in rows.rollups {
             assert!(self.closed.insert((row.whisker_id, row.resolution, row.start_us)), "a span is closed only once");
         }
-        self.journal.extend(sealed.batch.journal.map(|row| (row.number, row.entries)));
-        if let Some(done) = sealed.batch.journal_done {
+        self.journal.extend(rows.journal.map(|row| (row.number, row.entries)));
+        if let Some(done) = rows.journal_done {
             self.journal.retain(|&number, _| number > done);
         }
     }
@@ -119,18 +121,18 @@ fn shard(robots: i64) -> Shard {
     let params = Arc::new(Params::nguyen_2021(Formulation::default()));
     let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
     let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
-    let gathering = Gathering::new(fleet, boot, params, metrics);
-    let announced = Announced::of_shards(1);
-    let mut shard = Shard { robots: IndexMap::new(), announced, gathering, epoch: 7, told_until: None };
+    let mut shard = Shard::new(Stepper::new(fleet, boot, params, metrics), 7, 1);
+    let (known_robots, stepper) = shard.parts();
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
-        let mut known = Known::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), Keep::Decisions);
+        let mut known =
+            KnownRobot::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), ContactRetention::Decisions);
         known.whisker_ids = whisker_ids(robot_id);
         known.boots.insert("b", robot_id);
         let birth = Event::Connection { boot_id: "b", link: Link::Online };
-        shard.gathering.step(&mut known, Micros(1), &birth, None);
-        shard.gathering.step(&mut known, Micros(1), &Event::Factsheet { boot_id: "b", factsheet: &factsheet() }, None);
-        shard.robots.insert(name, known);
+        stepper.step(&mut known, Micros(1), &birth, None);
+        stepper.step(&mut known, Micros(1), &Event::Factsheet { boot_id: "b", factsheet: &factsheet() }, None);
+        known_robots.insert(name, known);
     }
     shard
 }
@@ -147,7 +149,7 @@ struct World {
 impl World {
     fn happen(&mut self, shard: &mut Shard) {
         self.now = Micros(self.now.0 + 20_000);
-        let robot_id = 1 + self.random.below(shard.robots.len()) as i64;
+        let robot_id = 1 + self.random.below(shard.robots().len()) as i64;
         match self.random.below(40) {
             // At least one whisker per tick: a tick with many effects is continued with the next one.
             0 => drop(shard.tick(self.now, 1)),
@@ -163,25 +165,26 @@ impl World {
     }
 
     fn contacts(&mut self, shard: &mut Shard, robot_id: i64) {
-        let known = shard.robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
+        let (robots, stepper) = shard.parts();
+        let known = robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
         let pressure = known.robot.whisker(0).map_or(PRESSURE_MPA, |view| view.setpoint.mpa());
         let contacts: Vec<Contact<'_>> =
             (0..1 + self.random.below(3)).map(|_| self.contact(robot_id, pressure)).collect();
         let seq = self.seqs.entry(robot_id).or_default();
         // Some messages are lost and come later, or come twice.
-        let told = match self.random.below(30) {
+        let sent = match self.random.below(30) {
             0 => *seq + 1,
             1 => seq.saturating_sub(1),
             _ => *seq,
         };
-        *seq = (*seq).max(told + 1);
-        let event = Event::Contacts { boot_id: "b", seq: told, contacts: &contacts };
+        *seq = (*seq).max(sent + 1);
+        let event = Event::Contacts { boot_id: "b", seq: sent, contacts: &contacts };
         let message = protocol::Contacts {
             boot_id: BootId::new("b").unwrap(),
-            seq: told,
-            contacts: contacts.iter().map(|one| as_told(one, 20.0 + self.random.unit())).collect(),
+            seq: sent,
+            contacts: contacts.iter().map(|one| as_sent(one, 20.0 + self.random.unit())).collect(),
         };
-        shard.gathering.step(known, self.now, &event, Some(Source { told: &message, boot: robot_id }));
+        stepper.step(known, self.now, &event, Some(Source { message: &message, boot: robot_id }));
     }
 
     fn contact(&mut self, robot_id: i64, pressure_mpa: f64) -> Contact<'static> {
@@ -204,7 +207,8 @@ impl World {
     }
 
     fn status(&mut self, shard: &mut Shard, robot_id: i64) {
-        let known = shard.robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
+        let (robots, stepper) = shard.parts();
+        let known = robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
         let line = |index: usize| {
             let setpoint = known.robot.whisker(index)?.setpoint;
             let (regulator, gauge) = (RegulatorState::Ok, GaugeState::Ok);
@@ -212,12 +216,12 @@ impl World {
         };
         let whiskers: Vec<WhiskerStatus<'_>> = (0..usize::from(WHISKERS)).filter_map(line).collect();
         let event = Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers };
-        shard.gathering.step(known, self.now, &event, None);
+        stepper.step(known, self.now, &event, None);
     }
 }
 
 /// A contact as its robot sends it.
-fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
+fn as_sent(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
     protocol::Contact {
         array: Name::new(contact.array).unwrap(),
         whisker: contact.whisker,
@@ -230,40 +234,37 @@ fn as_told(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
     }
 }
 
-/// Seals the open batch as the engine does.
-fn seal(shard: &mut Shard, now: Micros, pace: &mut Pace) -> Sealed {
-    let number = shard.gathering.number;
-    pace.go_on(now, 0);
-    shard.snapshot_decided(pace);
-    shard.snapshot_waiting(now, pace);
-    let (mut sealed, mut entries) = (Sealed::default(), Vec::new());
-    shard.gathering.seal_into(&mut sealed, &mut entries);
-    sealed.batch.journal = Some(vibrissa_store::batch::JournalRow { number, entries });
-    let oldest = shard.oldest_waiting().map_or(number + 1, |(number, _)| number);
-    sealed.batch.journal_done = Some(oldest - 1);
-    shard.gathering.number += 1;
-    sealed
+/// Seals the open batch as the engine does, and returns its rows.
+fn seal(shard: &mut Shard, now: Micros, rate: &mut CheckpointRate) -> Batch {
+    let number = shard.batch().number();
+    rate.refill(now, 0);
+    let mut transaction = SealedTransaction::new(number, Vec::new());
+    shard.seal_into(&mut transaction, rate, Some(Receipts { now, robots_max: usize::MAX }));
+    shard.batch_mut().set_number(number + 1);
+    let mut rows = transaction.into_rows();
+    rows.journal_done = Some(shard.oldest_entry().unwrap_or(number + 1) - 1);
+    rows
 }
 
 /// All stored bytes of a robot: its state, its whiskers, and their open minutes and hours.
-fn bytes(known: &Known) -> Vec<Vec<u8>> {
+fn bytes(known: &KnownRobot) -> Vec<Vec<u8>> {
     let whisker = |index| [known.robot.whisker_to_bytes(index).unwrap(), known.history.stored(index, Micros(1))];
     let whiskers = (0..known.robot.whisker_count()).flat_map(whisker);
     [known.robot.to_bytes().unwrap()].into_iter().chain(whiskers).collect()
 }
 
 fn crash(tables: &Tables, live: &Shard) -> usize {
-    let mut shards = [shard(0)];
-    let mut journey = Journey::default();
-    for known in live.robots.values() {
-        journey.place(tables.stored(known.robot_id), known.name.clone(), 7, &mut shards);
+    let mut shards = Shards::new(vec![shard(0)]);
+    let mut replay = Replay::default();
+    for known in live.robots().values() {
+        replay.load(tables.stored(known.robot_id), known.name.clone(), 7, &mut shards);
     }
     let mut entries = 0;
     for (&number, row) in &tables.journal {
-        entries += journey.go_through(number, row, &mut shards);
+        entries += replay.replay_row(number, row, &mut shards);
     }
-    for (name, known) in &live.robots {
-        assert_eq!(bytes(&shards[0].robots[name]), bytes(known), "{name}");
+    for (name, known) in live.robots() {
+        assert_eq!(bytes(shards.robot(name).unwrap()), bytes(known), "{name}");
     }
     entries
 }
@@ -279,20 +280,20 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
             seqs: BTreeMap::new(),
             now: Micros(1_000_000),
         };
-        let (mut tables, mut pace) = (Tables::default(), Pace::new(world.now));
-        let (mut gone_through, mut decided) = (0, 0);
+        let (mut tables, mut rate) = (Tables::default(), CheckpointRate::new(world.now));
+        let (mut replayed, mut decided) = (0, 0);
         for round in 0..1500 {
             for _ in 0..world.random.below(8) {
                 world.happen(&mut shard);
             }
-            let sealed = seal(&mut shard, world.now, &mut pace);
-            decided += sealed.batch.records.len();
-            tables.write(sealed);
+            let rows = seal(&mut shard, world.now, &mut rate);
+            decided += rows.records.len();
+            tables.write(rows);
             if round % 50 == 49 {
-                gone_through += crash(&tables, &shard);
+                replayed += crash(&tables, &shard);
             }
         }
-        assert!(gone_through > 300, "the journal must have been replayed: {gone_through}");
+        assert!(replayed > 300, "the journal must have been replayed: {replayed}");
         assert!(decided > 10, "decisions must have been made: {decided}");
         assert!(tables.closed.len() >= 15, "spans must have been closed");
     }
@@ -301,17 +302,17 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
 #[test]
 fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
     let mut shard = shard(5);
-    let silent = shard.gathering.params.health.stale_after.0 + 2;
-    let mut pace = Pace::new(Micros(1));
-    seal(&mut shard, Micros(1), &mut pace);
+    let silent = shard.parts().1.params().health.stale_after.0 + 2;
+    let mut rate = CheckpointRate::new(Micros(1));
+    seal(&mut shard, Micros(1), &mut rate);
     let mut written = Vec::new();
     for round in 0.. {
         let now = Micros(silent + round);
         let is_done = shard.tick(now, usize::from(WHISKERS) + 1);
-        let sealed = seal(&mut shard, now, &mut pace);
-        assert!(sealed.batch.robots.len() <= 2, "two robots are enough for a transaction");
-        assert_eq!(sealed.batch.records.is_empty(), sealed.batch.robots.is_empty(), "silence must lead to a fault");
-        written.extend(sealed.batch.robots.iter().map(|row| row.robot_id));
+        let rows = seal(&mut shard, now, &mut rate);
+        assert!(rows.robots.len() <= 2, "two robots are enough for a transaction");
+        assert_eq!(rows.records.is_empty(), rows.robots.is_empty(), "silence must lead to a fault");
+        written.extend(rows.robots.iter().map(|row| row.robot_id));
         if is_done {
             break;
         }
@@ -322,12 +323,13 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
 #[test]
 fn receipts_of_many_robots_go_out_in_turn() {
     let mut shard = shard(12);
-    for known in shard.robots.values_mut() {
-        shard.gathering.receipt(known, "b");
+    let (robots, stepper) = shard.parts();
+    for known in robots.values_mut() {
+        stepper.receipt(known, "b");
     }
     let mut sent = |most| {
-        shard.receipts(most);
-        shard.gathering.publications.drain(..).map(|one| one.topic).collect::<Vec<_>>()
+        shard.publish_receipts(most);
+        shard.batch_mut().take_publications().into_iter().map(|one| one.topic).collect::<Vec<_>>()
     };
     let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
     assert_eq!([first.len(), second.len(), rest.len()], [3, 4, 5], "at least a quarter, at most the limit, all");
@@ -338,7 +340,7 @@ fn receipts_of_many_robots_go_out_in_turn() {
 
 #[test]
 fn a_robot_that_was_only_announced_is_not_taken_up() {
-    let (mut shards, mut journey) = ([shard(0)], Journey::default());
+    let (mut shards, mut replay) = (Shards::new(vec![shard(0)]), Replay::default());
     let stored = |robot_id: i64, held: bool| StoredRobot {
         robot_id,
         robot: format!("r{robot_id}"),
@@ -352,26 +354,26 @@ fn a_robot_that_was_only_announced_is_not_taken_up() {
         numbers: Numbers::default(),
     };
     for (robot_id, held) in [(1, false), (2, true)] {
-        journey.place(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
+        replay.load(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
     }
-    let names: Vec<&str> = shards[0].robots.keys().map(Name::as_str).collect();
+    let names: Vec<&str> = shards.robots().map(|known| known.name.as_str()).collect();
     assert_eq!(names, ["r2"], "a held robot must be kept");
 }
 
-fn parcel(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> Parcel {
+fn raw_message(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> RawMessage {
     let robot = Name::robot(robot).unwrap();
     let topic = kind.of(&Name::new("f").unwrap(), &robot);
-    Parcel { topic, robot, kind, payload: payload.into(), received: Micros(1) }
+    RawMessage { topic, robot, kind, payload: payload.into(), received: Micros(1) }
 }
 
-fn birth(robot: &str, boot_id: &str) -> Parcel {
+fn birth(robot: &str, boot_id: &str) -> RawMessage {
     let connection = protocol::Connection {
         boot_id: BootId::new(boot_id).unwrap(),
         seq: 0,
         timestamp: protocol::Timestamp(0),
         state: protocol::ConnectionState::Online,
     };
-    parcel(robot, RobotTopic::Connection, protocol::encode(&connection))
+    raw_message(robot, RobotTopic::Connection, protocol::encode(&connection))
 }
 
 #[test]
@@ -380,16 +382,16 @@ fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() 
     for number in 1..=BOOTS_AT_ONCE + 2 {
         shard.handle(&birth("r1", &format!("new-{number}")));
     }
-    let known = &shard.robots["r1"];
+    let known = &shard.robots()["r1"];
     assert_eq!(known.robot.connection_state().0, Some("new-10"));
     assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
-    assert_eq!(shard.gathering.metrics.messages_refused.of(["too_many_boots"]).get(), 2);
+    assert_eq!(shard.metrics().messages_refused.of(["too_many_boots"]).get(), 2);
     shard.tick(Micros(2), 1000);
-    assert_eq!(shard.robots["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
+    assert_eq!(shard.robots()["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
     // A full bucket, as after a minute.
-    shard.robots["r1"].new_boots = Bucket::new(1, 1);
+    shard.robots_mut()["r1"].new_boots = Bucket::new(1, 1);
     shard.tick(Micros(3), 1000);
-    let known = &shard.robots["r1"];
+    let known = &shard.robots()["r1"];
     assert_eq!((known.robot.connection_state().0, &known.refused_boot), (Some("new-12"), &None));
 }
 
@@ -405,16 +407,16 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
             on_supervisor_loss: protocol::OnSupervisorLoss::Hold,
             arrays: Vec::new(),
         };
-        parcel(robot, RobotTopic::Factsheet, protocol::encode(&facts))
+        raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };
     assert!(shard.factsheet(&factsheet("r1")).is_none(), "refused without a birth");
     for number in 1..=5000 {
         shard.handle(&birth(&format!("r{number}"), "b"));
     }
-    assert!(shard.robots.is_empty() && shard.gathering.is_empty(), "nothing is written for a birth");
+    assert!(shard.robots().is_empty() && shard.batch().is_empty(), "nothing is written for a birth");
     assert!(shard.factsheet(&factsheet("r5000")).is_some());
     assert!(shard.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
     shard.tick(Micros(5_000_000), 1000);
-    let asked = shard.gathering.publications.len();
+    let asked = shard.batch_mut().take_publications().len();
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }

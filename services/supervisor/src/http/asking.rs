@@ -132,8 +132,8 @@ pub fn number_of(asked: Asked) -> Result<i64, Problem> {
 /// The action was refused or expired, or the database does not answer.
 pub async fn ask(app: &App, fleet: &Name, action: &NewAction) -> Result<Response, Problem> {
     let action_id = number_of(app.store.ask(action).await?)?;
-    app.mailroom.ring(fleet);
-    let answer = app.mailroom.answer(&app.store, action_id, PATIENCE).await?;
+    app.action_notifier.notify(fleet);
+    let answer = app.action_notifier.answer(&app.store, action_id, PATIENCE).await?;
     let state = answer.as_ref().map_or("PENDING", |answer| answer.state.as_str());
     if let Some((word, told)) = answer.as_ref().and_then(|answer| answer.refusal()) {
         let kind = match word {

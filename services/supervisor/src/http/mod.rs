@@ -42,7 +42,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 use vibrissa_core::robot::Params;
 
-use crate::mailroom::Mailroom;
+use crate::action_notifier::ActionNotifier;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -71,7 +71,7 @@ pub struct App {
     /// Parameters of the core, from the configuration.
     pub params: Arc<Params>,
     /// Passes actions to engines, and their answers back.
-    pub mailroom: Mailroom,
+    pub action_notifier: ActionNotifier,
     /// Exporter of request traces, if configured.
     pub traces: Option<Traces>,
     /// Allow list of robots from a file, if configured.
@@ -86,12 +86,23 @@ impl App {
         metrics: Metrics,
         readiness: Readiness,
         access: Access,
-        mailroom: Mailroom,
+        action_notifier: ActionNotifier,
         params: Arc<Params>,
         stop: watch::Receiver<bool>,
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
-        Self { store, metrics, readiness, access, streams, stop, params, mailroom, traces: None, robots_file: None }
+        Self {
+            store,
+            metrics,
+            readiness,
+            access,
+            streams,
+            stop,
+            params,
+            action_notifier,
+            traces: None,
+            robots_file: None,
+        }
     }
 
     /// Adds traces of requests, if there is a collector.

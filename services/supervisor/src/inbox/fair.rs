@@ -1,4 +1,4 @@
-//! Fair queue of received messages: each robot has a queue, and the queues take turns.
+//! Fair queues of received messages: each robot has a queue, and the queues take turns.
 //!
 //! Two rules keep robots apart. Space: a robot's messages may take at most as much space as is still free, so that
 //! there is always space for the others (dynamic thresholds, Choudhury and Hahne 1998). Turns: each queue may give the
@@ -25,7 +25,7 @@ const ROUND_BYTES: usize = 256 * 1024;
 const FACTSHEET_BYTES: usize = 64 * 1024;
 /// A queue with more bytes is long: its last message waits for several turns.
 const LONG_BYTES: usize = 4 * TURN_BYTES;
-/// Limit of the robots that are named as shed between two calls of [`Fair::take_shed`].
+/// Limit of the robots that are named as shed between two calls of [`FairQueues::take_shed`].
 const SHED_ROBOTS_MAX: usize = 256;
 /// Capacity in messages that an empty queue keeps.
 const KEPT_PLACES: usize = 16;
@@ -66,7 +66,7 @@ pub(super) struct Bounds {
 
 /// Why a message is shed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LeftOut {
+pub(super) enum ShedReason {
     /// No space is left.
     Full,
     /// Its robot's messages take as much space as is free for all others.
@@ -114,7 +114,7 @@ impl Queue {
 
 /// The waiting messages of all robots.
 #[derive(Debug, Default)]
-pub(super) struct Fair {
+pub(super) struct FairQueues {
     queues: Vec<Queue>,
     /// Indices of queues without a robot.
     unused: Vec<usize>,
@@ -129,7 +129,7 @@ pub(super) struct Fair {
     /// Number of queues that have given their bytes of the round, and have more.
     throttled: usize,
     round: u64,
-    look: u64,
+    report: u64,
     shed: Vec<Shed>,
     shed_others: u64,
     /// With random keys, so that nobody can choose names that share a queue.
@@ -156,7 +156,7 @@ fn robot_of(topic: &[u8]) -> &[u8] {
     topic.split(|&byte| byte == b'/').nth(3).unwrap_or(topic)
 }
 
-impl Fair {
+impl FairQueues {
     /// Space taken by waiting messages and by received ones that are not handed over yet.
     pub(super) fn held(&self) -> Filling {
         self.held
@@ -173,7 +173,7 @@ impl Fair {
     }
 
     /// Reserves space for a message in its robot's queue. Returns the queue's index, for [`Self::push`].
-    pub(super) fn reserve(&mut self, topic: &[u8], payload: &[u8], bounds: &Bounds) -> Result<usize, LeftOut> {
+    pub(super) fn reserve(&mut self, topic: &[u8], payload: &[u8], bounds: &Bounds) -> Result<usize, ShedReason> {
         let (weight, is_contacts) = (weight(topic, payload), is_contacts(topic));
         let reserve = if is_contacts { (bounds.messages_reserved, bounds.bytes_reserved) } else { (0, 0) };
         let free = Filling {
@@ -181,13 +181,13 @@ impl Fair {
             bytes: bounds.bytes.saturating_sub(self.held.bytes + reserve.1),
         };
         if free.messages == 0 || free.bytes < weight {
-            return Err(LeftOut::Full);
+            return Err(ShedReason::Full);
         }
         let at = self.queue_of(robot_of(topic));
         let own = &mut self.queues[at].held[usize::from(is_contacts)];
         if own.messages > 0 && (own.messages >= free.messages || own.bytes + weight > free.bytes) {
             self.note_shed(at, topic);
-            return Err(LeftOut::OverShare);
+            return Err(ShedReason::OverShare);
         }
         own.add(weight);
         self.held.add(weight);
@@ -207,11 +207,11 @@ impl Fair {
     }
 
     fn note_shed(&mut self, at: usize, topic: &[u8]) {
-        let place = self.queues[at].shed.filter(|&(look, _)| look == self.look).map(|(_, place)| place);
+        let place = self.queues[at].shed.filter(|&(report, _)| report == self.report).map(|(_, place)| place);
         if let Some(shed) = place.and_then(|place| self.shed.get_mut(place)) {
             shed.messages += 1;
         } else if self.shed.len() < SHED_ROBOTS_MAX {
-            self.queues[at].shed = Some((self.look, self.shed.len()));
+            self.queues[at].shed = Some((self.report, self.shed.len()));
             self.shed.push(Shed { robot: robot_of(topic).to_owned(), messages: 1 });
         } else {
             self.shed_others += 1;
@@ -225,7 +225,7 @@ impl Fair {
 
     /// Starts a new shedding report. Returns the robots of the old one, and the number of messages shed of others.
     pub(super) fn take_shed(&mut self) -> (Vec<Shed>, u64) {
-        self.look += 1;
+        self.report += 1;
         (std::mem::take(&mut self.shed), std::mem::take(&mut self.shed_others))
     }
 
@@ -334,7 +334,7 @@ impl Fair {
 
     /// Drops all messages, because the receiver has gone.
     pub(super) fn clear(&mut self) {
-        *self = Self { look: self.look, round: self.round, ..Self::default() };
+        *self = Self { report: self.report, round: self.round, ..Self::default() };
     }
 }
 

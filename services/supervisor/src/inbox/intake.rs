@@ -8,7 +8,7 @@ use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
-use super::fair::{Bounds, LeftOut};
+use super::fair::{Bounds, ShedReason};
 use super::{BOUNDS, Inbox, Incoming, Shared};
 use crate::metrics::FleetMetrics;
 use vibrissa_edge::clock::wall_clock;
@@ -21,7 +21,7 @@ const OVER_SHARE: &str = "over_share";
 /// keeps at most this much of other messages alive.
 const SHARED_BYTES: usize = 64 * 1024;
 /// Shortest interval between two warnings about shed messages.
-const TELL_EVERY: Duration = Duration::from_secs(10);
+const WARNING_INTERVAL: Duration = Duration::from_secs(10);
 
 /// The receiving end of an inbox.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ pub(crate) struct Intake {
     /// A message has been shed since the inbox last had space.
     shedding: bool,
     /// Time of the last warning.
-    told: Option<Instant>,
+    warned: Option<Instant>,
     /// A retained message was shed.
     missed: bool,
 }
@@ -56,7 +56,7 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
         together: Vec::new(),
         received: Micros::default(),
         shedding: false,
-        told: None,
+        warned: None,
         missed: false,
     };
     (intake, Inbox { shared, bounds })
@@ -73,7 +73,7 @@ impl Intake {
         let place = self.shared.waiting().messages.reserve(&topic, &payload, &self.bounds);
         match place {
             Ok(at) => self.together.push((topic, payload, at)),
-            Err(why) => self.leave_out(&topic, why),
+            Err(why) => self.shed(&topic, why),
         }
     }
 
@@ -109,7 +109,7 @@ impl Intake {
         drop(waiting);
         self.shared.arrived.notify_one();
         if is_abandoned {
-            together.iter().for_each(|(topic, _, _)| self.leave_out(topic, LeftOut::Full));
+            together.iter().for_each(|(topic, _, _)| self.shed(topic, ShedReason::Full));
         }
         let count = together.len();
         // Keep the allocation.
@@ -118,33 +118,33 @@ impl Intake {
         count
     }
 
-    fn leave_out(&mut self, topic: &[u8], why: LeftOut) {
+    fn shed(&mut self, topic: &[u8], why: ShedReason) {
         let is_contacts = topic.ends_with(b"/contacts");
         match (why, is_contacts) {
-            (LeftOut::Full, true) => self.metrics.messages_shed.inc(),
-            (LeftOut::OverShare, true) => {
+            (ShedReason::Full, true) => self.metrics.messages_shed.inc(),
+            (ShedReason::OverShare, true) => {
                 self.metrics.messages_shed.inc();
                 self.metrics.messages_shed_over_share.inc();
             }
-            (LeftOut::Full, false) => {
+            (ShedReason::Full, false) => {
                 self.metrics.messages_refused.count([INBOX_FULL]);
                 let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
                 self.missed |= retained.map(RobotTopic::as_str).any(|kind| topic.ends_with(kind.as_bytes()));
             }
-            (LeftOut::OverShare, false) => self.metrics.messages_refused.count([OVER_SHARE]),
+            (ShedReason::OverShare, false) => self.metrics.messages_refused.count([OVER_SHARE]),
         }
-        if why == LeftOut::Full {
+        if why == ShedReason::Full {
             self.shared.waiting().messages.note_full();
             self.shedding = true;
         }
-        if self.told.is_none_or(|told| told.elapsed() >= TELL_EVERY) {
-            self.told = Some(Instant::now());
+        if self.warned.is_none_or(|warned| warned.elapsed() >= WARNING_INTERVAL) {
+            self.warned = Some(Instant::now());
             let topic = String::from_utf8_lossy(topic);
             match why {
-                LeftOut::Full => {
+                ShedReason::Full => {
                     warn!(%topic, "inbox full, shedding messages (counted)")
                 }
-                LeftOut::OverShare => {
+                ShedReason::OverShare => {
                     warn!(%topic, "robot sends more than its share, shedding its messages (counted)");
                 }
             }

@@ -15,7 +15,7 @@ use vibrissa_core::units::Micros;
 pub use fair::{Filling, Shed};
 pub(crate) use intake::{Intake, inbox};
 
-use fair::{Bounds, Fair};
+use fair::{Bounds, FairQueues};
 
 /// A message as received from the broker.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct Waiting {
-    messages: Fair,
+    messages: FairQueues,
     /// The broker's retained messages are to be requested again.
     wants_retained: bool,
     /// The receiving end has gone: no more messages can arrive.

@@ -4,7 +4,7 @@
 //! and subscribes again, so that the broker sends the retained births and factsheets. The receiving connection proves
 //! that it hears robots (`hearing`).
 //!
-//! Further connections: [`tap`] records, [`Talk`] tests a robot, and [`try_hearing`] tests for a short time whether a
+//! Further connections: [`record`] records, [`TestClient`] tests a robot, and [`try_hearing`] tests for a short time whether a
 //! fleet can be heard. [`prepare`] reads certificates before the first attempt; [`LinkState`] gives the reason of an
 //! outage.
 
@@ -17,16 +17,16 @@ mod hearing;
 
 mod publish;
 
-mod tap;
+mod recorder;
 
-mod talk;
+mod test_client;
 
 mod trial;
 
-mod dial;
+mod coalescing;
+mod connector;
 mod identity;
 mod link;
-mod pace;
 mod poll;
 mod problem;
 
@@ -41,8 +41,8 @@ pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, T
 pub use link::LinkState;
 pub use publish::publish;
 pub use receive::receive;
-pub use talk::{Said, Talk};
-pub use tap::tap;
+pub use recorder::record;
+pub use test_client::{ReceivedMessage, TestClient};
 pub use tls::{PrepareError, Prepared, prepare};
 pub use trial::try_hearing;
 
@@ -84,13 +84,13 @@ impl Connection {
             .set_keep_alive(poll::KEEP_ALIVE_S)
             .set_max_packet_size(Some(PACKET_MAX))
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
-            .set_read_batch_size(pace::LOOK_MAX)
+            .set_read_batch_size(coalescing::READ_MAX)
             .set_max_request_batch(WRITE_BATCH)
-            .set_connect_timeout(dial::CONNECT_TIMEOUT);
+            .set_connect_timeout(connector::CONNECT_TIMEOUT);
         self.show_secrets(&mut options);
         let reached = Arc::new(AtomicBool::new(false));
-        let dialled = reached.clone();
-        options.set_socket_connector(move |_, _| dial::dial(host.clone(), port, dialled.clone()));
+        let is_reached = reached.clone();
+        options.set_socket_connector(move |_, _| connector::connect(host.clone(), port, is_reached.clone()));
         (options, reached)
     }
 

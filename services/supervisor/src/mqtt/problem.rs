@@ -8,7 +8,7 @@ use rustls::{AlertDescription, CertificateError};
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::address::BrokerAddress;
-use super::dial::{CONNECT_TIMEOUT, LookupError};
+use super::connector::{CONNECT_TIMEOUT, LookupError};
 use super::hearing::PATIENCE;
 
 /// A cause of failure, with the broker concerned.

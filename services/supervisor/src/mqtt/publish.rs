@@ -164,8 +164,8 @@ fn say_online(client: &AsyncClient, topic: &str, online: &[u8]) {
 fn is_outdated(connection: &Connection, payload: &[u8]) -> bool {
     let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     match decode(&topic, payload) {
-        Ok(Message::SupervisorState(told)) => {
-            told.epoch <= connection.epoch && told.state == SupervisorPresence::Offline
+        Ok(Message::SupervisorState(state)) => {
+            state.epoch <= connection.epoch && state.state == SupervisorPresence::Offline
         }
         Ok(_) | Err(_) => false,
     }

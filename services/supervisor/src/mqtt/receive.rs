@@ -11,9 +11,9 @@ use tokio::sync::watch;
 use tokio::task::yield_now;
 use vibrissa_protocol::{Name, RobotTopic};
 
+use super::coalescing::{PAUSE, PollCoalescing};
 use super::hearing::{Hearing, Tick};
 use super::link::{Backoff, Side};
-use super::pace::{PAUSE, Pace};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
@@ -28,7 +28,7 @@ const IN_FLIGHT: u16 = 8;
 const PROBE_EXPIRY_S: u32 = 15;
 
 /// Returns the inbox, and the future that fills it until `stop`. The future needs a thread of its own, which it may
-/// share only with the engine, because it sleeps between two reads ([`super::pace`]).
+/// share only with the engine, because it sleeps between two reads ([`super::coalescing`]).
 pub fn receive(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -83,7 +83,7 @@ impl Receiver {
         options.set_outgoing_inflight_upper_limit(IN_FLIGHT);
         let (client, events) = AsyncClient::builder(options).capacity(64).build();
         let mut poller = Poller::new(events, &self.connection, reached);
-        let mut pace = Pace::new(Instant::now());
+        let mut coalescing = PollCoalescing::new(Instant::now());
         let mut hearing = Hearing::new(&self.connection.fleet, heard(), Instant::now());
         loop {
             let event = match poller.ready() {
@@ -100,7 +100,7 @@ impl Receiver {
                         client.try_subscribe_many(retained).map_err(|error| self.lost(&error))?;
                     }
                     let now = Instant::now();
-                    if pace.pauses(now, messages) {
+                    if coalescing.pauses(now, messages) {
                         // Blocks the thread, because in an asynchronous sleep each arriving message would wake the
                         // runtime.
                         std::thread::sleep(PAUSE);
@@ -211,8 +211,8 @@ fn probe_options() -> PublishOptions {
 }
 
 pub(super) fn filters(fleet: &Name, which: impl Fn(RobotTopic) -> bool) -> Vec<SubscribeFilterInput> {
-    let asked = |kind: RobotTopic| SubscribeFilterInput::new(kind.fleet_filter(fleet), QoS::AtLeastOnce);
-    heard().filter(|&kind| which(kind)).map(asked).collect()
+    let subscribed = |kind: RobotTopic| SubscribeFilterInput::new(kind.fleet_filter(fleet), QoS::AtLeastOnce);
+    heard().filter(|&kind| which(kind)).map(subscribed).collect()
 }
 
 /// The first topic that the broker does not let this client read, and its reason code; `None` if all are accepted.

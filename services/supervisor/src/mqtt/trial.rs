@@ -39,9 +39,9 @@ async fn prove(connection: &Connection) -> Result<(), Problem> {
         let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                let asked = filters(fleet, |_| true).into_iter();
-                let asked = asked.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
-                client.try_subscribe_many(asked).map_err(|error| problem(Cause::Lost(error.to_string())))?;
+                let subscribed = filters(fleet, |_| true).into_iter();
+                let subscribed = subscribed.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
+                client.try_subscribe_many(subscribed).map_err(|error| problem(Cause::Lost(error.to_string())))?;
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
                 if let Some(refused) = refused(&ack, fleet) {

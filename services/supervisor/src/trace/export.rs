@@ -19,7 +19,7 @@ const ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 /// Size limit of an answer in bytes.
 const ANSWER_BYTES_MAX: u64 = 64 * 1024;
 /// Shortest interval between two warnings that the collector does not accept traces.
-const COMPLAIN_EVERY: Duration = Duration::from_secs(60);
+const WARNING_INTERVAL: Duration = Duration::from_secs(60);
 
 /// The last problem with the collector.
 type Trouble = Arc<Mutex<Option<String>>>;
@@ -37,8 +37,8 @@ pub(super) fn exporter(url: &str, queued: Arc<AtomicUsize>, dropped: IntCounter)
         .with_retry_policy(RetryPolicy::disabled())
         .build()
         .map_err(|problem| problem.to_string())?;
-    let silence = Mutex::new(Silence::default());
-    Ok(Counting { exporter, url: url.to_owned(), queued, dropped, trouble, silence })
+    let outage = Mutex::new(OutageLog::default());
+    Ok(Counting { exporter, url: url.to_owned(), queued, dropped, trouble, outage })
 }
 
 /// An exporter that counts lost spans and logs them from time to time.
@@ -49,25 +49,25 @@ pub(super) struct Counting {
     queued: Arc<AtomicUsize>,
     dropped: IntCounter,
     trouble: Trouble,
-    silence: Mutex<Silence>,
+    outage: Mutex<OutageLog>,
 }
 
 /// Limits the rate of warnings: time of the last one, and the spans lost since then.
 #[derive(Debug, Default)]
-struct Silence {
-    told: Option<Instant>,
+struct OutageLog {
+    warned: Option<Instant>,
     lost: usize,
     is_broken: bool,
 }
 
-impl Silence {
+impl OutageLog {
     /// Records `lost` spans. Returns the number lost since the last warning if another warning is due.
     fn broken(&mut self, lost: usize, now: Instant) -> Option<usize> {
         self.is_broken = true;
         self.lost += lost;
-        let is_due = self.told.is_none_or(|told| now.duration_since(told) >= COMPLAIN_EVERY);
+        let is_due = self.warned.is_none_or(|warned| now.duration_since(warned) >= WARNING_INTERVAL);
         is_due.then(|| {
-            self.told = Some(now);
+            self.warned = Some(now);
             std::mem::take(&mut self.lost)
         })
     }
@@ -83,15 +83,15 @@ impl Exporter for Counting {
         let spans = batch.len();
         self.queued.fetch_sub(spans, Ordering::AcqRel);
         let sent = self.exporter.export(batch).await;
-        let mut silence = self.silence.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut outage = self.outage.lock().unwrap_or_else(PoisonError::into_inner);
         match &sent {
-            Ok(()) if silence.mended() => info!(url = self.url, "collector accepts traces again"),
+            Ok(()) if outage.mended() => info!(url = self.url, "collector accepts traces again"),
             Ok(()) => {}
             Err(problem) => {
                 self.dropped.inc_by(spans as u64);
-                if let Some(lost) = silence.broken(spans, Instant::now()) {
-                    let told = self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
-                    let problem = told.unwrap_or_else(|| problem.to_string());
+                if let Some(lost) = outage.broken(spans, Instant::now()) {
+                    let trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
+                    let problem = trouble.unwrap_or_else(|| problem.to_string());
                     warn!(url = self.url, problem, spans = lost, "collector does not accept traces, dropping spans");
                 }
             }
@@ -151,13 +151,13 @@ mod tests {
     #[test]
     fn a_collector_that_is_away_is_complained_of_once_a_minute_with_all_that_was_lost() {
         let begun = Instant::now();
-        let mut silence = Silence::default();
-        assert!(!silence.mended());
-        assert_eq!(silence.broken(3, begun), Some(3));
-        assert_eq!(silence.broken(4, begun + Duration::from_secs(59)), None);
-        assert_eq!(silence.broken(5, begun + COMPLAIN_EVERY), Some(9));
-        assert!(silence.mended());
-        assert!(!silence.mended());
-        assert_eq!(silence.broken(1, begun + COMPLAIN_EVERY + Duration::from_secs(1)), None);
+        let mut outage = OutageLog::default();
+        assert!(!outage.mended());
+        assert_eq!(outage.broken(3, begun), Some(3));
+        assert_eq!(outage.broken(4, begun + Duration::from_secs(59)), None);
+        assert_eq!(outage.broken(5, begun + WARNING_INTERVAL), Some(9));
+        assert!(outage.mended());
+        assert!(!outage.mended());
+        assert_eq!(outage.broken(1, begun + WARNING_INTERVAL + Duration::from_secs(1)), None);
     }
 }

@@ -6,14 +6,14 @@
 //! bounded queue, from which a separate thread sends it: nothing waits for the collector, and spans that it does not
 //! accept are dropped and counted. Without a collector there is no thread, no queue and no span.
 //!
-//! Reading order: `span` (one span), `life` (a setpoint's trace), `story` (spans and attributes of a step of the core),
-//! `request`, `export` (connection to the collector).
+//! Reading order: `span` (one span), `lifecycle` (a setpoint's trace), `content` (spans and attributes of a step of the
+//! core), `request`, `export` (connection to the collector).
 
+mod content;
 mod export;
-mod life;
+mod lifecycle;
 mod request;
 mod span;
-mod story;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,8 +25,8 @@ use opentelemetry_sdk::trace::{BatchConfigBuilder, BatchSpanProcessor, SpanData,
 use prometheus::IntCounter;
 use tracing::warn;
 
-pub(crate) use life::{Lives, Untold};
-pub(crate) use story::{Asked, Step, is_told};
+pub(crate) use content::{Step, TracedAction, is_traced};
+pub(crate) use lifecycle::{OpenTraces, PendingSpans};
 
 /// Capacity of the queue in spans; beyond it spans are dropped.
 const QUEUE_SPANS: usize = 4096;

@@ -11,7 +11,7 @@ use opentelemetry_sdk::propagation::TraceContextPropagator;
 use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator};
 
 use super::Traces;
-use super::span::{Draft, Place};
+use super::span::{Draft, SpanIds};
 
 /// Paths polled by machines, which are never traced.
 const NOT_TOLD: [&str; 3] = ["/livez", "/readyz", "/metrics"];
@@ -20,7 +20,7 @@ const NOT_TOLD: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 pub(crate) struct RequestSpan {
     traces: Traces,
     draft: Draft,
-    place: Place,
+    ids: SpanIds,
 }
 
 impl Traces {
@@ -30,7 +30,7 @@ impl Traces {
         if NOT_TOLD.contains(&path) {
             return None;
         }
-        let place = place(request.headers(), method, self.0.sample_ratio)?;
+        let ids = span_ids(request.headers(), method, self.0.sample_ratio)?;
         let route = request.extensions().get::<MatchedPath>().map(MatchedPath::as_str);
         let word = standard(method);
         let name = route.map_or_else(|| word.to_owned(), |route| format!("{word} {route}"));
@@ -42,7 +42,7 @@ impl Traces {
         if let Some(route) = route {
             draft = draft.with("http.route", route.to_owned());
         }
-        Some(RequestSpan { traces: self.clone(), draft, place })
+        Some(RequestSpan { traces: self.clone(), draft, ids })
     }
 }
 
@@ -55,25 +55,25 @@ impl RequestSpan {
             draft = draft.with("error.type", status.as_u16().to_string());
             draft.status = Status::error("");
         }
-        self.traces.tell(draft, self.place);
+        self.traces.emit(draft, self.ids);
     }
 }
 
-/// Place of the request's span: in the caller's trace, if there is one, or else in a new trace. `None` if the trace is
+/// Ids of the request's span: in the caller's trace, if there is one, or else in a new trace. `None` if the trace is
 /// not sampled.
-fn place(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<Place> {
+fn span_ids(headers: &HeaderMap, method: &Method, sample_ratio: f64) -> Option<SpanIds> {
     let new = RandomIdGenerator::default();
-    let told = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
-    let told = told.span().span_context().clone();
-    if told.is_valid() {
-        let place = Place { trace: told.trace_id(), span: new.new_span_id(), parent: told.span_id() };
-        return told.is_sampled().then_some(place);
+    let parent = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
+    let parent = parent.span().span_context().clone();
+    if parent.is_valid() {
+        let ids = SpanIds { trace: parent.trace_id(), span: new.new_span_id(), parent: parent.span_id() };
+        return parent.is_sampled().then_some(ids);
     }
     let trace = new.new_trace_id();
     let [.., a, b, c, d] = trace.to_bytes();
     let share = f64::from(u32::from_be_bytes([a, b, c, d])) / (f64::from(u32::MAX) + 1.0);
     let is_sampled = !method.is_safe() || share < sample_ratio;
-    is_sampled.then(|| Place { trace, span: new.new_span_id(), parent: SpanId::INVALID })
+    is_sampled.then(|| SpanIds { trace, span: new.new_span_id(), parent: SpanId::INVALID })
 }
 
 /// The method as OpenTelemetry's semantic conventions write it.
@@ -104,17 +104,17 @@ mod tests {
     fn a_callers_trace_is_gone_on_with_and_its_wish_not_to_be_traced_respected() {
         // The example in the W3C recommendation Trace Context.
         let text = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
-        let place = place(&headers(text), &Method::GET, 0.0).unwrap();
-        assert_eq!(place.trace.to_string(), "0af7651916cd43dd8448eb211c80319c");
-        assert_eq!(place.parent.to_string(), "b7ad6b7169203331");
+        let ids = span_ids(&headers(text), &Method::GET, 0.0).unwrap();
+        assert_eq!(ids.trace.to_string(), "0af7651916cd43dd8448eb211c80319c");
+        assert_eq!(ids.parent.to_string(), "b7ad6b7169203331");
         let unrecorded = text.replace("-01", "-00");
-        assert!(super::place(&headers(&unrecorded), &Method::POST, 1.0).is_none());
+        assert!(super::span_ids(&headers(&unrecorded), &Method::POST, 1.0).is_none());
     }
 
     #[test]
     fn what_changes_something_is_always_traced_and_looking_by_its_share() {
         let traced = |headers: &HeaderMap, method: &Method, ratio: f64| {
-            (0..1000).filter(|_| place(headers, method, ratio).is_some()).count()
+            (0..1000).filter(|_| span_ids(headers, method, ratio).is_some()).count()
         };
         let none = HeaderMap::new();
         assert_eq!(traced(&none, &Method::GET, 0.0), 0);

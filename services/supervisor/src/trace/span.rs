@@ -1,4 +1,4 @@
-//! One span: its content, and its place in a trace.
+//! One span: its content, and its ids in a trace.
 
 use std::borrow::Cow;
 use std::time::{Duration, SystemTime};
@@ -23,9 +23,9 @@ pub(super) struct Draft {
     pub(super) status: Status,
 }
 
-/// Place of a span in a trace.
+/// Ids of a span in its trace.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct SpanIds {
     pub(super) trace: TraceId,
     pub(super) span: SpanId,
     /// [`SpanId::INVALID`] for the root of a trace.
@@ -57,7 +57,7 @@ impl Draft {
     }
 }
 
-impl Place {
+impl SpanIds {
     /// Root span of the trace of the object with this UUID.
     pub(super) fn root(name: Uuid) -> Self {
         let bytes = name.into_bytes();
@@ -75,12 +75,12 @@ impl Place {
 
 impl Traces {
     /// Queues a span for export, or drops it if the queue is full.
-    pub(super) fn tell(&self, draft: Draft, place: Place) {
+    pub(super) fn emit(&self, draft: Draft, ids: SpanIds) {
         let mut events = SpanEvents::default();
         events.events = draft.events;
         self.submit(SpanData {
-            span_context: SpanContext::new(place.trace, place.span, TraceFlags::SAMPLED, false, TraceState::default()),
-            parent_span_id: place.parent,
+            span_context: SpanContext::new(ids.trace, ids.span, TraceFlags::SAMPLED, false, TraceState::default()),
+            parent_span_id: ids.parent,
             parent_span_is_remote: false,
             span_kind: draft.kind,
             name: draft.name,
@@ -113,9 +113,9 @@ mod tests {
     #[test]
     fn a_setpoints_trace_has_its_name_and_its_root_is_found_again() {
         let name: Uuid = "6f1d6c0e-41b0-5d83-9a1e-776962726973".parse().unwrap();
-        let root = Place::root(name);
+        let root = SpanIds::root(name);
         assert_eq!(root.trace.to_string(), name.simple().to_string());
-        assert_eq!((root.span, root.parent), (Place::root(name).span, SpanId::INVALID));
+        assert_eq!((root.span, root.parent), (SpanIds::root(name).span, SpanId::INVALID));
         assert_eq!(root.span.to_string(), "9a1e776962726973");
         let (one, other) = (root.child(), root.child());
         assert_eq!((one.trace, one.parent), (root.trace, root.span));

@@ -57,49 +57,49 @@ fn command() -> Effect {
     }))
 }
 
-fn step(lives: &mut Lives, effect: Effect) {
+fn step(open_traces: &mut OpenTraces, effect: Effect) {
     let (fleet, name) = (Name::new("f").unwrap(), Name::robot("r").unwrap());
     let robot = Robot::new(1, Numbers::default());
     let (now, event, effects) = (Micros(1_000_000), &Event::Tick, &[effect]);
-    assert!(is_told(effects));
-    lives.stepped(&Step { fleet: &fleet, name: &name, robot_id: 1, robot: &robot, now, event, effects });
+    assert!(is_traced(effects));
+    open_traces.stepped(&Step { fleet: &fleet, name: &name, robot_id: 1, robot: &robot, now, event, effects });
 }
 
-fn commit(lives: &mut Lives) {
-    let mut untold = lives.seal();
-    lives.committed(&mut untold, Duration::ZERO);
+fn commit(open_traces: &mut OpenTraces) {
+    let mut pending = open_traces.seal();
+    open_traces.committed(&mut pending, Duration::ZERO);
 }
 
 #[test]
 fn nothing_is_told_that_is_not_committed() {
     let (traces, kept) = kept();
-    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
-    step(&mut lives, command());
+    let mut open_traces = OpenTraces::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut open_traces, command());
     assert_eq!(told(&traces, &kept), [""; 0]);
-    lives.end(Ending::LeaseLost);
+    open_traces.end(Ending::LeaseLost);
     assert_eq!(told(&traces, &kept), [""; 0]);
 }
 
 #[test]
 fn a_setpoint_that_is_given_away_has_no_root_yet() {
     let (traces, kept) = kept();
-    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
-    step(&mut lives, command());
-    commit(&mut lives);
-    lives.end(Ending::LeaseLost);
+    let mut open_traces = OpenTraces::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut open_traces, command());
+    commit(&mut open_traces);
+    open_traces.end(Ending::LeaseLost);
     assert_eq!(told(&traces, &kept), ["tick", "commit", "hand over"]);
 }
 
 #[test]
 fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
     let (traces, kept) = kept();
-    let mut lives = Lives::new(traces.clone(), Name::new("f").unwrap());
-    step(&mut lives, command());
-    commit(&mut lives);
+    let mut open_traces = OpenTraces::new(traces.clone(), Name::new("f").unwrap());
+    step(&mut open_traces, command());
+    commit(&mut open_traces);
     let state = CommandState::Expired;
-    step(&mut lives, Effect::CommandState { command: KEY, state, rejection: None, pressure: None });
-    commit(&mut lives);
-    lives.end(Ending::Stopped);
+    step(&mut open_traces, Effect::CommandState { command: KEY, state, rejection: None, pressure: None });
+    commit(&mut open_traces);
+    open_traces.end(Ending::Stopped);
     assert_eq!(told(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);
     let spans = kept.0.lock().unwrap();
     let root = spans.last().unwrap();
@@ -110,10 +110,10 @@ fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
 #[test]
 fn beyond_its_bound_the_queue_drops_and_counts() {
     let (traces, kept) = kept();
-    let root = span::Place::root(uuid::Uuid::from_u128(1 << 64 | 1));
+    let root = span::SpanIds::root(uuid::Uuid::from_u128(1 << 64 | 1));
     for _ in 0..QUEUE_SPANS + 10 {
         let now = std::time::SystemTime::now();
-        traces.tell(span::Draft::new("x", opentelemetry::trace::SpanKind::Internal, (now, now)), root.child());
+        traces.emit(span::Draft::new("x", opentelemetry::trace::SpanKind::Internal, (now, now)), root.child());
     }
     assert_eq!(traces.0.dropped.get(), 10);
     assert_eq!(told(&traces, &kept).len(), QUEUE_SPANS);

@@ -13,7 +13,7 @@ use super::CheckOptions;
 use super::listener::Listener;
 use super::timings::Timings;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_supervisor::mqtt::Talk;
+use vibrissa_supervisor::mqtt::TestClient;
 
 /// Validity of a setpoint.
 const VALID: Duration = Duration::from_secs(30);
@@ -35,7 +35,7 @@ pub(super) struct Trial {
 
 /// A robot on the bench.
 pub(super) struct Bench {
-    talk: Talk,
+    client: TestClient,
     pub(super) options: CheckOptions,
     pub(super) heard: Listener,
     pub(super) epoch: u64,
@@ -49,9 +49,9 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    pub(super) fn new(talk: Talk, options: CheckOptions, boot_id: BootId) -> Self {
+    pub(super) fn new(client: TestClient, options: CheckOptions, boot_id: BootId) -> Self {
         Self {
-            talk,
+            client,
             heard: Listener::new(options.timings.clock, options.timings.grace),
             options,
             epoch: 0,
@@ -88,7 +88,7 @@ impl Bench {
             if let Some(found) = look(&self.heard) {
                 return Ok(Some(found));
             }
-            match tokio::time::timeout_at(deadline, self.talk.next()).await {
+            match tokio::time::timeout_at(deadline, self.client.next()).await {
                 Ok(said) => self.heard.take(&said?),
                 Err(_) => return Ok(None),
             }
@@ -107,7 +107,7 @@ impl Bench {
     pub(super) async fn say(&self, kind: RobotTopic, payload: Vec<u8>, expiry: Option<Duration>) -> anyhow::Result<()> {
         let topic = kind.of(&self.options.fleet, &self.options.robot).to_string();
         let expiry_s = expiry.and_then(|time| u32::try_from(time.as_secs()).ok());
-        Ok(self.talk.say(topic, payload, kind.quality_of_service(), expiry_s).await?)
+        Ok(self.client.publish(topic, payload, kind.quality_of_service(), expiry_s).await?)
     }
 
     async fn tell(&self, kind: RobotTopic, message: &impl Serialize) -> anyhow::Result<()> {
@@ -211,7 +211,7 @@ impl Bench {
 
     /// Closes the connection.
     pub(super) async fn close(self) -> Listener {
-        self.talk.close().await;
+        self.client.close().await;
         self.heard
     }
 

@@ -13,7 +13,7 @@ use super::ledger::Ledger;
 use super::log::{Entry, whiskers};
 use super::report::Findings;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_supervisor::mqtt::Said;
+use vibrissa_supervisor::mqtt::ReceivedMessage;
 
 /// Last message on a topic in a boot.
 #[derive(Debug)]
@@ -65,27 +65,27 @@ impl Listener {
     }
 
     /// Processes a message.
-    pub(super) fn take(&mut self, said: &Said) {
-        let Ok(topic) = Topic::parse(&said.topic) else { return };
+    pub(super) fn take(&mut self, received: &ReceivedMessage) {
+        let Ok(topic) = Topic::parse(&received.topic) else { return };
         let kind = match &topic {
             Topic::Robot { kind, .. } => *kind,
             Topic::SupervisorState { .. } => {
-                if let Ok(Message::SupervisorState(state)) = decode(&topic, &said.payload) {
+                if let Ok(Message::SupervisorState(state)) = decode(&topic, &received.payload) {
                     self.supervisor = Some(state);
                 }
                 return;
             }
         };
-        self.judge_delivery(kind, said);
-        let decoded = decode(&topic, &said.payload);
-        if let Some(envelope) = envelope(&said.payload) {
-            self.judge_number(kind, (&envelope.boot_id, envelope.seq), said, decoded.as_ref().ok());
+        self.judge_delivery(kind, received);
+        let decoded = decode(&topic, &received.payload);
+        if let Some(envelope) = envelope(&received.payload) {
+            self.judge_number(kind, (&envelope.boot_id, envelope.seq), received, decoded.as_ref().ok());
         }
         match decoded {
             Ok(message) => {
                 self.findings.pass(Rule::MessageForm, format!("{} messages were valid", self.log.len() + 1));
-                self.judge_content(&message, said);
-                self.log.push(Entry { at: said.at, message, retained: said.retained });
+                self.judge_content(&message, received);
+                self.log.push(Entry { at: received.at, message, retained: received.retained });
             }
             Err(refusal) => self.refuse(kind, &refusal),
         }
@@ -97,8 +97,8 @@ impl Listener {
         self.findings.fail(rule, format!("{kind}: {refusal}"));
     }
 
-    fn judge_delivery(&mut self, kind: RobotTopic, said: &Said) {
-        let (qos, retained) = (said.qos, said.retained);
+    fn judge_delivery(&mut self, kind: RobotTopic, received: &ReceivedMessage) {
+        let (qos, retained) = (received.qos, received.retained);
         let is_right = match kind {
             RobotTopic::Connection | RobotTopic::Factsheet | RobotTopic::SetpointState => qos == 1,
             RobotTopic::Status => qos == 0,
@@ -124,7 +124,13 @@ impl Listener {
     }
 
     /// Checks a message's number and time against those of its boot and topic.
-    fn judge_number(&mut self, kind: RobotTopic, (boot, seq): (&BootId, u64), said: &Said, message: Option<&Message>) {
+    fn judge_number(
+        &mut self,
+        kind: RobotTopic,
+        (boot, seq): (&BootId, u64),
+        received: &ReceivedMessage,
+        message: Option<&Message>,
+    ) {
         let key = (boot.clone(), kind);
         let last = self.streams.get(&key);
         let time_us = message.and_then(time_us);
@@ -133,11 +139,11 @@ impl Listener {
             self.findings.judge(Rule::SeqFromZero, seq == 0, format!("{kind} began at {seq} after the restart"));
         }
         if kind == RobotTopic::Contacts {
-            self.ledger.arrive((boot, seq), &said.payload, said.at, self.grace, &mut self.findings);
+            self.ledger.arrive((boot, seq), &received.payload, received.at, self.grace, &mut self.findings);
         }
         // Connection messages are ordered by arrival, and contacts are repeated: both have rules of their own.
         if let Some(last) = last.filter(|_| !matches!(kind, RobotTopic::Connection | RobotTopic::Contacts)) {
-            let is_again = seq == last.seq && said.payload == last.payload;
+            let is_again = seq == last.seq && received.payload == last.payload;
             let holds = seq == last.seq + 1 || is_again;
             self.numbered += 1;
             let seen = if holds {
@@ -157,7 +163,7 @@ impl Listener {
             }
         }
         let time_us = time_us.or_else(|| self.streams.get(&key).and_then(|last| last.time_us));
-        self.streams.insert(key, Stream { seq, payload: said.payload.clone(), time_us });
+        self.streams.insert(key, Stream { seq, payload: received.payload.clone(), time_us });
     }
 
     /// Whether the message begins a boot during the check.
@@ -167,7 +173,7 @@ impl Listener {
         self.is_live && connection.state == ConnectionState::Online && is_other
     }
 
-    fn judge_content(&mut self, message: &Message, said: &Said) {
+    fn judge_content(&mut self, message: &Message, received: &ReceivedMessage) {
         match message {
             Message::Connection(connection) => {
                 if connection.state == ConnectionState::Online {
@@ -175,32 +181,32 @@ impl Listener {
                         self.born = Some(connection.boot_id.clone());
                     }
                     self.boot = Some(connection.boot_id.clone());
-                    let seen = if said.retained { "ONLINE, retained" } else { "ONLINE, without the retain flag" };
-                    self.findings.judge(Rule::Birth, said.retained, seen);
+                    let seen = if received.retained { "ONLINE, retained" } else { "ONLINE, without the retain flag" };
+                    self.findings.judge(Rule::Birth, received.retained, seen);
                 }
                 self.connection = Some(connection.state);
             }
             Message::Factsheet(factsheet) => {
-                self.judge_clock("factsheet", factsheet.timestamp.0, said);
+                self.judge_clock("factsheet", factsheet.timestamp.0, received);
                 self.boot.get_or_insert_with(|| factsheet.boot_id.clone());
                 self.factsheet = Some(factsheet.clone());
             }
             Message::Status(status) => {
-                self.judge_clock("status", status.t_us, said);
+                self.judge_clock("status", status.t_us, received);
                 self.boot.get_or_insert_with(|| status.boot_id.clone());
                 self.judge_status(status);
             }
-            Message::SetpointState(state) => self.judge_clock("setpoint_state", state.t_us, said),
-            Message::Contacts(contacts) => self.judge_contacts(contacts, said),
+            Message::SetpointState(state) => self.judge_clock("setpoint_state", state.t_us, received),
+            Message::Contacts(contacts) => self.judge_contacts(contacts, received),
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
         }
     }
 
-    fn judge_clock(&mut self, what: &str, time_us: u64, said: &Said) {
+    fn judge_clock(&mut self, what: &str, time_us: u64, received: &ReceivedMessage) {
         if !self.is_live {
             return;
         }
-        let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
+        let now_us = wall_clock().0.saturating_sub(received.at.elapsed().as_micros() as u64);
         let off_s = (time_us as f64 - now_us as f64) / 1e6;
         let holds = off_s.abs() <= self.clock.as_secs_f64();
         self.findings.judge(Rule::Clock, holds, format!("{what} is {off_s:+.3} s off this machine's clock"));
@@ -220,9 +226,9 @@ impl Listener {
         self.findings.judge(Rule::StatusWhiskers, named == facts, seen);
     }
 
-    fn judge_contacts(&mut self, message: &Contacts, said: &Said) {
+    fn judge_contacts(&mut self, message: &Contacts, received: &ReceivedMessage) {
         for contact in &message.contacts {
-            let now_us = wall_clock().0.saturating_sub(said.at.elapsed().as_micros() as u64);
+            let now_us = wall_clock().0.saturating_sub(received.at.elapsed().as_micros() as u64);
             // Contacts may be old, because a robot buffers them, but never in the future.
             let ahead_s = contact.t_us.saturating_sub(now_us) as f64 / 1e6;
             if ahead_s > self.clock.as_secs_f64() {

@@ -31,7 +31,7 @@ pub use report::{Finding, Outcome, Report};
 pub use timings::Timings;
 
 use bench::{Bench, Trial};
-use vibrissa_supervisor::mqtt::{Connection, Talk};
+use vibrissa_supervisor::mqtt::{Connection, TestClient};
 
 /// Options of a check.
 #[derive(Debug, Clone)]
@@ -85,8 +85,8 @@ pub async fn check(
     let of_robot = RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()).map(|kind| kind.of(&fleet, &robot));
     let supervisor = Topic::SupervisorState { fleet: fleet.clone() };
     let topics: Vec<String> = of_robot.chain([supervisor]).map(|topic| topic.to_string()).collect();
-    let talk = Talk::open(connection, &topics).await?;
-    let mut bench = Bench::new(talk, options, connection.boot_id.clone());
+    let client = TestClient::open(connection, &topics).await?;
+    let mut bench = Bench::new(client, options, connection.boot_id.clone());
     let ended = tokio::select! {
         ended = run(&mut bench, progress) => Some(ended),
         () = stop => None,

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use vibrissa_core::mechanics::{Formulation, Objective};
 use vibrissa_core::policy::{LongerForShorter, Mode};
 
-use vibrissa_supervisor::engine::Keep;
+use vibrissa_supervisor::engine::ContactRetention;
 
 /// Interpretation of the paper's factor in eq. 27, 29 and 31.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -53,7 +53,7 @@ pub enum KeepArg {
     None,
 }
 
-impl From<KeepArg> for Keep {
+impl From<KeepArg> for ContactRetention {
     fn from(arg: KeepArg) -> Self {
         match arg {
             KeepArg::All => Self::All,

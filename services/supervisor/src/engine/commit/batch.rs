@@ -1,185 +1,124 @@
 //! The open batch of a shard: rows, journal entries and checkpoints of the next transaction, and the publications after
 //! it.
 
-use std::collections::BTreeMap;
-use std::hash::RandomState;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-use tracing::warn;
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::{Event, Outcome, Params};
+use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, BootId, Name};
+use vibrissa_protocol as protocol;
 
-use crate::engine::allowed::{Allowed, TurnedAway};
-use crate::engine::commit::checkpoint::Waiting;
+use crate::engine::commit::checkpoint::{CheckpointQueue, CheckpointRate};
 use crate::engine::commit::journal::Journal;
-use crate::engine::fleet_metrics;
-use crate::engine::intake::Parcel;
-use crate::engine::retention::Keep;
-use crate::engine::shard::{Known, Stored};
-use crate::metrics::FleetMetrics;
+use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
+use crate::engine::message::{MessageTimes, RawMessage};
+use crate::engine::robot::{Durable, KnownRobot, Robots};
 use crate::outbox::Publication;
-use crate::trace::{Lives, Step, Untold, is_told};
 use vibrissa_store::Batch;
-
-/// Shortest interval between two warnings with the same reason.
-const WARNED_EVERY: Duration = Duration::from_secs(60);
 
 /// A contacts message with the number of its boot in the database.
 #[derive(Clone, Copy)]
-pub(in crate::engine) struct Source<'a> {
-    pub(in crate::engine) told: &'a protocol::Contacts,
-    pub(in crate::engine) boot: i64,
+pub(crate) struct Source<'a> {
+    pub(crate) message: &'a protocol::Contacts,
+    pub(crate) boot: i64,
 }
 
 /// Open batch of a shard: the effects of its steps since the last transaction was sealed.
-pub(in crate::engine) struct Gathering {
-    pub(in crate::engine) fleet: Name,
-    pub(in crate::engine) boot_id: BootId,
-    pub(in crate::engine) params: Arc<Params>,
-    pub(in crate::engine) metrics: FleetMetrics,
-    /// Which contacts get a row of their own.
-    pub(in crate::engine) keep: Keep,
-    /// The allow list of robots.
-    pub(in crate::engine) allowed: Allowed,
-    /// Robots that are not on the allow list.
-    pub(in crate::engine) turned_away: TurnedAway,
-    /// Number of the open transaction in the fleet's journal.
-    pub(in crate::engine) number: i64,
-    pub(in crate::engine) batch: Batch,
-    pub(in crate::engine) journal: Journal,
-    pub(in crate::engine) publications: Vec<Publication>,
+#[derive(Debug, Default)]
+pub(crate) struct OpenBatch {
+    /// Number of the transaction that the batch becomes part of.
+    number: i64,
+    rows: Batch,
+    journal: Journal,
+    checkpoints: CheckpointQueue,
+    publications: Vec<Publication>,
     /// A setpoint is among the publications, so the transaction must not wait.
-    pub(in crate::engine) is_urgent: bool,
+    is_urgent: bool,
     /// The messages behind the rows, in case the database rejects the rows.
-    pub(in crate::engine) messages: Vec<Parcel>,
-    /// The current message has changed a robot.
-    pub(in crate::engine) has_stepped: bool,
+    messages: Vec<RawMessage>,
     /// Times of the `contacts` messages in the batch.
-    pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
-    /// Robots that need a checkpoint.
-    pub(in crate::engine) waiting: Waiting,
-    /// Robots with boots whose contacts are due for a receipt.
-    pub(in crate::engine) receipts_due: Vec<Name>,
-    /// The setpoint to which the current message is an answer.
-    pub(in crate::engine) answering: Option<fleet_metrics::Answering>,
-    pub(in crate::engine) effects: Vec<Effect>,
-    /// Keys of the hashes of messages.
-    pub(in crate::engine) hashers: RandomState,
-    /// Time of the last warning of each reason.
-    warned: BTreeMap<&'static str, Instant>,
-    /// Contacts of a handled message; the allocation is reused.
-    pub(in crate::engine) list: Vec<protocol::Contact>,
-    /// Traces of setpoints under way, if there is a collector.
-    pub(in crate::engine) lives: Option<Lives>,
+    times: Vec<MessageTimes>,
 }
 
-/// A sealed transaction, ready to be committed.
-#[derive(Default)]
-pub(in crate::engine) struct Sealed {
-    pub(in crate::engine) batch: Batch,
-    pub(in crate::engine) publications: Vec<Publication>,
-    /// The messages behind the rows.
-    pub(in crate::engine) messages: Vec<Parcel>,
-    pub(in crate::engine) taken: Vec<fleet_metrics::Taken>,
-    /// Spans of the transaction, by shard.
-    pub(in crate::engine) untold: Vec<Untold>,
-    /// Actions whose answers are in the batch.
-    pub(in crate::engine) answered: Vec<i64>,
-    /// Number of the transaction in the fleet's journal.
-    pub(in crate::engine) number: i64,
-    /// The batch as bytes for the intent log; `None` if its rows are to be written.
-    pub(in crate::engine) bytes: Option<Vec<u8>>,
-    /// Its publications have gone out.
-    pub(in crate::engine) is_out: bool,
-}
-
-impl Gathering {
-    pub(in crate::engine) fn new(fleet: Name, boot_id: BootId, params: Arc<Params>, metrics: FleetMetrics) -> Self {
-        Self {
-            fleet,
-            boot_id,
-            params,
-            metrics,
-            keep: Keep::default(),
-            allowed: Allowed::default(),
-            turned_away: TurnedAway::default(),
-            number: 0,
-            batch: Batch::default(),
-            journal: Journal::default(),
-            publications: Vec::new(),
-            messages: Vec::new(),
-            has_stepped: false,
-            is_urgent: false,
-            taken: Vec::new(),
-            waiting: Waiting::default(),
-            receipts_due: Vec::new(),
-            answering: None,
-            effects: Vec::new(),
-            hashers: RandomState::new(),
-            warned: BTreeMap::new(),
-            list: Vec::new(),
-            lives: None,
-        }
+impl OpenBatch {
+    /// Sets the number of the transaction that the batch becomes part of.
+    pub(crate) fn set_number(&mut self, number: i64) {
+        self.number = number;
     }
 
-    /// Steps the core, and adds the effects to the batch.
-    pub(in crate::engine) fn step(
-        &mut self,
-        known: &mut Known,
-        now: Micros,
-        event: &Event<'_>,
-        source: Option<Source<'_>>,
-    ) -> Outcome {
-        let mut effects = std::mem::take(&mut self.effects);
-        let outcome = known.robot.step(&self.params, now, event, &mut effects);
-        self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
-        if let Some(lives) = &mut self.lives
-            && is_told(&effects)
-        {
-            let (fleet, name, robot_id, robot) = (&self.fleet, &known.name, known.robot_id, &known.robot);
-            lives.stepped(&Step { fleet, name, robot_id, robot, now, event, effects: &effects });
-        }
-        let is_ordinary = effects.iter().all(is_ordinary);
-        self.outlast(known, now, event, source, outcome, is_ordinary);
-        for effect in effects.drain(..) {
-            self.record(known, now, effect, source);
-        }
-        self.effects = effects;
-        outcome
+    /// Number of the transaction that the batch becomes part of.
+    #[cfg(test)]
+    pub(crate) fn number(&self) -> i64 {
+        self.number
     }
 
-    /// Makes the step durable: by a journal entry, if a replay of the event leads to the same state without any
-    /// decision, or else by a checkpoint.
-    fn outlast(
+    /// Rows of the transaction.
+    pub(crate) fn rows(&self) -> &Batch {
+        &self.rows
+    }
+
+    pub(crate) fn rows_mut(&mut self) -> &mut Batch {
+        &mut self.rows
+    }
+
+    /// Adds a publication, which goes out after the commit.
+    pub(crate) fn publish(&mut self, publication: Publication) {
+        self.publications.push(publication);
+    }
+
+    /// Adds a setpoint, for which the commit must not wait.
+    pub(crate) fn publish_setpoint(&mut self, publication: Publication) {
+        self.publications.push(publication);
+        self.is_urgent = true;
+    }
+
+    /// Takes the publications without a commit, for a fault planted by a test.
+    pub(crate) fn take_publications(&mut self) -> Vec<Publication> {
+        std::mem::take(&mut self.publications)
+    }
+
+    /// Adds a message that has changed a robot.
+    pub(crate) fn push_message(&mut self, message: RawMessage) {
+        self.messages.push(message);
+    }
+
+    /// Removes the messages that do not fit a condition.
+    pub(crate) fn retain_messages(&mut self, fits: impl FnMut(&RawMessage) -> bool) {
+        self.messages.retain(fits);
+    }
+
+    pub(crate) fn push_times(&mut self, times: MessageTimes) {
+        self.times.push(times);
+    }
+
+    /// Makes a step durable: by a journal entry, if a replay of the event leads to the same state without any decision,
+    /// or else by a checkpoint. `is_ordinary` is true if all effects are.
+    pub(crate) fn make_durable(
         &mut self,
-        known: &mut Known,
+        known: &mut KnownRobot,
         now: Micros,
         event: &Event<'_>,
         source: Option<Source<'_>>,
         outcome: Outcome,
         is_ordinary: bool,
     ) {
-        if known.stored == Stored::Next {
+        if known.durable == Durable::NextCheckpoint {
             return;
         }
         // A message with an implausible time has changed the estimate of the robot's clock, too.
         let is_taken = matches!(outcome, Outcome::Taken | Outcome::BadTime);
-        let is_kept = is_ordinary
-            && known.stored != Stored::Before
+        let is_journalled = is_ordinary
+            && known.durable != Durable::BeforeTakeover
             && match event {
                 // A contacts message that is not accepted can also give up a gap.
                 Event::Contacts { boot_id, .. } if is_taken || known.robot.has_gap(boot_id) => {
-                    self.journal.contacts(known, now, event, source.filter(|_| is_taken));
+                    let source = source.filter(|_| is_taken);
+                    self.journal.contacts(known, now, event, source.map(|source| source.message));
                     true
                 }
                 Event::Status { .. } if is_taken && known.robot.is_settled() => {
                     self.journal.status(known, now, event);
                     true
                 }
-                Event::Tick if matches!(known.stored, Stored::Journal(_)) => {
+                Event::Tick if matches!(known.durable, Durable::Journal(_)) => {
                     self.journal.tick(known, now);
                     true
                 }
@@ -194,60 +133,94 @@ impl Gathering {
                 | Event::Operator(_)
                 | Event::PolicyChanged => false,
             };
-        if !is_kept {
+        if !is_journalled {
             if known.robot.has_changed() {
-                self.store_next(known);
+                self.checkpoint(known);
             }
-        } else if known.stored == Stored::State {
-            known.stored = Stored::Journal(self.number);
-            self.waiting.push(self.number, now, &known.name);
+        } else if known.durable == Durable::Checkpoint {
+            known.durable = Durable::Journal(self.number);
+            self.checkpoints.push(self.number, now, &known.name);
         }
     }
 
-    /// Counts a message that violates the contract, and warns at most once a minute per reason.
-    pub(in crate::engine) fn suspect(&mut self, reason: &'static str, problem: &str, robot: &Name) {
-        self.metrics.refuse(reason, problem, robot.as_str());
-        let now = Instant::now();
-        if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNED_EVERY) {
-            self.warned.insert(reason, now);
-            warn!(%robot, reason, "{problem} (further ones are only counted for a minute)");
+    /// Makes the batch write a checkpoint of the robot.
+    pub(crate) fn checkpoint(&mut self, known: &mut KnownRobot) {
+        if known.durable != Durable::NextCheckpoint {
+            known.durable = Durable::NextCheckpoint;
+            self.checkpoints.push_next(&known.name, known.whisker_ids.len());
         }
     }
 
-    /// Makes the open batch write a checkpoint of the robot.
-    pub(in crate::engine) fn store_next(&mut self, known: &mut Known) {
-        if known.stored != Stored::Next {
-            known.stored = Stored::Next;
-            self.waiting.push_next(&known.name, known.whisker_ids.len());
-        }
+    /// Counts the whiskers of a robot that has a new layout, and whose checkpoint the batch must write.
+    pub(crate) fn count_layout(&mut self, whiskers: usize) {
+        self.checkpoints.count_layout(whiskers);
     }
 
-    /// Seals the open batch by appending it to those of other shards. Returns the number of contacts in its journal
-    /// entries.
-    pub(in crate::engine) fn seal_into(&mut self, sealed: &mut Sealed, entries: &mut Vec<u8>) -> usize {
-        sealed.batch.append(&mut self.batch);
-        sealed.publications.append(&mut self.publications);
-        sealed.messages.append(&mut self.messages);
-        sealed.taken.append(&mut self.taken);
-        sealed.untold.push(self.lives.as_mut().map(Lives::seal).unwrap_or_default());
+    /// Checkpoints that the batch must write, and those that may wait.
+    pub(crate) fn checkpoints(&mut self) -> &mut CheckpointQueue {
+        &mut self.checkpoints
+    }
+
+    /// Adds the checkpoints that the transaction must contain because of decisions.
+    pub(crate) fn write_decided_checkpoints(&mut self, robots: &mut Robots, rate: &mut CheckpointRate) {
+        self.checkpoints.write_decided(robots, self.number, &mut self.rows, rate);
+    }
+
+    /// Adds waiting checkpoints that are due, as far as the rate allows.
+    pub(crate) fn write_due_checkpoints(&mut self, robots: &mut Robots, now: Micros, rate: &mut CheckpointRate) {
+        self.checkpoints.write_due(robots, (self.number, now), &mut self.rows, rate);
+    }
+
+    /// Seals the open batch by appending it to those of other shards.
+    pub(crate) fn seal_into(&mut self, transaction: &mut SealedTransaction) {
+        transaction.rows.append(&mut self.rows);
+        transaction.publications.append(&mut self.publications);
+        transaction.messages.append(&mut self.messages);
+        transaction.times.append(&mut self.times);
         self.is_urgent = false;
-        let (bytes, contacts) = self.journal.take();
-        if entries.is_empty() {
-            *entries = bytes
-        } else {
-            entries.extend_from_slice(&bytes)
-        }
-        contacts
+        let (entries, contacts) = self.journal.take();
+        transaction.append_entries(entries, contacts);
+    }
+
+    /// Removes a robot's rows and publications. Its journal entries and messages are only in the batch of its own shard.
+    pub(crate) fn remove_rows(&mut self, share: &RobotShare) {
+        share.remove_rows(&mut self.rows);
+        share.remove_publications(&mut self.publications);
+    }
+
+    /// Removes a robot's journal entries and messages, and returns the messages.
+    pub(crate) fn remove_messages(&mut self, share: &RobotShare) -> Vec<RawMessage> {
+        self.journal.remove(share.robot_id());
+        share.take_messages(&mut self.messages)
     }
 
     /// Whether there is nothing to commit or to publish.
-    pub(in crate::engine) fn is_empty(&self) -> bool {
-        self.batch.is_empty() && self.journal.is_empty() && self.publications.is_empty() && self.waiting.is_next_empty()
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.is_empty() && self.journal.is_empty() && self.publications.is_empty() && self.checkpoints.is_empty()
+    }
+
+    /// Whether a setpoint waits for the commit.
+    pub(crate) fn is_urgent(&self) -> bool {
+        self.is_urgent
+    }
+
+    /// Size of the journal entries in bytes.
+    pub(crate) fn journal_bytes(&self) -> usize {
+        self.journal.bytes()
+    }
+
+    pub(crate) fn message_count(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// Largest number of whiskers in the checkpoints that the transaction must write.
+    pub(crate) fn decided_whiskers(&self) -> usize {
+        self.checkpoints.next_whiskers()
     }
 }
 
 /// Whether an effect can be skipped when the event is replayed: its row or request is done, and it changes no state of
 /// other parts.
-pub(in crate::engine) fn is_ordinary(effect: &Effect) -> bool {
+pub(crate) fn is_ordinary(effect: &Effect) -> bool {
     matches!(effect, Effect::Contact(_) | Effect::Response(_) | Effect::AskForFactsheet | Effect::BadTime { .. })
 }

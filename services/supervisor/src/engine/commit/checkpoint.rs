@@ -4,12 +4,11 @@
 use std::collections::VecDeque;
 
 use tracing::error;
-use vibrissa_core::units::Micros;
+use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
-use crate::engine::mpa;
-use crate::engine::shard::{Known, Shard, Stored};
+use crate::engine::robot::{Durable, KnownRobot, Robots};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Batch;
 use vibrissa_store::batch::{Interval, RobotRow, WhiskerRow};
@@ -28,7 +27,7 @@ const WHISKERS_AT_THE_END: f64 = 10_000.0;
 
 /// Robots that need a checkpoint.
 #[derive(Debug, Default)]
-pub(in crate::engine) struct Waiting {
+pub(crate) struct CheckpointQueue {
     /// Robots whose checkpoint the next transaction must write.
     next: Vec<Name>,
     /// Number of their whiskers; only changed ones are written.
@@ -37,50 +36,106 @@ pub(in crate::engine) struct Waiting {
     queue: VecDeque<(i64, Micros, Name)>,
 }
 
-impl Waiting {
-    pub(in crate::engine) fn push_next(&mut self, name: &Name, whiskers: usize) {
+impl CheckpointQueue {
+    pub(crate) fn push_next(&mut self, name: &Name, whiskers: usize) {
         self.next.push(name.clone());
         self.next_whiskers += whiskers;
     }
 
     /// Counts the whiskers of a robot of the next transaction that has a new layout.
-    pub(in crate::engine) fn laid_out(&mut self, whiskers: usize) {
+    pub(crate) fn count_layout(&mut self, whiskers: usize) {
         self.next_whiskers += whiskers;
     }
 
-    pub(in crate::engine) fn push(&mut self, number: i64, now: Micros, name: &Name) {
+    pub(crate) fn push(&mut self, number: i64, now: Micros, name: &Name) {
         self.queue.push_back((number, now, name.clone()));
     }
 
-    pub(in crate::engine) fn is_next_empty(&self) -> bool {
+    /// Whether the next transaction must write no checkpoint.
+    pub(crate) fn is_empty(&self) -> bool {
         self.next.is_empty()
     }
 
     /// Largest number of whiskers in the checkpoints that the next transaction must write.
-    pub(in crate::engine) fn next_whiskers(&self) -> usize {
+    pub(crate) fn next_whiskers(&self) -> usize {
         self.next_whiskers
+    }
+
+    /// Whether a checkpoint without a decision is due.
+    pub(crate) fn is_due(&mut self, robots: &Robots, now: Micros) -> bool {
+        self.oldest(robots).is_some_and(|(_, since)| now.since(since) >= AFTER)
+    }
+
+    /// Makes all waiting checkpoints due.
+    pub(crate) fn make_due(&mut self) {
+        for (_, since, _) in &mut self.queue {
+            *since = Micros::default();
+        }
+    }
+
+    /// Number and time of the first journal entry that a recovery of these robots needs; `None` if it needs none.
+    pub(crate) fn oldest(&mut self, robots: &Robots) -> Option<(i64, Micros)> {
+        while let Some((number, since, name)) = self.queue.front() {
+            if robots.get(name).is_some_and(|known| known.durable == Durable::Journal(*number)) {
+                return Some((*number, *since));
+            }
+            self.queue.pop_front();
+        }
+        None
+    }
+
+    /// Writes the checkpoints that the transaction of this number must contain because of decisions.
+    pub(super) fn write_decided(
+        &mut self,
+        robots: &mut Robots,
+        number: i64,
+        rows: &mut Batch,
+        rate: &mut CheckpointRate,
+    ) {
+        self.next_whiskers = 0;
+        for name in std::mem::take(&mut self.next) {
+            if let Some(known) = robots.get_mut(&name) {
+                rate.take(write(known, number, rows));
+            }
+        }
+    }
+
+    /// Writes waiting checkpoints that are due, as far as the rate allows.
+    pub(super) fn write_due(
+        &mut self,
+        robots: &mut Robots,
+        (number, now): (i64, Micros),
+        rows: &mut Batch,
+        rate: &mut CheckpointRate,
+    ) {
+        while rate.has_any() && self.is_due(robots, now) {
+            let Some((_, _, name)) = self.queue.pop_front() else { break };
+            if let Some(known) = robots.get_mut(&name) {
+                rate.take(write(known, number, rows));
+            }
+        }
     }
 }
 
 /// Limits the rate of whiskers' checkpoints.
 #[derive(Debug)]
-pub(in crate::engine) struct Pace {
+pub(crate) struct CheckpointRate {
     tokens: f64,
     at: Micros,
 }
 
-impl Pace {
-    pub(in crate::engine) fn new(now: Micros) -> Self {
+impl CheckpointRate {
+    pub(crate) fn new(now: Micros) -> Self {
         Self { tokens: BURST, at: now }
     }
 
     /// The limit for the last transaction.
-    pub(in crate::engine) fn at_the_end(now: Micros) -> Self {
+    pub(crate) fn at_the_end(now: Micros) -> Self {
         Self { tokens: WHISKERS_AT_THE_END, at: now }
     }
 
     /// Adds the tokens of the time that has passed.
-    pub(in crate::engine) fn go_on(&mut self, now: Micros, contacts_in_journal: usize) {
+    pub(crate) fn refill(&mut self, now: Micros, contacts_in_journal: usize) {
         let rate = WHISKERS_PER_S + WHISKERS_PER_S_A_CONTACT * contacts_in_journal as f64;
         self.tokens = (self.tokens + rate * now.since(self.at).as_s()).min(self.tokens.max(BURST));
         self.at = now;
@@ -95,56 +150,9 @@ impl Pace {
     }
 }
 
-impl Shard {
-    /// Whether a checkpoint without a decision is due.
-    pub(in crate::engine) fn is_state_due(&mut self, now: Micros) -> bool {
-        self.oldest_waiting().is_some_and(|(_, since)| now.since(since) >= AFTER)
-    }
-
-    /// Makes all waiting checkpoints due.
-    pub(in crate::engine) fn no_longer_wait(&mut self) {
-        for (_, since, _) in &mut self.gathering.waiting.queue {
-            *since = Micros::default();
-        }
-    }
-
-    /// Number and time of the first journal entry that a recovery of this shard's robots needs; `None` if it needs
-    /// none.
-    pub(in crate::engine) fn oldest_waiting(&mut self) -> Option<(i64, Micros)> {
-        let queue = &mut self.gathering.waiting.queue;
-        while let Some((number, since, name)) = queue.front() {
-            if self.robots.get(name).is_some_and(|known| known.stored == Stored::Journal(*number)) {
-                return Some((*number, *since));
-            }
-            queue.pop_front();
-        }
-        None
-    }
-
-    /// Adds the checkpoints that the transaction must contain because of decisions.
-    pub(in crate::engine) fn snapshot_decided(&mut self, pace: &mut Pace) {
-        self.gathering.waiting.next_whiskers = 0;
-        for name in std::mem::take(&mut self.gathering.waiting.next) {
-            if let Some(known) = self.robots.get_mut(&name) {
-                pace.take(write(known, self.gathering.number, &mut self.gathering.batch));
-            }
-        }
-    }
-
-    /// Adds checkpoints that are due, as far as the rate allows.
-    pub(in crate::engine) fn snapshot_waiting(&mut self, now: Micros, pace: &mut Pace) {
-        while pace.has_any() && self.is_state_due(now) {
-            let Some((_, _, name)) = self.gathering.waiting.queue.pop_front() else { break };
-            if let Some(known) = self.robots.get_mut(&name) {
-                pace.take(write(known, self.gathering.number, &mut self.gathering.batch));
-            }
-        }
-    }
-}
-
 /// Adds the changed parts of a robot's checkpoint, and returns the number of whiskers.
-fn write(known: &mut Known, number: i64, batch: &mut Batch) -> usize {
-    known.stored = Stored::State;
+fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
+    known.durable = Durable::Checkpoint;
     let mut changed = Vec::new();
     known.robot.take_changed_whiskers(|index| changed.push(index));
     known.history.take_changed(&mut changed);
@@ -171,7 +179,7 @@ fn write(known: &mut Known, number: i64, batch: &mut Batch) -> usize {
     changed.len()
 }
 
-fn whisker_row(known: &Known, index: usize) -> Option<WhiskerRow> {
+fn whisker_row(known: &KnownRobot, index: usize) -> Option<WhiskerRow> {
     let view = known.robot.whisker(index)?;
     let whisker_id = *known.whisker_ids.get(index)?;
     let Some(state) = known.robot.whisker_to_bytes(index) else {
@@ -185,7 +193,7 @@ fn whisker_row(known: &Known, index: usize) -> Option<WhiskerRow> {
         length_sd_mm: view.length.sd_mm,
         condition: view.condition.word(),
         fault: view.fault.map(Word::word),
-        pressure_mpa: mpa(view.pressure),
+        pressure_mpa: view.pressure.map(Megapascal::mpa),
         setpoint_mpa: view.setpoint.mpa(),
         contacts: view.contacts as i64,
         heard_us: view.heard.map(|heard| heard.0 as i64),

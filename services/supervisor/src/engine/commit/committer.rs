@@ -12,59 +12,119 @@ use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::journal;
-use crate::engine::commit::recovery::ROWS_AT_A_TIME;
+use crate::engine::commit::transaction::{SealedTransaction, Stage};
 
 /// Name of this part in the service's readiness.
 const PART: &str = "database";
 
 /// Writes the transactions of a fleet.
-pub(in crate::engine) struct Committer {
-    pub(in crate::engine) fleet: Name,
-    pub(in crate::engine) lease: Lease,
-    pub(in crate::engine) writer: Writer,
-    pub(in crate::engine) program: Metrics,
-    pub(in crate::engine) metrics: FleetMetrics,
-    pub(in crate::engine) readiness: Readiness,
+pub(crate) struct Committer {
+    fleet: Name,
+    lease: Lease,
+    writer: Writer,
+    program: Metrics,
+    metrics: FleetMetrics,
+    readiness: Readiness,
+}
+
+/// The part of a transaction that was written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The intent: the publications go out, and the rows follow.
+    Intent,
+    /// The rows: the publications go out, if they have not yet.
+    Rows,
+}
+
+/// Result of one write.
+pub(crate) struct Written {
+    pub(super) committer: Committer,
+    pub(super) transaction: SealedTransaction,
+    pub(super) part: Part,
+    pub(super) result: Result<Committed, LeaseLost>,
 }
 
 /// Result of a commit.
-pub(in crate::engine) struct Committed {
+pub(crate) struct Committed {
     /// Duration with all attempts.
-    pub(in crate::engine) took: Duration,
+    pub(crate) took: Duration,
     /// Whether the database was unreachable.
-    pub(in crate::engine) was_away: bool,
+    pub(crate) was_away: bool,
     /// Robots whose rows the database rejects permanently: these rows were left out.
-    pub(in crate::engine) offenders: Vec<Offender>,
+    pub(crate) offenders: Vec<Offender>,
 }
 
 /// A robot whose rows the database rejects, as of its last commit.
-pub(in crate::engine) struct Offender {
-    pub(in crate::engine) robot_id: i64,
-    pub(in crate::engine) rejection: Rejection,
-    pub(in crate::engine) stored: Option<StoredRobot>,
+pub(crate) struct Offender {
+    pub(crate) robot_id: i64,
+    pub(crate) rejection: Rejection,
+    pub(crate) stored: Option<StoredRobot>,
     /// Its journal entries, by rows with their numbers, in order.
-    pub(in crate::engine) journal: Vec<(i64, Vec<u8>)>,
+    pub(crate) journal: Vec<(i64, Vec<u8>)>,
 }
 
 /// The database rejects an intent permanently.
 #[derive(Debug)]
-pub(in crate::engine) struct BytesRefused;
+struct IntentRejected;
 
 /// State of an outage of the database, if there is one.
 #[derive(Debug, Default)]
-pub(in crate::engine) struct Outage {
+pub(crate) struct Outage {
     since: Option<Instant>,
     backoff: Backoff,
 }
 
 /// Another supervisor owns the fleet.
 #[derive(Debug)]
-pub(in crate::engine) struct LeaseLost;
+pub(crate) struct LeaseLost;
 
 impl Committer {
+    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, readiness: Readiness) -> Self {
+        let fleet = lease.fleet().clone();
+        let metrics = program.of_fleet(&fleet);
+        Self { fleet, lease, writer, program, metrics, readiness }
+    }
+
+    /// The lease under which this supervisor writes.
+    pub(crate) fn lease(&self) -> &Lease {
+        &self.lease
+    }
+
+    /// The database, with the lease that each access needs.
+    pub(crate) fn database(&mut self) -> (&mut Writer, &Lease) {
+        (&mut self.writer, &self.lease)
+    }
+
+    /// Counts and logs a failed read or write that is not waited for.
+    pub(crate) fn failed(&self, problem: &StoreError, what: &str) {
+        self.program.database_failed();
+        warn!(%problem, fleet = %self.fleet, "{what}, retrying");
+    }
+
+    /// Writes a transaction's intent, or its rows. If the database rejects the intent, the rows are written first, as
+    /// those of an ordinary transaction.
+    pub(super) async fn write(mut self, mut transaction: SealedTransaction) -> Written {
+        let mut part = Part::Rows;
+        let result = match &transaction.stage {
+            Stage::Intent(bytes) => match self.write_intent(transaction.number, bytes).await {
+                Ok(Ok(committed)) => {
+                    part = Part::Intent;
+                    Ok(committed)
+                }
+                Ok(Err(IntentRejected)) => {
+                    transaction.stage = Stage::Sealed;
+                    self.commit(&mut transaction.rows).await
+                }
+                Err(LeaseLost) => Err(LeaseLost),
+            },
+            Stage::Sealed | Stage::IntentCommitted => self.commit(&mut transaction.rows).await,
+        };
+        Written { committer: self, transaction, part, result }
+    }
+
     /// Writes the rows of a batch. Retries while the database is unreachable; meanwhile the inbox fills and then sheds.
     /// If the database rejects rows permanently, the batch is written without the rows of the robots concerned.
-    pub(in crate::engine) async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
+    async fn commit(&mut self, batch: &mut Batch) -> Result<Committed, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
         let (mut refused, mut is_apart) = (Vec::new(), false);
@@ -94,11 +154,11 @@ impl Committer {
 
     /// Writes a batch's bytes to the intent log, which commits the transaction; its rows are written later. Retries
     /// while the database is unreachable.
-    pub(in crate::engine) async fn keep(
+    async fn write_intent(
         &mut self,
         number: i64,
         bytes: &[u8],
-    ) -> Result<Result<Committed, BytesRefused>, LeaseLost> {
+    ) -> Result<Result<Committed, IntentRejected>, LeaseLost> {
         let mut outage = Outage::default();
         let first = Instant::now();
         loop {
@@ -110,7 +170,7 @@ impl Committer {
                 }
                 Err(problem) if problem.rejection().is_some() => {
                     error!(%problem, fleet = %self.fleet, "database rejects an intent, writing the rows first");
-                    return Ok(Err(BytesRefused));
+                    return Ok(Err(IntentRejected));
                 }
                 Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
             }
@@ -142,7 +202,7 @@ impl Committer {
         let mut after = stored.as_ref().map_or(i64::MAX, |stored| stored.journal_number);
         let mut journal = Vec::new();
         loop {
-            let rows = self.writer.journal(&self.lease, after, ROWS_AT_A_TIME).await?;
+            let rows = self.writer.journal(&self.lease, after, journal::ROWS_AT_A_TIME).await?;
             let Some((last, _)) = rows.last() else { return Ok((stored, journal)) };
             after = *last;
             for (number, entries) in &rows {
@@ -153,7 +213,7 @@ impl Committer {
     }
 
     /// Reports a problem, and waits before the next attempt. A lost lease is an error.
-    pub(in crate::engine) async fn wait_out(
+    pub(crate) async fn wait_out(
         &mut self,
         outage: &mut Outage,
         problem: StoreError,
@@ -172,7 +232,7 @@ impl Committer {
     }
 
     /// Ends an outage; returns true if there was one.
-    pub(in crate::engine) fn end_of(&self, outage: &Outage) -> bool {
+    pub(crate) fn end_of(&self, outage: &Outage) -> bool {
         let Some(since) = outage.since else { return false };
         info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "database available again");
         self.readiness.set_of(&self.fleet, PART, None);

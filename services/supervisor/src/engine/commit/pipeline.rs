@@ -1,238 +1,283 @@
-//! Open batches become transactions, one after the other, and their publications go out.
+//! The commit pipeline: open batches become transactions, one after the other, and their publications go out.
 //!
 //! An ordinary transaction is written as rows at once. One with a setpoint is first committed as one row of the intent
 //! log, and its publications go out; its rows follow as soon as no other intent must be written. The rows of all
 //! transactions are written in the order of sealing.
 
+use std::collections::VecDeque;
 use std::future::pending;
 use std::time::SystemTime;
 
+use tokio::runtime::Handle;
+use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use crate::engine::Engine;
-use crate::engine::commit::batch::Sealed;
-use crate::engine::commit::committer::{BytesRefused, Committed, Committer, LeaseLost};
+use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Part, Written};
+use crate::engine::commit::journal::index::JournalIndex;
+use crate::engine::commit::schedule::Schedule;
+use crate::engine::commit::transaction::{RobotShare, SealedTransaction, Stage, answers};
+use crate::engine::fleet_metrics;
+use crate::engine::message::RawMessage;
+use crate::engine::shard::Receipts;
+use crate::engine::shard::shards::Shards;
+use crate::metrics::FleetMetrics;
 use crate::outbox::Publication;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_store::batch::JournalRow;
+use vibrissa_store::Lease;
 
-/// Largest number of intents whose rows are not written yet.
-const KEPT_MAX: usize = 16;
+/// Largest number of transactions whose intents are committed, and whose rows are not written yet.
+const PENDING_MAX: usize = 16;
 /// Number of contacts and whiskers' checkpoints up to which a transaction is written in the engine's own thread.
 const SMALL: usize = 200;
 /// With more contacts, a transaction is not written twice, as an intent and as rows.
-const KEPT_CONTACTS_MAX: usize = 2000;
-
-/// Limit of the contacts kept in the journal for robots whose rows the database has rejected: about 20 MB.
-const HELD_FOR_SUSPECTS_MAX: usize = 200_000;
+const INTENT_CONTACTS_MAX: usize = 2000;
 /// Number of robots that get receipts at a time, ten times a second. If more are due, each robot's receipts are less
 /// frequent.
 const RECEIPTS_AT_ONCE: usize = 500;
 /// Number of consecutive transactions that may leave due receipts to the next one.
 const PASSED_OVER_MAX: u32 = 8;
 
-/// The part of a transaction that is being written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::engine) enum Part {
-    /// The intent: after it the publications go out, and the rows follow.
-    Bytes,
-    /// The rows: after them the publications go out, if they have not yet.
-    Rows,
+/// A transaction of which one part is committed, and that is not published yet.
+pub(crate) struct CommittedTransaction {
+    pub(crate) transaction: SealedTransaction,
+    pub(crate) committed: Committed,
+    part: Part,
 }
 
-/// Result of the commit task.
-pub(in crate::engine) type Done = (Committer, Sealed, Part, Result<Committed, LeaseLost>);
+impl CommittedTransaction {
+    /// Whether the rows are written, rather than only the intent.
+    pub(crate) fn has_rows(&self) -> bool {
+        self.part == Part::Rows
+    }
+}
 
-impl Engine {
-    /// Seals the open batches, or takes the oldest transaction without rows, and starts its commit.
-    pub(in crate::engine) fn begin_commit(&mut self) {
-        let Some(mut committer) = self.committer.take() else { return };
-        let Some((mut sealed, mut part)) = self.next_commit() else {
+/// The transactions of one fleet.
+pub(crate) struct Pipeline {
+    lease: Lease,
+    metrics: FleetMetrics,
+    /// `None` while a transaction is being written.
+    committer: Option<Committer>,
+    /// The running write, if there is one.
+    writing: Option<JoinHandle<Written>>,
+    /// Sealed transactions whose rows must be written, in order. Their intents are committed.
+    pending: VecDeque<SealedTransaction>,
+    schedule: Schedule,
+    journal: JournalIndex,
+    rate: CheckpointRate,
+    /// Actions whose answers are in the open batches.
+    answered: Vec<i64>,
+    /// Limit of the robots that get receipts with one transaction.
+    receipts_max: usize,
+    outbox: Option<mpsc::Sender<Publication>>,
+    /// Runtime for writes that would block the engine's own thread.
+    workers: Handle,
+}
+
+impl Pipeline {
+    /// The pipeline of a recovered fleet, whose last transaction was `last`.
+    pub(crate) fn new(committer: Committer, last: i64, metrics: FleetMetrics, workers: Handle) -> Self {
+        Self {
+            lease: committer.lease().clone(),
+            metrics,
+            committer: Some(committer),
+            writing: None,
+            pending: VecDeque::new(),
+            schedule: Schedule::new(Instant::now()),
+            journal: JournalIndex::recovered(last),
+            rate: CheckpointRate::new(wall_clock()),
+            answered: Vec::new(),
+            receipts_max: RECEIPTS_AT_ONCE,
+            outbox: None,
+            workers,
+        }
+    }
+
+    /// Sets the channel of the publications.
+    pub(crate) fn connect(&mut self, outbox: mpsc::Sender<Publication>) {
+        self.outbox = Some(outbox);
+    }
+
+    /// Number of publications that wait for the connection, and their limit.
+    pub(crate) fn outbox_filling(&self) -> Option<(usize, usize)> {
+        let outbox = self.outbox.as_ref()?;
+        Some((outbox.max_capacity() - outbox.capacity(), outbox.max_capacity()))
+    }
+
+    /// When commits begin.
+    pub(crate) fn schedule(&mut self) -> &mut Schedule {
+        &mut self.schedule
+    }
+
+    /// When the next commit is due, if no other is being written.
+    pub(crate) fn due(&self) -> Option<Instant> {
+        self.schedule.due().filter(|_| self.writing.is_none())
+    }
+
+    /// Makes a commit of the open batches due now.
+    pub(crate) fn commit_now(&mut self) {
+        self.schedule.due_by(Instant::now());
+    }
+
+    /// Schedules a commit after `messages` messages, or other work with effects.
+    pub(crate) fn stepped(&mut self, messages: usize, shards: &Shards) {
+        self.schedule.count(messages);
+        let now = Instant::now();
+        if shards.is_urgent() {
+            self.schedule.due_by(now);
+        } else if !shards.is_empty() {
+            self.schedule.has_gathered(now);
+        }
+    }
+
+    /// Whether a commit must begin now.
+    pub(crate) fn is_due(&self, shards: &Shards) -> bool {
+        let is_now = |due: Instant| due <= Instant::now();
+        self.writing.is_none() && (self.schedule.due().is_some_and(is_now) || !shards.has_room() || self.has_pending())
+    }
+
+    /// Whether a transaction is being written.
+    pub(crate) fn is_writing(&self) -> bool {
+        self.writing.is_some()
+    }
+
+    /// Whether there are transactions whose rows must be written.
+    pub(crate) fn has_pending(&self) -> bool {
+        !self.pending.is_empty()
+    }
+
+    /// Access to the database while no transaction is being written.
+    pub(crate) fn idle_committer(&mut self) -> Option<&mut Committer> {
+        self.committer.as_mut()
+    }
+
+    /// Number of the transaction that the open batches become.
+    pub(crate) fn open_number(&self) -> i64 {
+        self.journal.next()
+    }
+
+    /// Notes that the answer of an action is in the open batches.
+    pub(crate) fn answer(&mut self, action_id: i64) {
+        self.answered.push(action_id);
+        self.commit_now();
+    }
+
+    /// Whether the open batches contain answers of actions.
+    pub(crate) fn has_answers(&self) -> bool {
+        !self.answered.is_empty()
+    }
+
+    /// Prepares the last transaction, which contains all receipts, and as many checkpoints as time allows.
+    pub(crate) fn prepare_last(&mut self) {
+        self.schedule.receipts_are_due(Instant::now());
+        self.receipts_max = usize::MAX;
+        self.rate = CheckpointRate::at_the_end(wall_clock());
+    }
+
+    /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it. `holds_journal` if
+    /// checkpoints may be rejected, so that journal entries are needed for longer.
+    pub(crate) fn begin(&mut self, shards: &mut Shards, holds_journal: bool) {
+        let Some(committer) = self.committer.take() else { return };
+        let Some(transaction) = self.next_transaction(shards, holds_journal) else {
             self.committer = Some(committer);
             return;
         };
-        let rows = sealed.batch.contacts.len() + sealed.batch.whiskers.len();
+        let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
         // A small transaction is written in this thread, which avoids waking another.
-        let is_small = sealed.bytes.is_some() || rows <= SMALL;
-        let commit = async move {
-            let kept = match &sealed.bytes {
-                Some(bytes) => committer.keep(sealed.number, bytes).await,
-                None => Ok(Err(BytesRefused)),
-            };
-            let committed = match kept {
-                Ok(Ok(committed)) => Ok(committed),
-                Ok(Err(BytesRefused)) => {
-                    (sealed.bytes, sealed.batch.redo_done, part) =
-                        (None, sealed.batch.redo_done.filter(|_| sealed.is_out), Part::Rows);
-                    committer.commit(&mut sealed.batch).await
-                }
-                Err(LeaseLost) => Err(LeaseLost),
-            };
-            (committer, sealed, part, committed)
-        };
-        self.committing = Some(if is_small { tokio::spawn(commit) } else { self.workers.spawn(commit) });
+        let is_small = matches!(transaction.stage, Stage::Intent(_)) || rows <= SMALL;
+        let write = committer.write(transaction);
+        self.writing = Some(if is_small { tokio::spawn(write) } else { self.workers.spawn(write) });
     }
 
-    /// The next part to write: the intent of a batch with a setpoint, before the rows of earlier intents, before all
-    /// else.
-    fn next_commit(&mut self) -> Option<(Sealed, Part)> {
-        let is_kept = self.is_kept();
-        if !is_kept && let Some(sealed) = self.kept.pop_front() {
-            return Some((sealed, Part::Rows));
+    /// The next transaction to write: an intent of the open batches before the rows of earlier ones, and these before
+    /// all else.
+    fn next_transaction(&mut self, shards: &mut Shards, holds_journal: bool) -> Option<SealedTransaction> {
+        let is_intent = self.is_intent_due(shards);
+        if !is_intent && let Some(transaction) = self.pending.pop_front() {
+            return Some(transaction);
         }
-        let mut sealed = self.seal(is_kept);
-        if sealed.batch.is_empty() && sealed.publications.is_empty() {
+        let mut transaction = self.seal(shards, is_intent, holds_journal);
+        if transaction.is_empty() {
             return None;
         }
-        if is_kept && let Some(bytes) = sealed.batch.to_bytes() {
-            sealed.batch.redo_done = Some(sealed.number);
-            sealed.bytes = Some(bytes);
-            return Some((sealed, Part::Bytes));
+        if is_intent && let Some(bytes) = transaction.rows.to_bytes() {
+            transaction.stage = Stage::Intent(bytes);
+            return Some(transaction);
         }
         // After the rows of earlier intents, if there are any.
-        self.kept.push_back(sealed);
-        self.kept.pop_front().map(|sealed| (sealed, Part::Rows))
-    }
-
-    /// Whether a setpoint waits for the open batches.
-    pub(in crate::engine) fn is_urgent(&self) -> bool {
-        self.shards.iter().any(|shard| shard.gathering.is_urgent)
+        self.pending.push_back(transaction);
+        self.pending.pop_front()
     }
 
     /// Whether the open batches are to be committed as an intent first, because a setpoint waits for them.
-    fn is_kept(&self) -> bool {
-        let contacts = || self.shards.iter().map(|shard| shard.gathering.batch.contacts.len()).sum::<usize>();
-        self.is_urgent()
-            && self.kept.len() < KEPT_MAX
-            && self.rounds.passed_over() < PASSED_OVER_MAX
-            && contacts() < KEPT_CONTACTS_MAX
+    fn is_intent_due(&self, shards: &Shards) -> bool {
+        shards.is_urgent()
+            && self.pending.len() < PENDING_MAX
+            && self.schedule.passed_over() < PASSED_OVER_MAX
+            && shards.contacts() < INTENT_CONTACTS_MAX
     }
 
     /// Seals the open batches of all shards, with the checkpoints that are due.
     ///
     /// An intent is short: it leaves receipts, and checkpoints that may wait, to the next transaction.
-    fn seal(&mut self, is_kept: bool) -> Sealed {
+    fn seal(&mut self, shards: &mut Shards, is_intent: bool, holds_journal: bool) -> SealedTransaction {
         let now = wall_clock();
-        let receipts = self.rounds.begin(is_kept, Instant::now());
-        self.pace.go_on(now, self.journal_contacts);
-        let mut sealed = Sealed { answered: std::mem::take(&mut self.answered), ..Sealed::default() };
-        let (mut entries, mut contacts) = (Vec::new(), 0);
-        let receipts_at_once = if self.is_ending { usize::MAX } else { RECEIPTS_AT_ONCE / self.shards.len() };
-        for shard in &mut self.shards {
-            shard.snapshot_decided(&mut self.pace);
-            if receipts {
-                shard.snapshot_waiting(now, &mut self.pace);
-                shard.receipts(receipts_at_once);
-            }
-            contacts += shard.gathering.seal_into(&mut sealed, &mut entries);
-        }
-        self.number += 1;
-        sealed.number = self.number;
-        if !entries.is_empty() {
-            self.journal.push_back((self.number, contacts));
-            self.journal_contacts += contacts;
-            sealed.batch.journal = Some(JournalRow { number: self.number, entries });
-        }
-        self.forget_journal(receipts, &mut sealed);
-        self.number_gatherings();
-        sealed
+        let has_receipts = self.schedule.begin(is_intent, Instant::now());
+        self.rate.refill(now, self.journal.contacts());
+        let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
+        let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
+        shards.seal_into(&mut transaction, &mut self.rate, receipts);
+        self.journal.append(&transaction);
+        self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
+        shards.set_number(self.journal.next());
+        transaction
     }
 
-    /// Drops journal entries that all checkpoints contain; `is_round` says whether the database is to delete them, too.
-    fn forget_journal(&mut self, is_round: bool, sealed: &mut Sealed) {
-        let oldest = self.shards.iter_mut().filter_map(|shard| shard.oldest_waiting()).map(|(number, _)| number).min();
-        let needed_from = oldest.unwrap_or(self.number + 1);
-        // Entries need not be written if the same transaction writes the checkpoints of all their robots.
-        if needed_from > self.number && sealed.batch.journal.take().is_some() {
-            self.journal_contacts -= self.journal.pop_back().map_or(0, |(_, contacts)| contacts);
-        }
-        // A suspect's checkpoint may be rejected, so its entries are needed for longer.
-        let is_held = !self.suspects.is_empty() && self.journal_contacts < HELD_FOR_SUSPECTS_MAX;
-        while let Some((number, contacts)) =
-            self.journal.front().copied().filter(|(number, _)| is_round && !is_held && *number < needed_from)
-        {
-            self.journal.pop_front();
-            self.journal_contacts -= contacts;
-            sealed.batch.journal_done = Some(number);
-        }
+    /// Waits for the end of the running write; forever if there is none. Cancel safe.
+    pub(crate) async fn written(&mut self) -> Written {
+        let Some(task) = &mut self.writing else { return pending().await };
+        let written = task.await;
+        self.writing = None;
+        // The task is never aborted, so an error means that it has panicked.
+        written.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()))
     }
 
-    /// Tells the shards the number of the open transaction.
-    pub(in crate::engine) fn number_gatherings(&mut self) {
-        for shard in &mut self.shards {
-            shard.gathering.number = self.number + 1;
-        }
-    }
-
-    /// Waits until no transaction is being written, and the rows of all are written.
-    pub(in crate::engine) async fn settle(&mut self) -> Result<(), LeaseLost> {
-        loop {
-            if self.committing.is_some() {
-                let done = done(&mut self.committing).await;
-                self.committed(done)?;
-            }
-            if self.kept.is_empty() {
-                return Ok(());
-            }
-            self.begin_commit();
-        }
-    }
-
-    /// Handles the end of a commit: the publications go out.
-    pub(in crate::engine) fn committed(
-        &mut self,
-        (committer, mut sealed, part, committed): Done,
-    ) -> Result<(), LeaseLost> {
-        let mut committed = committed?;
+    /// Takes the result of a write. The transaction must be given to [`Self::publish_committed`].
+    pub(crate) fn committed(&mut self, written: Written) -> Result<CommittedTransaction, LeaseLost> {
+        let Written { committer, transaction, part, result } = written;
+        let committed = result?;
         self.committer = Some(committer);
-        if committed.was_away {
-            self.listen_anew();
-        }
-        let number = sealed.number;
-        if !committed.offenders.is_empty() {
-            self.convict(committed.offenders.drain(..).collect(), &mut sealed);
-        }
-        if part == Part::Rows {
-            self.suspects_committed(number);
-            self.mailroom.answered(sealed.answered.drain(..));
-            if !sealed.batch.records.is_empty() {
-                self.mailroom.changed();
-            }
-        }
-        if !sealed.is_out {
-            self.go_out(&mut sealed, &committed);
-        }
-        if part == Part::Bytes {
-            (sealed.bytes, sealed.is_out) = (None, true);
-            self.kept.push_back(sealed);
-        }
-        Ok(())
+        Ok(CommittedTransaction { transaction, committed, part })
     }
 
-    /// Publishes after the commit, and updates traces and metrics.
-    fn go_out(&mut self, sealed: &mut Sealed, committed: &Committed) {
-        self.time_taken(&sealed.taken);
-        let mut untold = std::mem::take(&mut sealed.untold);
-        for (shard, untold) in self.shards.iter_mut().zip(&mut untold) {
-            if let Some(lives) = &mut shard.gathering.lives {
-                lives.committed(untold, committed.took);
-            }
+    /// Publishes after a commit, unless the publications have gone out with the intent. The rows of an intent follow
+    /// later.
+    pub(crate) fn publish_committed(&mut self, committed: CommittedTransaction, shards: &mut Shards) {
+        let CommittedTransaction { mut transaction, committed, part } = committed;
+        if !matches!(transaction.stage, Stage::IntentCommitted) {
+            self.publish_transaction(&mut transaction, &committed, shards);
         }
+        if part == Part::Intent {
+            transaction.stage = Stage::IntentCommitted;
+            transaction.rows.redo_done = Some(transaction.number);
+            self.pending.push_back(transaction);
+        }
+    }
+
+    fn publish_transaction(&self, transaction: &mut SealedTransaction, committed: &Committed, shards: &mut Shards) {
+        fleet_metrics::observe_commit(&self.metrics, &transaction.times);
+        let mut spans = std::mem::take(&mut transaction.spans);
+        shards.spans_committed(&mut spans, committed.took);
         // Taken before publishing, because a robot may answer before `publish` returns.
         let now = SystemTime::now();
-        let all = self.publish(std::mem::take(&mut sealed.publications));
-        for (shard, untold) in self.shards.iter_mut().zip(untold) {
-            if let Some(lives) = &mut shard.gathering.lives {
-                lives.published(untold, now, all);
-            }
-        }
+        let all = self.publish(std::mem::take(&mut transaction.publications));
+        shards.spans_published(spans, now, all);
     }
 
-    /// Publishes after a commit; returns false if messages were dropped. Nothing is lost if the broker is unreachable
-    /// or the lease may have expired: setpoints are sent again until they are answered, and receipts with the next
-    /// message.
-    pub(in crate::engine) fn publish(&self, publications: Vec<Publication>) -> bool {
+    /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may
+    /// have expired: setpoints are sent again until they are answered, and receipts with the next message.
+    pub(crate) fn publish(&self, publications: Vec<Publication>) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
         if self.lease.is_fresh() {
@@ -241,13 +286,15 @@ impl Engine {
         self.metrics.publications_dropped.inc_by(dropped as u64);
         dropped == 0
     }
-}
 
-/// Waits for the end of the running commit; forever if there is none.
-pub(in crate::engine) async fn done(committing: &mut Option<JoinHandle<Done>>) -> Done {
-    let Some(task) = committing else { return pending().await };
-    let done = task.await;
-    *committing = None;
-    // The task is never aborted, so an error means that it has panicked.
-    done.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()))
+    /// Removes a robot from the transactions whose rows are not written yet, and returns its messages.
+    pub(crate) fn remove(&mut self, share: &RobotShare) -> Vec<RawMessage> {
+        self.pending.iter_mut().flat_map(|transaction| transaction.remove(share)).collect()
+    }
+
+    /// Forgets answers that are no longer in the open batches: their actions are pending again.
+    pub(crate) fn retain_answers(&mut self, shards: &Shards) {
+        let open: Vec<_> = shards.iter().map(|shard| answers(&shard.batch().rows().records)).collect();
+        self.answered.retain(|action_id| open.iter().any(|ids| ids.contains(action_id)));
+    }
 }

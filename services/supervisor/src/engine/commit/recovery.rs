@@ -5,33 +5,30 @@ use std::time::Instant;
 
 use tracing::{error, info};
 use vibrissa_core::robot::Event;
-use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_protocol::Name;
 
-use crate::engine::commit::batch::{Gathering, is_ordinary};
-use crate::engine::commit::journal::{Entry, Told, by_robot, read};
-use crate::engine::shard::{Known, Shard, shard_of};
+use crate::engine::commit::journal::{Entry, JournalEvent, ROWS_AT_A_TIME, by_robot, read};
+use crate::engine::robot::KnownRobot;
+use crate::engine::shard::Shard;
+use crate::engine::shard::shards::Shards;
+use crate::engine::shard::stepper::Stepper;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
 
-/// Number of journal rows read at a time.
-pub(in crate::engine) const ROWS_AT_A_TIME: i64 = 256;
-
 /// Facts about a robot that the replay needs.
-struct Follower {
+struct ReplayedRobot {
     name: Name,
-    shard: usize,
     /// Entries up to this number are contained in its checkpoint.
     journal_number: i64,
     arrays: Vec<String>,
     boots: BTreeMap<i64, String>,
-    has_gone_on: bool,
+    is_replayed: bool,
 }
 
 /// Writes the rows of the transactions in the intent log. An unreadable one is logged and dropped.
-async fn write_kept(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
+async fn write_intents(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
     while let Some((number, bytes)) = writer.pending_intent(lease).await? {
         let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
             let (fleet, bytes) = (lease.fleet(), bytes.len());
@@ -60,17 +57,13 @@ async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Res
 }
 
 /// Loads the robots of a fleet into their shards. Returns the number of the last journal entry.
-pub(in crate::engine) async fn take_up(
-    writer: &mut Writer,
-    lease: &Lease,
-    shards: &mut [Shard],
-) -> Result<i64, StoreError> {
-    write_kept(writer, lease).await?;
-    let (mut journey, mut last) = (Journey::default(), 0);
+pub(crate) async fn recover(writer: &mut Writer, lease: &Lease, shards: &mut Shards) -> Result<i64, StoreError> {
+    write_intents(writer, lease).await?;
+    let (mut replay, mut last) = (Replay::default(), 0);
     for stored in writer.robots(lease).await? {
         last = last.max(stored.journal_number);
         if let Ok(name) = Name::robot(&stored.robot) {
-            journey.place(stored, name, lease.epoch(), shards);
+            replay.load(stored, name, lease.epoch(), shards);
         }
     }
     let (begun, mut entries) = (Instant::now(), 0);
@@ -81,10 +74,10 @@ pub(in crate::engine) async fn take_up(
         after = *newest;
         last = last.max(after);
         for (number, bytes) in &rows {
-            entries += journey.go_through(*number, bytes, shards);
+            entries += replay.replay_row(*number, bytes, shards);
         }
     }
-    journey.arrive(lease.epoch(), shards);
+    replay.finish(lease.epoch(), shards);
     if entries > 0 {
         let seconds = begun.elapsed().as_secs_f64();
         info!(fleet = %lease.fleet(), entries, seconds, "journal replayed");
@@ -94,38 +87,37 @@ pub(in crate::engine) async fn take_up(
 
 /// Replay of the journal, from the checkpoints to the last commit.
 #[derive(Default)]
-pub(in crate::engine) struct Journey {
-    followers: BTreeMap<i64, Follower>,
+pub(crate) struct Replay {
+    robots: BTreeMap<i64, ReplayedRobot>,
 }
 
-impl Journey {
+impl Replay {
     /// Puts a robot into its shard. The journal is replayed for robots that have whiskers.
-    pub(in crate::engine) fn place(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut [Shard]) {
+    pub(crate) fn load(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut Shards) {
         // It has only announced itself, to an earlier version of the program: see `announced`.
         if stored.boots.is_empty() && stored.whisker_ids.is_empty() && !stored.held {
             return;
         }
-        let at = shard_of(&name, shards.len());
-        let shard = &mut shards[at];
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
-        let params = shard.gathering.params.clone();
-        let known = Known::as_stored(name.clone(), stored, epoch, &params, &mut shard.gathering);
+        let (robots, stepper) = shards.of(&name).parts();
+        let (params, retention) = (stepper.params(), stepper.retention());
+        let (known, forgotten) = KnownRobot::restored(name.clone(), stored, epoch, params, retention);
+        stepper.batch_mut().rows_mut().records.extend(forgotten);
         if !known.whisker_ids.is_empty() {
-            let follower = Follower {
+            let replayed = ReplayedRobot {
                 name: name.clone(),
-                shard: at,
                 journal_number,
                 arrays: known.robot.arrays().map(str::to_owned).collect(),
                 boots: known.boots.by_number(),
-                has_gone_on: false,
+                is_replayed: false,
             };
-            self.followers.insert(robot_id, follower);
+            self.robots.insert(robot_id, replayed);
         }
-        shard.robots.insert(name, known);
+        robots.insert(name, known);
     }
 
     /// Replays one row of the journal. Returns the number of its entries that were replayed.
-    pub(in crate::engine) fn go_through(&mut self, number: i64, bytes: &[u8], shards: &mut [Shard]) -> usize {
+    pub(crate) fn replay_row(&mut self, number: i64, bytes: &[u8], shards: &mut Shards) -> usize {
         let mut count = 0;
         for entry in read(bytes) {
             let entry = match entry {
@@ -135,71 +127,52 @@ impl Journey {
                     break;
                 }
             };
-            let follower = self.followers.get_mut(&entry.robot_id);
-            let Some(follower) = follower.filter(|one| one.journal_number < number) else { continue };
+            let replayed = self.robots.get_mut(&entry.robot_id);
+            let Some(replayed) = replayed.filter(|one| one.journal_number < number) else { continue };
             count += 1;
-            follower.go_on(&entry, &mut shards[follower.shard]);
+            replayed.replay(&entry, shards.of(&replayed.name));
         }
         count
     }
 
     /// Starts the new epoch for all robots, which are now as of the last commit, and schedules checkpoints of those
     /// that were replayed.
-    fn arrive(&self, epoch: u64, shards: &mut [Shard]) {
-        for Shard { robots, gathering, .. } in shards {
+    fn finish(&self, epoch: u64, shards: &mut Shards) {
+        for shard in shards.iter_mut() {
+            let (robots, stepper) = shard.parts();
             for known in robots.values_mut() {
-                self.arrive_at(known, epoch, gathering);
+                self.finish_robot(known, epoch, stepper);
             }
         }
     }
 
     /// Does the same for one robot.
-    pub(in crate::engine) fn arrive_at(&self, known: &mut Known, epoch: u64, gathering: &mut Gathering) {
-        known.begin(epoch, &gathering.params);
-        if self.followers.get(&known.robot_id).is_some_and(|follower| follower.has_gone_on) {
-            gathering.store_next(known);
+    pub(crate) fn finish_robot(&self, known: &mut KnownRobot, epoch: u64, stepper: &mut Stepper) {
+        known.begin(epoch, stepper.params());
+        if self.robots.get(&known.robot_id).is_some_and(|replayed| replayed.is_replayed) {
+            stepper.batch_mut().checkpoint(known);
         }
     }
 }
 
-impl Follower {
-    fn go_on(&mut self, entry: &Entry, shard: &mut Shard) {
-        self.has_gone_on = true;
-        let Some(known) = shard.robots.get_mut(&self.name) else { return };
+impl ReplayedRobot {
+    fn replay(&mut self, entry: &Entry, shard: &mut Shard) {
+        self.is_replayed = true;
+        let (robots, stepper) = shard.parts();
+        let Some(known) = robots.get_mut(&self.name) else { return };
         let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
-        match &entry.told {
-            Told::Tick => shard.gathering.go_again(known, entry, &Event::Tick),
-            Told::Contacts { boot, seq, contacts } => {
+        match &entry.event {
+            JournalEvent::Tick => stepper.replay(known, entry, &Event::Tick),
+            JournalEvent::Contacts { boot, seq, contacts } => {
                 let contacts: Vec<Contact<'_>> = contacts.iter().filter_map(|one| one.contact(&self.arrays)).collect();
                 let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts };
-                shard.gathering.go_again(known, entry, &event);
+                stepper.replay(known, entry, &event);
             }
-            Told::Status { boot, robot_time, whiskers } => {
+            JournalEvent::Status { boot, robot_time, whiskers } => {
                 let whiskers: Vec<WhiskerStatus<'_>> =
                     whiskers.iter().filter_map(|one| one.status(&self.arrays)).collect();
                 let event = Event::Status { boot_id: boot_of(boot), robot_time: *robot_time, whiskers: &whiskers };
-                shard.gathering.go_again(known, entry, &event);
-            }
-        }
-    }
-}
-
-impl Gathering {
-    /// Replays an event. Its rows are already written, so only the open minutes and hours need its effects. Effects
-    /// other than ordinary ones are new, because parameters have changed, and are recorded.
-    fn go_again(&mut self, known: &mut Known, entry: &Entry, event: &Event<'_>) {
-        let mut effects = Vec::new();
-        known.robot.step(&self.params, entry.now, event, &mut effects);
-        let mut written = Batch::default();
-        for effect in effects {
-            if !is_ordinary(&effect) {
-                self.record(known, entry.now, effect, None);
-            } else if let (Effect::Contact(record), Told::Contacts { boot, seq, contacts }) = (&effect, &entry.told) {
-                let Some(kept) = contacts.get(record.position) else { continue };
-                let row = kept.row(record, known.whisker_id(record.whisker), (*boot, *seq), entry.now);
-                known.history.felt(record.whisker, record.used, row, &mut written);
-            } else if let Effect::Response(_) = effect {
-                known.history.serves(&mut written);
+                stepper.replay(known, entry, &event);
             }
         }
     }

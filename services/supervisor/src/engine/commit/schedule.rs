@@ -8,9 +8,9 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 /// Interval of the core's ticks.
-pub(in crate::engine) const TICK: Duration = Duration::from_millis(250);
+pub(crate) const TICK: Duration = Duration::from_millis(250);
 /// Interval of receipts at a high message rate.
-pub(in crate::engine) const RECEIPTS: Duration = Duration::from_millis(100);
+pub(crate) const RECEIPTS: Duration = Duration::from_millis(100);
 /// How long a batch collects messages at a high message rate.
 const GATHER: Duration = Duration::from_millis(20);
 /// Number of messages between two ticks up to which the rate is low.
@@ -20,7 +20,7 @@ const TICKS_A_ROUND: u32 = 2;
 
 /// Schedule of one fleet's commits.
 #[derive(Debug)]
-pub(in crate::engine) struct Rounds {
+pub(crate) struct Schedule {
     /// When the open batches must be committed.
     due: Option<Instant>,
     /// Since when there is anything to commit.
@@ -39,9 +39,9 @@ pub(in crate::engine) struct Rounds {
     number: u64,
 }
 
-impl Rounds {
+impl Schedule {
     /// A schedule whose first commit is due at once.
-    pub(in crate::engine) fn new(now: Instant) -> Self {
+    pub(crate) fn new(now: Instant) -> Self {
         Self {
             due: Some(now),
             since: None,
@@ -56,7 +56,7 @@ impl Rounds {
 
     /// Number of the current round: a new one begins with each commit, and with each call while there is nothing to
     /// commit.
-    pub(in crate::engine) fn number(&mut self) -> u64 {
+    pub(crate) fn number(&mut self) -> u64 {
         if self.due.is_none() {
             self.number += 1;
         }
@@ -64,20 +64,20 @@ impl Rounds {
     }
 
     /// Counts handled messages.
-    pub(in crate::engine) fn heard(&mut self, messages: usize) {
+    pub(crate) fn count(&mut self, messages: usize) {
         self.messages[0] += messages;
         self.gathered += messages;
     }
 
     /// Shortens the wait: messages already wait for the next transaction, so there are more than a few.
-    pub(in crate::engine) fn are_waited_for(&mut self) {
+    pub(crate) fn hurry(&mut self) {
         if let Some(since) = self.since {
             self.due_by(since + GATHER);
         }
     }
 
     /// Schedules a commit of the open batches: with the round at a low message rate, otherwise after 20 ms.
-    pub(in crate::engine) fn has_gathered(&mut self, now: Instant) {
+    pub(crate) fn has_gathered(&mut self, now: Instant) {
         let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
         let window = if are_few { TICK * TICKS_A_ROUND } else { GATHER };
         let since = *self.since.get_or_insert(now);
@@ -85,22 +85,22 @@ impl Rounds {
     }
 
     /// Makes a commit due at `due` at the latest.
-    pub(in crate::engine) fn due_by(&mut self, due: Instant) {
+    pub(crate) fn due_by(&mut self, due: Instant) {
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
     }
 
     /// When the next commit is due, if there is one.
-    pub(in crate::engine) fn due(&self) -> Option<Instant> {
+    pub(crate) fn due(&self) -> Option<Instant> {
         self.due
     }
 
     /// Whether the message rate is low, so that messages wait for the next round.
-    pub(in crate::engine) fn are_few(&self) -> bool {
+    pub(crate) fn are_few(&self) -> bool {
         self.messages.iter().all(|&messages| messages <= FEW)
     }
 
     /// Counts a tick. Returns its number, and whether receipts are to be checked now.
-    pub(in crate::engine) fn tick(&mut self) -> (u32, bool) {
+    pub(crate) fn tick(&mut self) -> (u32, bool) {
         let number = self.ticks;
         let is_round = number.is_multiple_of(TICKS_A_ROUND) || !self.are_few();
         self.messages = [0, self.messages[0]];
@@ -109,19 +109,19 @@ impl Rounds {
     }
 
     /// Makes receipts part of the next commit, which is due at `now`.
-    pub(in crate::engine) fn receipts_are_due(&mut self, now: Instant) {
+    pub(crate) fn receipts_are_due(&mut self, now: Instant) {
         self.receipts_due = true;
         self.due_by(now);
     }
 
     /// Number of consecutive commits without the receipts that were due.
-    pub(in crate::engine) fn passed_over(&self) -> u32 {
+    pub(crate) fn passed_over(&self) -> u32 {
         self.passed_over
     }
 
     /// Begins a commit. Returns whether it includes receipts. A commit that `passes_over` due receipts leaves them to
     /// the next one, which is then due at once.
-    pub(in crate::engine) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
+    pub(crate) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
         (self.due, self.since, self.gathered) = (None, None, 0);
         self.number += 1;
         let receipts = self.receipts_due && !passes_over;
@@ -141,32 +141,32 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
 
     /// A schedule after its first commit.
-    fn begun(now: Instant) -> Rounds {
-        let mut rounds = Rounds::new(now);
-        rounds.begin(false, now);
-        rounds
+    fn begun(now: Instant) -> Schedule {
+        let mut schedule = Schedule::new(now);
+        schedule.begin(false, now);
+        schedule
     }
 
     /// Handles `messages` messages every `gap_ms` for ten seconds. Returns the number of commits, and the longest wait,
     /// ms.
     fn commits(messages: usize, gap_ms: u64) -> (u32, u64) {
         let begin = Instant::now();
-        let mut rounds = begun(begin);
+        let mut schedule = begun(begin);
         let (mut commits, mut longest_ms, mut oldest_ms) = (0, 0, None);
         for ms in 0..10_000 {
             let now = begin + Duration::from_millis(ms);
             if ms.is_multiple_of(gap_ms) {
-                rounds.heard(messages);
-                rounds.has_gathered(now);
+                schedule.count(messages);
+                schedule.has_gathered(now);
                 oldest_ms.get_or_insert(ms);
             }
-            let is_round = ms.is_multiple_of(250) && rounds.tick().1;
-            let is_look = is_round || ms.is_multiple_of(100) && !rounds.are_few();
+            let is_round = ms.is_multiple_of(250) && schedule.tick().1;
+            let is_look = is_round || ms.is_multiple_of(100) && !schedule.are_few();
             if is_look && oldest_ms.is_some() {
-                rounds.receipts_are_due(now);
+                schedule.receipts_are_due(now);
             }
-            if rounds.due().is_some_and(|due| due <= now) {
-                assert_eq!(rounds.begin(false, now), is_look);
+            if schedule.due().is_some_and(|due| due <= now) {
+                assert_eq!(schedule.begin(false, now), is_look);
                 longest_ms = longest_ms.max(oldest_ms.take().map_or(0, |oldest_ms| ms - oldest_ms));
                 commits += 1;
             }
@@ -188,59 +188,59 @@ mod tests {
     #[test]
     fn many_messages_wait_for_20_ms_from_the_first_and_a_setpoint_for_nothing() {
         let now = Instant::now();
-        let mut rounds = begun(now);
-        assert_eq!(rounds.due(), None);
-        rounds.heard(1);
-        rounds.has_gathered(now);
-        assert_eq!(rounds.due(), Some(now + TICK * TICKS_A_ROUND));
-        rounds.heard(100);
-        rounds.has_gathered(now + MS);
-        assert_eq!(rounds.due(), Some(now + GATHER));
-        rounds.due_by(now + 2 * MS);
-        assert_eq!(rounds.due(), Some(now + 2 * MS));
-        rounds.begin(false, now + 2 * MS);
-        assert_eq!(rounds.due(), None, "the next batch starts empty");
+        let mut schedule = begun(now);
+        assert_eq!(schedule.due(), None);
+        schedule.count(1);
+        schedule.has_gathered(now);
+        assert_eq!(schedule.due(), Some(now + TICK * TICKS_A_ROUND));
+        schedule.count(100);
+        schedule.has_gathered(now + MS);
+        assert_eq!(schedule.due(), Some(now + GATHER));
+        schedule.due_by(now + 2 * MS);
+        assert_eq!(schedule.due(), Some(now + 2 * MS));
+        schedule.begin(false, now + 2 * MS);
+        assert_eq!(schedule.due(), None, "the next batch starts empty");
     }
 
     #[test]
     fn what_others_wait_for_is_committed_after_20_ms_and_nothing_is_committed_for_nothing() {
         let now = Instant::now();
-        let mut rounds = begun(now);
-        rounds.are_waited_for();
-        assert_eq!(rounds.due(), None);
-        rounds.heard(1);
-        rounds.has_gathered(now);
-        rounds.are_waited_for();
-        assert_eq!(rounds.due(), Some(now + GATHER));
+        let mut schedule = begun(now);
+        schedule.hurry();
+        assert_eq!(schedule.due(), None);
+        schedule.count(1);
+        schedule.has_gathered(now);
+        schedule.hurry();
+        assert_eq!(schedule.due(), Some(now + GATHER));
     }
 
     #[test]
     fn a_round_lasts_until_a_commit_or_while_there_is_nothing_to_commit() {
         let now = Instant::now();
-        let mut rounds = begun(now);
-        let first = rounds.number();
-        assert!(rounds.number() > first, "a new round while there is nothing to commit");
-        rounds.heard(1);
-        rounds.has_gathered(now);
-        let gathered_for = rounds.number();
-        assert_eq!(rounds.number(), gathered_for);
-        rounds.begin(false, now);
-        rounds.heard(1);
-        rounds.has_gathered(now);
-        assert!(rounds.number() > gathered_for);
+        let mut schedule = begun(now);
+        let first = schedule.number();
+        assert!(schedule.number() > first, "a new round while there is nothing to commit");
+        schedule.count(1);
+        schedule.has_gathered(now);
+        let gathered_for = schedule.number();
+        assert_eq!(schedule.number(), gathered_for);
+        schedule.begin(false, now);
+        schedule.count(1);
+        schedule.has_gathered(now);
+        assert!(schedule.number() > gathered_for);
     }
 
     #[test]
     fn receipts_that_are_passed_over_are_due_at_once() {
         let now = Instant::now();
-        let mut rounds = begun(now);
-        rounds.receipts_are_due(now);
+        let mut schedule = begun(now);
+        schedule.receipts_are_due(now);
         for passed_over in 1..=3 {
-            assert!(!rounds.begin(true, now), "passed over");
-            assert_eq!((rounds.due(), rounds.passed_over()), (Some(now), passed_over));
+            assert!(!schedule.begin(true, now), "passed over");
+            assert_eq!((schedule.due(), schedule.passed_over()), (Some(now), passed_over));
         }
-        assert!(rounds.begin(false, now));
-        assert_eq!((rounds.due(), rounds.passed_over()), (None, 0));
-        assert!(!rounds.begin(false, now), "receipts are included only once");
+        assert!(schedule.begin(false, now));
+        assert_eq!((schedule.due(), schedule.passed_over()), (None, 0));
+        assert!(!schedule.begin(false, now), "receipts are included only once");
     }
 }

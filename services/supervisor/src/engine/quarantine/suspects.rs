@@ -1,317 +1,207 @@
-//! Robots whose rows the database has rejected. They do not hold up the other robots, and the message to blame is
-//! found.
-//!
-//! ```text
-//!                        rows refused                             no rejection for a minute
-//!  ordinary robot ───────────────────────▶ suspect ──────────────────────────────────────────▶ ordinary robot
-//!                    state as it was        │   ▲
-//!                    committed last         ▼   │ rows refused: half as many messages; of one message: quarantine
-//!                                     messages step through
-//!                                     the core, few at a time
-//! ```
-//!
-//! A suspect's messages wait in a queue of its own. A few at a time are stepped and committed. If the database rejects
-//! their rows, the robot is restored to its last committed state, and half as many are tried. A single message that is
-//! rejected is put into quarantine, and receipted. After each rejection the suspect rests for longer, so that a robot
-//! that sends only such messages costs the database a few transactions per minute.
+//! The suspects of a fleet: a robot whose rows the database has rejected is restored to its last committed state, and
+//! becomes one.
 
-use std::collections::VecDeque;
-use std::time::Duration;
+use std::collections::BTreeMap;
 
 use tokio::time::Instant;
-use vibrissa_protocol::{RobotTopic, envelope};
+use tracing::{error, info, warn};
+use vibrissa_core::robot::Event;
+use vibrissa_protocol::Name;
 
-use crate::engine::intake::Parcel;
+use crate::engine::commit::committer::Offender;
+use crate::engine::commit::pipeline::Pipeline;
+use crate::engine::commit::recovery::Replay;
+use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
+use crate::engine::message::RawMessage;
+use crate::engine::quarantine::suspect::{Suspect, Turn, Verdict};
+use crate::engine::shard::shards::Shards;
+use crate::metrics::FleetMetrics;
+use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_store::Rejection;
-use vibrissa_store::batch::QuarantineRow;
+use vibrissa_store::Lease;
+use vibrissa_store::batch::{QuarantineRow, Record};
 
-/// A suspect without rejected rows for this time is an ordinary robot again.
-const PROBATION: Duration = Duration::from_secs(60);
-/// Number of rejections without a rest; each later one doubles the rest.
-const FREE_REFUSALS: u32 = 3;
-/// The first rest.
-const REST: Duration = Duration::from_millis(250);
-/// The longest rest.
-const REST_MAX: Duration = Duration::from_secs(60);
-/// Limit of waiting messages. Contacts beyond it are lost here, and robots send them again, because they have no
-/// receipt.
-const WAITING_MAX: usize = 2048;
-/// Limit of waiting bytes.
-const WAITING_BYTES_MAX: usize = 4 * 1024 * 1024;
+/// If there are more suspects than this, and more than a quarter of the robots, the database is at fault rather than
+/// messages.
+const SUSPECTS_FEW: usize = 8;
+/// Name of this part in the service's readiness.
+const PART: &str = "quarantine";
 
-/// A step of a suspect.
-#[derive(Debug, Clone)]
-pub(in crate::engine) enum Turn {
-    /// A message as received.
-    Message(Parcel),
-    /// A message in quarantine: only its number is admitted, so that it is receipted.
-    Receipt(Parcel),
+/// Robots whose rows the database has rejected.
+pub(crate) struct Suspects {
+    lease: Lease,
+    metrics: FleetMetrics,
+    readiness: Readiness,
+    robots: BTreeMap<Name, Suspect>,
 }
 
-impl Turn {
-    fn bytes(&self) -> usize {
-        match self {
-            Self::Message(parcel) | Self::Receipt(parcel) => parcel.payload.len(),
-        }
-    }
-}
-
-/// A robot whose rows the database has rejected.
-#[derive(Debug)]
-pub(in crate::engine) struct Suspect {
-    waiting: VecDeque<Turn>,
-    /// Turns that are stepped, but not known as committed.
-    under_way: Vec<Turn>,
-    /// Number of the transaction that commits them, once all are stepped.
-    number: Option<i64>,
-    /// Largest number of turns under way.
-    most: usize,
-    refusals: u32,
-    rests_until: Instant,
-    refused_last: Instant,
-}
-
-/// The consequence of a rejection.
-#[derive(Debug)]
-pub(in crate::engine) enum Verdict {
-    /// The message to blame is not known yet.
-    TryFewer,
-    /// This message is to blame.
-    Quarantine(Box<QuarantineRow>),
-}
-
-impl Suspect {
-    /// A robot whose rows were rejected for the first time.
-    pub(in crate::engine) fn new(now: Instant) -> Self {
-        Self {
-            waiting: VecDeque::new(),
-            under_way: Vec::new(),
-            number: None,
-            most: 0,
-            refusals: 0,
-            rests_until: now,
-            refused_last: now,
-        }
+impl Suspects {
+    pub(crate) fn new(lease: Lease, metrics: FleetMetrics, readiness: Readiness) -> Self {
+        Self { lease, metrics, readiness, robots: BTreeMap::new() }
     }
 
-    /// Handles the rejection of the rows of the messages under way, or of `messages`, which came before those waiting.
-    /// If the problem is `widespread`, no message is blamed, because the database is the likely cause.
-    pub(in crate::engine) fn refused(
+    pub(crate) fn is_empty(&self) -> bool {
+        self.robots.is_empty()
+    }
+
+    /// Whether a robot is a suspect.
+    pub(crate) fn has(&self, robot: &Name) -> bool {
+        self.robots.contains_key(robot)
+    }
+
+    /// Handles robots whose rows were left out of a transaction.
+    pub(crate) fn reject(
         &mut self,
-        now: Instant,
-        messages: Vec<Parcel>,
-        rejection: &Rejection,
-        widespread: bool,
-    ) -> Verdict {
-        (self.refused_last, self.number) = (now, None);
-        let mut blamed = std::mem::take(&mut self.under_way);
-        if blamed.is_empty() {
-            blamed = messages.into_iter().map(Turn::Message).collect();
-        }
-        if blamed.len() == 1
-            && !widespread
-            && let Some(Turn::Message(parcel)) = blamed.pop_if(|turn| matches!(turn, Turn::Message(_)))
-        {
-            let row = quarantined(&parcel, rejection);
-            if parcel.kind == RobotTopic::Contacts {
-                self.waiting.push_front(Turn::Receipt(parcel));
+        offenders: Vec<Offender>,
+        transaction: &mut SealedTransaction,
+        shards: &mut Shards,
+        pipeline: &mut Pipeline,
+    ) {
+        for offender in offenders {
+            let found = shards.robots().find(|known| known.robot_id == offender.robot_id);
+            let Some(name) = found.map(|known| known.name.clone()) else { continue };
+            let mut messages = self.remove(&name, offender.robot_id, transaction, shards, pipeline);
+            let now = Instant::now();
+            let widespread = self.is_widespread(shards);
+            let suspect = self.robots.entry(name.clone()).or_insert_with(|| Suspect::new(now));
+            messages.retain(|raw| raw.robot == name);
+            let verdict = suspect.refused(now, messages, &offender.rejection, widespread);
+            let rests = suspect.rests(now);
+            warn!(
+                fleet = %self.lease.fleet(), robot = %name, code = offender.rejection.code, rests,
+                "restoring the robot's last committed state"
+            );
+            self.restore(&name, offender, rests, shards);
+            if let Verdict::Quarantine(row) = verdict {
+                self.quarantine(*row, shards, pipeline);
             }
-            self.most = 1;
-            self.rest(now);
-            return Verdict::Quarantine(Box::new(row));
         }
-        if blamed.len() <= 1 {
-            // No message is to blame, or not only messages.
-            self.rest(now);
+        self.metrics.robots_suspect.set(self.robots.len() as i64);
+        pipeline.stepped(0, shards);
+    }
+
+    fn is_widespread(&self, shards: &Shards) -> bool {
+        let (suspects, robots) = (self.robots.len(), shards.robot_count());
+        let is = suspects > SUSPECTS_FEW && suspects > robots / 4;
+        let problem = || format!("the database rejects rows of {suspects} of {robots} robots: see the log");
+        self.readiness.set_of(self.lease.fleet(), PART, is.then(problem));
+        is
+    }
+
+    /// Removes the effects of a robot's messages since the last commit, and returns these messages in order.
+    fn remove(
+        &self,
+        name: &Name,
+        robot_id: i64,
+        transaction: &mut SealedTransaction,
+        shards: &mut Shards,
+        pipeline: &mut Pipeline,
+    ) -> Vec<RawMessage> {
+        let whisker_ids = shards.robot(name).map_or(&[][..], |known| &known.whisker_ids);
+        let share = RobotShare::of(self.lease.fleet(), name, robot_id, whisker_ids);
+        let mut messages = transaction.remove_rejected(&share);
+        messages.extend(pipeline.remove(&share));
+        for shard in shards.iter_mut() {
+            shard.batch_mut().remove_rows(&share);
         }
-        self.most = (blamed.len() / 2).max(1);
-        for turn in blamed.into_iter().rev() {
-            self.waiting.push_front(turn);
-        }
-        Verdict::TryFewer
+        messages.extend(shards.of(name).batch_mut().remove_messages(&share));
+        pipeline.retain_answers(shards);
+        messages
     }
 
-    fn rest(&mut self, now: Instant) {
-        self.refusals += 1;
-        let Some(doublings) = self.refusals.checked_sub(FREE_REFUSALS + 1) else { return };
-        self.rests_until = now + REST.saturating_mul(1 << doublings.min(16)).min(REST_MAX);
-    }
-
-    /// Adds a message; returns false and drops the message if the queue is full.
-    pub(in crate::engine) fn wait(&mut self, parcel: Parcel) -> bool {
-        let bytes: usize = self.waiting.iter().map(Turn::bytes).sum();
-        if self.waiting.len() >= WAITING_MAX || bytes + parcel.payload.len() > WAITING_BYTES_MAX {
-            return false;
-        }
-        self.waiting.push_back(Turn::Message(parcel));
-        true
-    }
-
-    /// True while the suspect rests: it then gets no events, not even ticks.
-    pub(in crate::engine) fn rests(&self, now: Instant) -> bool {
-        now < self.rests_until
-    }
-
-    /// Begins and returns the next turns; none while others are under way, or while the suspect rests.
-    pub(in crate::engine) fn begin(&mut self, now: Instant) -> Vec<Turn> {
-        if !self.under_way.is_empty() || self.rests(now) {
-            return Vec::new();
-        }
-        let count = self.most.max(1).min(self.waiting.len());
-        (self.under_way, self.number) = (self.waiting.drain(..count).collect(), None);
-        self.under_way.clone()
-    }
-
-    /// Whether the turns that were begun have not been rejected.
-    pub(in crate::engine) fn is_under_way(&self) -> bool {
-        !self.under_way.is_empty()
-    }
-
-    /// Records that all turns are stepped, and belong to the transaction of this number.
-    pub(in crate::engine) fn stepped(&mut self, number: i64) {
-        self.number = Some(number);
-    }
-
-    /// Records that the rows of a transaction are written.
-    pub(in crate::engine) fn committed(&mut self, number: i64) {
-        if self.number.is_some_and(|last| number >= last) {
-            (self.under_way, self.number) = (Vec::new(), None);
-            self.most = self.most.saturating_mul(2).min(WAITING_MAX);
-        }
-    }
-
-    /// Whether the suspect is an ordinary robot again.
-    pub(in crate::engine) fn is_cleared(&self, now: Instant) -> bool {
-        self.waiting.is_empty()
-            && self.under_way.is_empty()
-            && now >= self.refused_last.max(self.rests_until) + PROBATION
-    }
-}
-
-/// The quarantine row of a message that the database rejects.
-pub(in crate::engine) fn quarantined(parcel: &Parcel, rejection: &Rejection) -> QuarantineRow {
-    let envelope = envelope(&parcel.payload);
-    let kept = parcel.payload.len().min(QuarantineRow::PAYLOAD_BYTES_MAX);
-    QuarantineRow {
-        robot: parcel.robot.to_string(),
-        topic: parcel.kind.as_str(),
-        boot_id: envelope.as_ref().map(|envelope| envelope.boot_id.to_string()),
-        seq: envelope.as_ref().map(|envelope| envelope.seq as i64),
-        received_us: parcel.received.0 as i64,
-        quarantined_us: wall_clock().0 as i64,
-        cause: rejection.cause.word(),
-        code: rejection.code.clone(),
-        payload: parcel.payload[..kept].to_vec(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use bytes::Bytes;
-    use vibrissa_core::units::Micros;
-    use vibrissa_protocol::{Name, Topic};
-
-    use super::*;
-    use vibrissa_store::RejectionCause;
-
-    fn parcel(seq: usize) -> Parcel {
-        let topic = Topic::parse("whisker/v1/f/r/contacts").unwrap();
-        let payload = Bytes::from(format!(r#"{{"boot_id":"b","seq":{seq},"contacts":[]}}"#));
-        let (robot, kind) = (Name::robot("r").unwrap(), RobotTopic::Contacts);
-        Parcel { topic, robot, kind, payload, received: Micros(1) }
-    }
-
-    fn seq(turn: &Turn) -> i64 {
-        let (Turn::Message(parcel) | Turn::Receipt(parcel)) = turn;
-        envelope(&parcel.payload).unwrap().seq as i64
-    }
-
-    fn rejection() -> Rejection {
-        Rejection { cause: RejectionCause::Data, code: "22021".to_owned(), text: "no".to_owned() }
-    }
-
-    /// Processes messages of which the database rejects some. Returns those accepted and those in quarantine, in order,
-    /// and the number of transactions.
-    fn go_through(count: usize, refused: &BTreeSet<i64>) -> (Vec<i64>, Vec<i64>, usize) {
-        let (mut taken, mut quarantined, mut transactions) = (Vec::new(), Vec::new(), 0);
-        let mut now = Instant::now();
-        let mut suspect = Suspect::new(now);
-        suspect.refused(now, (0..count).map(parcel).collect(), &rejection(), false);
-        while !suspect.is_cleared(now) {
-            now += Duration::from_secs(1);
-            let turns = suspect.begin(now);
-            if turns.is_empty() {
-                continue;
-            }
-            transactions += 1;
-            let messages: Vec<i64> = turns.iter().filter(|turn| matches!(turn, Turn::Message(_))).map(seq).collect();
-            suspect.stepped(transactions as i64);
-            if messages.iter().any(|seq| refused.contains(seq)) {
-                if let Verdict::Quarantine(row) = suspect.refused(now, Vec::new(), &rejection(), false) {
-                    quarantined.extend(row.seq);
+    /// Restores a robot's last committed state. Numbers already used are not used again.
+    fn restore(&self, name: &Name, offender: Offender, rests: bool, shards: &mut Shards) {
+        let epoch = self.lease.epoch();
+        let Some(before) = shards.of(name).robots_mut().get_mut(name) else { return };
+        let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
+        let mut replay = Replay::default();
+        match offender.stored {
+            Some(stored) => {
+                replay.load(stored, name.clone(), epoch, shards);
+                for (number, entries) in &offender.journal {
+                    replay.replay_row(*number, entries, shards);
                 }
-            } else {
-                taken.extend(messages);
-                suspect.committed(transactions as i64);
+            }
+            None => error!(fleet = %self.lease.fleet(), robot = %name, "robot no longer in the database"),
+        }
+        let (robots, stepper) = shards.of(name).parts();
+        let Some(known) = robots.get_mut(name) else { return };
+        replay.finish_robot(known, epoch, stepper);
+        known.robot.go_on_numbering_after(&later);
+        (known.seqs, known.rests) = (seqs, rests);
+        if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
+            // Nothing of it was ever committed. Its birth came before it became known, and must be repeated.
+            let birth = Event::Connection { boot_id, link };
+            stepper.step(known, wall_clock(), &birth, None);
+        }
+    }
+
+    /// Writes a message that the database rejects into the quarantine table, for inspection by people.
+    pub(crate) fn quarantine(&self, row: QuarantineRow, shards: &mut Shards, pipeline: &mut Pipeline) {
+        self.metrics.messages_quarantined.count([row.cause]);
+        let (robot, topic, seq, cause, code) = (&row.robot, row.topic, row.seq, row.cause, &row.code);
+        error!(fleet = %self.lease.fleet(), robot, topic, seq, cause, code, "message put into quarantine");
+        shards.record(Record::Quarantined(Box::new(row)));
+        pipeline.commit_now();
+    }
+
+    /// Returns the message, unless it must wait because its robot is a suspect.
+    pub(crate) fn pass(&mut self, raw: RawMessage) -> Option<RawMessage> {
+        if self.robots.is_empty() {
+            return Some(raw);
+        }
+        let Some(suspect) = self.robots.get_mut(&raw.robot) else { return Some(raw) };
+        let robot = raw.robot.clone();
+        if !suspect.wait(raw) {
+            let problem = "the database has rejected this robot's rows, and too many of its messages wait";
+            self.metrics.refuse("suspect", problem, robot.as_str());
+        }
+        None
+    }
+
+    /// Begins the next turns of all suspects that do not rest.
+    pub(crate) fn begin(&mut self, now: Instant, shards: &mut Shards) -> Vec<(Name, Vec<Turn>)> {
+        let mut next: Vec<(Name, Vec<Turn>)> = Vec::new();
+        for (name, suspect) in &mut self.robots {
+            let rests = suspect.rests(now);
+            if let Some(known) = shards.of(name).robots_mut().get_mut(name) {
+                known.rests = rests;
+            }
+            let turns = suspect.begin(now);
+            if !turns.is_empty() {
+                next.push((name.clone(), turns));
             }
         }
-        (taken, quarantined, transactions)
+        next
     }
 
-    #[test]
-    fn brute_force_exactly_the_refused_messages_are_put_into_quarantine() {
-        for mask in 0_u32..1 << 8 {
-            let refused: BTreeSet<i64> = (0..8).filter(|seq| mask & (1 << seq) != 0).collect();
-            let (taken, quarantined, _) = go_through(8, &refused);
-            assert_eq!(quarantined, refused.iter().copied().collect::<Vec<_>>(), "{mask:08b}");
-            assert_eq!(taken, (0..8).filter(|seq| !refused.contains(seq)).collect::<Vec<_>>(), "{mask:08b}");
+    /// Whether the turns of a robot that were begun have not been rejected.
+    pub(crate) fn is_under_way(&self, robot: &Name) -> bool {
+        self.robots.get(robot).is_some_and(Suspect::is_under_way)
+    }
+
+    /// Notes that the turns of a robot are stepped, and belong to the transaction of this number.
+    pub(crate) fn stepped(&mut self, robot: &Name, number: i64) {
+        if let Some(suspect) = self.robots.get_mut(robot) {
+            suspect.stepped(number);
         }
     }
 
-    #[test]
-    fn one_bad_message_of_a_thousand_is_found_in_few_transactions() {
-        for bad in [0, 1, 499, 998, 999] {
-            let (taken, quarantined, transactions) = go_through(1000, &BTreeSet::from([bad]));
-            assert_eq!((taken.len(), quarantined), (999, vec![bad]));
-            assert!(transactions <= 40, "{bad}: {transactions}");
+    /// Confirms the suspects' messages that were stepped before a transaction was sealed, after its rows are written.
+    pub(crate) fn committed(&mut self, number: i64) {
+        for suspect in self.robots.values_mut() {
+            suspect.committed(number);
         }
     }
 
-    #[test]
-    fn what_no_message_is_to_blame_for_makes_it_rest_longer_and_longer() {
-        let mut now = Instant::now();
-        let mut suspect = Suspect::new(now);
-        let mut rests = Vec::new();
-        for _ in 0..20 {
-            assert!(matches!(suspect.refused(now, Vec::new(), &rejection(), false), Verdict::TryFewer));
-            rests.push(suspect.rests_until.saturating_duration_since(now));
-            now = now.max(suspect.rests_until);
+    /// Forgets suspects that are ordinary robots again.
+    pub(crate) fn clear(&mut self, now: Instant, shards: &Shards) {
+        let before = self.robots.len();
+        self.robots.retain(|_, suspect| !suspect.is_cleared(now));
+        if self.robots.len() < before {
+            info!(fleet = %self.lease.fleet(), suspects = self.robots.len(), "robot no longer a suspect");
+            self.metrics.robots_suspect.set(self.robots.len() as i64);
+            self.is_widespread(shards);
         }
-        assert_eq!(rests[..6].iter().map(Duration::as_millis).collect::<Vec<_>>(), [0, 0, 0, 250, 500, 1000]);
-        assert_eq!(rests.last(), Some(&REST_MAX));
-        assert!(!suspect.is_cleared(now));
-        assert!(suspect.is_cleared(now + PROBATION));
-    }
-
-    #[test]
-    fn nothing_is_blamed_where_most_robots_are_refused() {
-        let mut now = Instant::now();
-        let mut suspect = Suspect::new(now);
-        for _ in 0..8 {
-            assert!(matches!(suspect.refused(now, vec![parcel(7)], &rejection(), true), Verdict::TryFewer));
-            now = now.max(suspect.rests_until);
-            let turns = suspect.begin(now);
-            assert_eq!(turns.iter().map(seq).collect::<Vec<_>>(), [7]);
-        }
-    }
-
-    #[test]
-    fn what_waits_is_bounded() {
-        let mut suspect = Suspect::new(Instant::now());
-        let fit = (0..10_000).filter(|&seq| suspect.wait(parcel(seq))).count();
-        assert_eq!(fit, WAITING_MAX);
     }
 }

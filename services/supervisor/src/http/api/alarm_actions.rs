@@ -72,7 +72,7 @@ async fn say(
     action.whisker = Some(subject.whisker);
     action.alarm_id = Some(at.alarm_id);
     let action_id = number_of(app.store.say_to_alarm(&subject, said, &action).await?)?;
-    app.mailroom.changed();
+    app.action_notifier.changed();
     answered(app, action_id, StatusCode::OK).await
 }
 

@@ -182,7 +182,7 @@ async fn set(
     action.fleet = Some(at.fleet.to_string());
     let asked = app.store.set_allowed_robots(at.fleet.as_str(), version, text.as_deref(), &action).await?;
     let action_id = number_of(asked.ok_or_else(|| changed(version + 1, &etag(version)))?)?;
-    app.mailroom.ring(&at.fleet);
+    app.action_notifier.notify(&at.fleet);
     answered(app, action_id, StatusCode::OK).await
 }
 

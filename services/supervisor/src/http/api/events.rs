@@ -90,7 +90,7 @@ async fn follow(
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
     let place = app.streams.open(&caller.actor)?;
-    let (changed, stop) = (app.mailroom.changes(), app.stop.clone());
+    let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
     let marks = app.store.marks().await?;
     let end = marks.map_or(Mark { tx: 0, change_id: 0 }, |(_, end)| end);
     let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Mark>());

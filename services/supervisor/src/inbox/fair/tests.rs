@@ -25,7 +25,7 @@ fn message(robot: usize, kind: &str, number: u64, bytes: usize) -> Incoming {
 }
 
 /// Adds a message; false if it is shed.
-fn put(fair: &mut Fair, message: Incoming) -> bool {
+fn put(fair: &mut FairQueues, message: Incoming) -> bool {
     let place = fair.reserve(&message.topic, &message.payload, &BOUNDS);
     place.map(|at| fair.push(at, message)).is_ok()
 }
@@ -34,7 +34,7 @@ fn robot(message: &Incoming) -> usize {
     String::from_utf8_lossy(robot_of(&message.topic))[1..].parse().unwrap()
 }
 
-fn given(fair: &mut Fair, most: usize) -> Vec<Incoming> {
+fn given(fair: &mut FairQueues, most: usize) -> Vec<Incoming> {
     let mut all = Vec::new();
     fair.give(most, &mut |message| all.push(message));
     all
@@ -46,7 +46,7 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
     for seed in 0..40 {
         let mut random = Random(seed);
         let robots = 2 + random.below(10);
-        let mut fair = Fair::default();
+        let mut fair = FairQueues::default();
         // By robot: the waiting messages' numbers, and the bytes given by each other robot since the first of them came
         // to the front.
         let mut waiting: BTreeMap<usize, VecDeque<u64>> = BTreeMap::new();
@@ -103,7 +103,7 @@ fn brute_force_no_message_waits_for_more_than_a_turn_of_each_other_robot() {
 #[test]
 fn a_robot_that_floods_takes_half_of_the_room_and_leaves_the_rest_to_the_others() {
     for kind in ["contacts", "status", "factsheet"] {
-        let mut fair = Fair::default();
+        let mut fair = FairQueues::default();
         let taken = (0..20_000).filter(|&number| put(&mut fair, message(0, kind, number, 1_000))).count();
         assert!(fair.held().bytes <= BOUNDS.bytes / 2 + 2_000, "{kind}: {taken} messages");
         for robot in 1..500 {
@@ -118,7 +118,7 @@ fn a_robot_that_floods_takes_half_of_the_room_and_leaves_the_rest_to_the_others(
 
 #[test]
 fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
-    let mut fair = Fair::default();
+    let mut fair = FairQueues::default();
     for number in 0..400 {
         put(&mut fair, message(0, "contacts", number, 3_000));
     }
@@ -145,7 +145,7 @@ fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
 
 #[test]
 fn regress_a_robot_whose_queue_was_empty_has_no_second_share_of_the_round() {
-    let mut fair = Fair::default();
+    let mut fair = FairQueues::default();
     let mut first = 0;
     for number in 0..400 {
         put(&mut fair, message(0, "contacts", number, 3_000));
@@ -158,7 +158,7 @@ fn regress_a_robot_whose_queue_was_empty_has_no_second_share_of_the_round() {
 
 #[test]
 fn a_message_that_is_larger_than_all_limits_of_a_turn_goes_through() {
-    let mut fair = Fair::default();
+    let mut fair = FairQueues::default();
     assert!(put(&mut fair, message(0, "factsheet", 0, 2 << 20)));
     put(&mut fair, message(0, "contacts", 1, 10));
     put(&mut fair, message(1, "contacts", 2, 10));
@@ -170,7 +170,7 @@ fn a_message_that_is_larger_than_all_limits_of_a_turn_goes_through() {
 
 #[test]
 fn queues_of_robots_that_were_made_up_are_not_kept() {
-    let mut fair = Fair::default();
+    let mut fair = FairQueues::default();
     for robot in 0..100_000 {
         assert!(put(&mut fair, message(robot, "status", 0, 10)));
         assert_eq!(given(&mut fair, 1).len(), 1);

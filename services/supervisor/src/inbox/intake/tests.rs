@@ -140,10 +140,10 @@ async fn regress_a_message_that_waits_for_long_keeps_no_other_alive() {
     while !inbox.is_throttling() {
         inbox.recv_many(&mut Vec::new(), 1_000).await;
     }
-    for look in 0..300 {
+    for attempt in 0..300 {
         intake.take(topic("contacts"), payload.clone());
         for other in 0..20 {
-            intake.take(Bytes::from(format!("whisker/v1/f/other-{look}-{other}/contacts")), payload.clone());
+            intake.take(Bytes::from(format!("whisker/v1/f/other-{attempt}-{other}/contacts")), payload.clone());
         }
         intake.hand_over();
         inbox.recv_many(&mut Vec::new(), 1_000).await;

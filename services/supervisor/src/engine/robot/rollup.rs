@@ -186,7 +186,7 @@ impl Open {
         end(&self.minute, Resolution::Minute).into_iter().chain(end(&self.hour, Resolution::Hour)).min()
     }
 
-    /// Stored form, at most 200 bytes; `None` if a number is NaN.
+    /// Durable form, at most 200 bytes; `None` if a number is NaN.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         borsh::to_vec(&(VERSION, self)).ok()

@@ -6,14 +6,14 @@ use vibrissa_core::text::ShortText;
 
 /// Numbers of a robot's boots. The newest is stored inline, because nearly every message belongs to it.
 #[derive(Debug, Default)]
-pub(super) struct Boots {
+pub(crate) struct Boots {
     newest: Option<(ShortText, i64)>,
     older: BTreeMap<String, i64>,
 }
 
 impl Boots {
     /// Number of a boot, if it has one.
-    pub(super) fn get(&self, boot_id: &str) -> Option<i64> {
+    pub(crate) fn get(&self, boot_id: &str) -> Option<i64> {
         match &self.newest {
             Some((newest, boot)) if *newest == *boot_id => Some(*boot),
             Some(_) | None => self.older.get(boot_id).copied(),
@@ -21,24 +21,24 @@ impl Boots {
     }
 
     /// Number of the newest boot.
-    pub(super) fn newest(&self) -> Option<i64> {
+    pub(crate) fn newest(&self) -> Option<i64> {
         self.newest.as_ref().map(|(_, boot)| *boot)
     }
 
     /// Whether a boot has a number and another boot has a higher one. Such a boot does not come back.
-    pub(super) fn is_old(&self, boot_id: &str) -> bool {
+    pub(crate) fn is_old(&self, boot_id: &str) -> bool {
         self.older.contains_key(boot_id)
     }
 
     /// Adds a boot, which becomes the newest.
-    pub(super) fn insert(&mut self, boot_id: &str, boot: i64) {
+    pub(crate) fn insert(&mut self, boot_id: &str, boot: i64) {
         if let Some((before, boot)) = self.newest.replace((boot_id.into(), boot)) {
             self.older.insert(before.as_str().to_owned(), boot);
         }
     }
 
     /// All boots by number.
-    pub(super) fn by_number(&self) -> BTreeMap<i64, String> {
+    pub(crate) fn by_number(&self) -> BTreeMap<i64, String> {
         let newest = self.newest.iter().map(|(boot_id, boot)| (*boot, boot_id.as_str().to_owned()));
         newest.chain(self.older.iter().map(|(boot_id, &boot)| (boot, boot_id.clone()))).collect()
     }

@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 /// Number of new boots, and of new layouts, that a robot may have at once.
-pub(super) const BOOTS_AT_ONCE: u32 = 10;
+pub(crate) const BOOTS_AT_ONCE: u32 = 10;
 /// Rate of new boots, and of new layouts, of a robot after that, per minute.
-pub(super) const BOOTS_PER_MINUTE: u32 = 1;
+pub(crate) const BOOTS_PER_MINUTE: u32 = 1;
 
 /// Limits on the number of robots that the supervisor stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ impl Default for Limits {
 
 /// A token bucket: a number of tokens at once, then a rate per minute.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bucket {
+pub(crate) struct Bucket {
     at_once: u32,
     per_minute: u32,
     /// Tokens left, as the time that it takes to refill them. `None` before the first use, when the bucket is full.
@@ -32,12 +32,12 @@ pub(super) struct Bucket {
 }
 
 impl Bucket {
-    pub(super) const fn new(at_once: u32, per_minute: u32) -> Self {
+    pub(crate) const fn new(at_once: u32, per_minute: u32) -> Self {
         Self { at_once, per_minute, left: None }
     }
 
     /// Takes a token; false if there is none.
-    pub(super) fn take(&mut self, now: Instant) -> bool {
+    pub(crate) fn take(&mut self, now: Instant) -> bool {
         let each = Duration::from_secs(60) / self.per_minute.max(1);
         let full = each * self.at_once;
         let left = match self.left {

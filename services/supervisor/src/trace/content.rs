@@ -34,20 +34,20 @@ pub(crate) struct Step<'a> {
 
 /// An operator's action.
 #[derive(Debug, Clone)]
-pub(crate) struct Asked {
+pub(crate) struct TracedAction {
     action_id: i64,
     request_id: String,
     kind: String,
     /// Time of the request, by the clock of the supervisor that received it.
-    pub(super) asked: SystemTime,
+    pub(super) requested: SystemTime,
 }
 
-impl Asked {
+impl TracedAction {
     /// The trace's view of a row of the table `actions`.
     pub(crate) fn of(action: &Action) -> Self {
-        let asked = time(Micros(u64::try_from(action.asked_us).unwrap_or_default()));
+        let requested = time(Micros(u64::try_from(action.asked_us).unwrap_or_default()));
         let (request_id, kind) = (action.request_id.clone(), action.kind.clone());
-        Self { action_id: action.action_id, request_id, kind, asked }
+        Self { action_id: action.action_id, request_id, kind, requested }
     }
 
     pub(super) fn attributes(&self) -> [KeyValue; 3] {
@@ -60,7 +60,7 @@ impl Asked {
 }
 
 /// Whether a step is traced: steps with ordinary contacts only are not.
-pub(crate) fn is_told(effects: &[Effect]) -> bool {
+pub(crate) fn is_traced(effects: &[Effect]) -> bool {
     effects.iter().any(|effect| {
         matches!(
             effect,
@@ -87,7 +87,7 @@ pub(super) fn is_final(state: CommandState) -> bool {
 }
 
 /// The span of a step, from the receipt of the message until now.
-pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
+pub(super) fn processing(step: &Step<'_>, action: Option<&TracedAction>) -> Draft {
     let (what, boot_id, seq) = match *step.event {
         Event::Contacts { boot_id, seq, .. } => (Some(RobotTopic::Contacts), Some(boot_id), Some(seq)),
         Event::Setpoint { boot_id, .. } => (Some(RobotTopic::SetpointState), Some(boot_id), None),
@@ -97,14 +97,14 @@ pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
         Event::Operator(_) | Event::PolicyChanged | Event::Tick => (None, None, None),
     };
     let period = (time(step.now), SystemTime::now());
-    let mut draft = match (what, asked) {
+    let mut draft = match (what, action) {
         (Some(topic), _) => {
             let draft = Draft::new(format!("process {topic}"), SpanKind::Consumer, period);
             messaging(draft, topic, step.fleet, step.name, "process")
         }
-        (None, Some(asked)) => {
+        (None, Some(action)) => {
             let mut draft = Draft::new("carry out action", SpanKind::Internal, period);
-            draft.attributes.extend(asked.attributes());
+            draft.attributes.extend(action.attributes());
             draft
         }
         (None, None) => Draft::new("tick", SpanKind::Internal, period),
@@ -113,7 +113,7 @@ pub(super) fn processing(step: &Step<'_>, asked: Option<&Asked>) -> Draft {
         ("vibrissa.boot_id", boot_id.map(|boot_id| boot_id.to_owned().into())),
         ("vibrissa.seq", seq.map(whole)),
     ]));
-    draft.events = verdicts(step, draft.end);
+    draft.events = events(step, draft.end);
     draft
 }
 
@@ -129,35 +129,37 @@ pub(super) fn messaging(draft: Draft, topic: RobotTopic, fleet: &Name, robot: &N
 }
 
 /// Events of the span: condition changes, trims and decisions, in the order of the effects.
-fn verdicts(step: &Step<'_>, at: SystemTime) -> Vec<SpanEvent> {
-    let mut felt: Option<&ContactRecord> = None;
-    let mut told = Vec::new();
-    let mut tell = |name: &'static str, attributes| told.push(SpanEvent::new(name, at, attributes, 0));
+fn events(step: &Step<'_>, at: SystemTime) -> Vec<SpanEvent> {
+    let mut last_contact: Option<&ContactRecord> = None;
+    let mut events = Vec::new();
+    let mut add = |name: &'static str, attributes| events.push(SpanEvent::new(name, at, attributes, 0));
     for effect in step.effects {
         if let Effect::Contact(contact) = effect {
-            felt = Some(contact);
+            last_contact = Some(contact);
         } else if let Effect::Condition { whisker, from, to } = effect {
             let mut attributes = whisker_of(step.robot, *whisker);
             attributes.push(KeyValue::new("vibrissa.condition_before", from.word()));
             attributes.push(KeyValue::new("vibrissa.condition", to.word()));
-            attributes.extend(felt.filter(|felt| felt.whisker == *whisker).into_iter().flat_map(contact));
-            tell("condition", attributes);
+            attributes.extend(
+                last_contact.filter(|contact| contact.whisker == *whisker).into_iter().flat_map(contact_attributes),
+            );
+            add("condition", attributes);
         } else if let Effect::Trim(trim) = effect {
-            tell("trimmed", trimmed(step, trim));
+            add("trimmed", trimmed(step, trim));
         } else if let Effect::Decided(decision) = effect {
-            tell("decided", decided(step, decision));
+            add("decided", decided(step, decision));
         }
     }
-    told
+    events
 }
 
 /// Attributes of the contact that changed the condition.
-fn contact(felt: &ContactRecord) -> impl Iterator<Item = KeyValue> + use<> {
+fn contact_attributes(contact: &ContactRecord) -> impl Iterator<Item = KeyValue> + use<> {
     known([
-        ("vibrissa.contact_position", Some(whole(felt.position as u64))),
-        ("vibrissa.standardised_innovation", felt.standardised.map(Value::from)),
-        ("vibrissa.length_mm", Some(felt.length.length.mm().into())),
-        ("vibrissa.length_sd_mm", Some(felt.length.sd_mm.into())),
+        ("vibrissa.contact_position", Some(whole(contact.position as u64))),
+        ("vibrissa.standardised_innovation", contact.standardised.map(Value::from)),
+        ("vibrissa.length_mm", Some(contact.length.length.mm().into())),
+        ("vibrissa.length_sd_mm", Some(contact.length.sd_mm.into())),
     ])
 }
 

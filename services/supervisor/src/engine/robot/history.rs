@@ -7,15 +7,15 @@ use tracing::error;
 use vibrissa_core::robot::effect::ContactUse;
 use vibrissa_core::units::Micros;
 
-use super::retention::{Keep, Keeper};
+use super::retention::{ContactFilter, ContactRetention};
 use super::rollup::{GRACE, Open, Rollup, Sample, Use};
 use vibrissa_store::NumberedWhisker;
 use vibrissa_store::batch::{Batch, ContactRow, RollupRow};
 
 /// History of a robot's whiskers, by whisker index.
 #[derive(Debug)]
-pub(super) struct History {
-    keeper: Keeper,
+pub(crate) struct History {
+    filter: ContactFilter,
     open: Vec<Open>,
     /// Whiskers whose stored form must be written together with their closed rows.
     changed: BTreeSet<usize>,
@@ -28,9 +28,9 @@ pub(super) struct History {
 
 impl History {
     /// History of a new robot.
-    pub(super) fn new(keep: Keep) -> Self {
+    pub(crate) fn new(retention: ContactRetention) -> Self {
         Self {
-            keeper: Keeper::new(keep),
+            filter: ContactFilter::new(retention),
             open: Vec::new(),
             changed: BTreeSet::new(),
             gone: BTreeMap::new(),
@@ -40,36 +40,36 @@ impl History {
     }
 
     /// Continues from the stored forms.
-    pub(super) fn taken_up(keep: Keep, stored: &[Option<Vec<u8>>], now: Micros) -> Self {
+    pub(crate) fn taken_up(retention: ContactRetention, stored: &[Option<Vec<u8>>], now: Micros) -> Self {
         let open = stored.iter().map(|bytes| Open::from_bytes(bytes.as_deref(), now)).collect();
-        Self { open, ..Self::new(keep) }
+        Self { open, ..Self::new(retention) }
     }
 
     /// Sets the retention policy of contacts.
-    pub(super) fn keep(&mut self, keep: Keep) {
-        self.keeper = Keeper::new(keep);
+    pub(crate) fn set_retention(&mut self, retention: ContactRetention) {
+        self.filter = ContactFilter::new(retention);
     }
 
     /// Adds a contact that the core has recorded.
-    pub(super) fn felt(&mut self, whisker: usize, used: ContactUse, row: ContactRow, batch: &mut Batch) {
+    pub(crate) fn add_contact(&mut self, whisker: usize, used: ContactUse, row: ContactRow, batch: &mut Batch) {
         let (received, whisker_id) = (Micros(row.received_us as u64), row.whisker_id);
         let sample = sample_of(used, &row);
         self.update(whisker, whisker_id, batch, |open, closed| open.add(received, &sample, closed));
-        self.keeper.felt(whisker, row, &mut batch.contacts);
+        self.filter.add_contact(whisker, row, &mut batch.contacts);
     }
 
     /// Marks the last recorded contact as one of a compensator.
-    pub(super) fn serves(&mut self, batch: &mut Batch) {
-        self.keeper.serves(&mut batch.contacts);
+    pub(crate) fn keep_last(&mut self, batch: &mut Batch) {
+        self.filter.keep_last(&mut batch.contacts);
     }
 
     /// Keeps the last contacts of a whisker, because a finding or decision was made about it.
-    pub(super) fn decided(&mut self, whisker: usize, batch: &mut Batch) {
-        self.keeper.decided(whisker, &mut batch.contacts);
+    pub(crate) fn keep_recent(&mut self, whisker: usize, batch: &mut Batch) {
+        self.filter.keep_recent(whisker, &mut batch.contacts);
     }
 
     /// Adds a measured compensation error, a ratio, of the target whisker.
-    pub(super) fn stated(&mut self, (target, whisker_id): (usize, i64), at: Micros, error: f64, batch: &mut Batch) {
+    pub(crate) fn add_error(&mut self, (target, whisker_id): (usize, i64), at: Micros, error: f64, batch: &mut Batch) {
         self.update(target, whisker_id, batch, |open, closed| open.state(at, error, closed));
         // The target itself may have no contact at that time.
         self.changed.insert(target);
@@ -96,7 +96,7 @@ impl History {
 
     /// Closes finished minutes and hours of at most `left` whiskers. Returns true if there were any: then their stored
     /// forms must be written in the same transaction.
-    pub(super) fn close(&mut self, now: Micros, whisker_ids: &[i64], left: &mut usize, batch: &mut Batch) -> bool {
+    pub(crate) fn close(&mut self, now: Micros, whisker_ids: &[i64], left: &mut usize, batch: &mut Batch) -> bool {
         if now.0 < self.due.0.saturating_add(GRACE.0) {
             return false;
         }
@@ -117,7 +117,7 @@ impl History {
 
     /// Applies a new layout: `whiskers` with their stored forms, if there are any. Closes the spans of whiskers that
     /// leave, and returns their stored forms, which must be written.
-    pub(super) fn laid_out(
+    pub(crate) fn laid_out(
         &mut self,
         before: &[i64],
         whiskers: &[NumberedWhisker],
@@ -137,7 +137,7 @@ impl History {
             let open = here.map(|(_, open)| open).or_else(|| self.gone.remove(whisker_id));
             self.open.push(open.unwrap_or_else(|| Open::from_bytes(stored.as_deref(), now)));
         }
-        self.keeper.laid_out(&from);
+        self.filter.laid_out(&from);
         self.changed = (0..self.open.len()).collect();
         self.due = Micros::default();
         let mut gone = Vec::new();
@@ -151,13 +151,13 @@ impl History {
     }
 
     /// Adds the whiskers whose stored form must be written to the list of changed whiskers, without duplicates.
-    pub(super) fn take_changed(&mut self, changed: &mut Vec<usize>) {
+    pub(crate) fn take_changed(&mut self, changed: &mut Vec<usize>) {
         changed.retain(|index| !self.changed.contains(index));
         changed.extend(std::mem::take(&mut self.changed));
     }
 
-    /// Stored form of a whisker's open minute and hour.
-    pub(super) fn stored(&self, whisker: usize, now: Micros) -> Vec<u8> {
+    /// Durable form of a whisker's open minute and hour.
+    pub(crate) fn stored(&self, whisker: usize, now: Micros) -> Vec<u8> {
         self.open.get(whisker).map_or_else(|| stored_form(&Open::default(), now), |open| stored_form(open, now))
     }
 }
@@ -254,10 +254,10 @@ mod tests {
 
     #[test]
     fn silent_whiskers_are_closed_some_at_a_time() {
-        let (mut history, mut batch) = (History::new(Keep::All), Batch::default());
+        let (mut history, mut batch) = (History::new(ContactRetention::All), Batch::default());
         let ids: Vec<i64> = (10..20).collect();
         for (whisker, &id) in ids.iter().enumerate() {
-            history.felt(whisker, ContactUse::Used, row(id, 0, START), &mut batch);
+            history.add_contact(whisker, ContactUse::Used, row(id, 0, START), &mut batch);
         }
         let mut changed = Vec::new();
         history.take_changed(&mut changed);
@@ -275,14 +275,14 @@ mod tests {
 
     #[test]
     fn whiskers_that_leave_and_come_back_have_no_minute_twice() {
-        let (mut history, mut batch) = (History::new(Keep::None), Batch::default());
+        let (mut history, mut batch) = (History::new(ContactRetention::None), Batch::default());
         let mut ids = vec![1, 2];
         let mut sent = 0;
         let mut stored: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
         for turn in 0..40_u64 {
             let now = Micros(START + turn * 7_000_000);
             for (whisker, &id) in ids.iter().enumerate() {
-                history.felt(whisker, ContactUse::Used, row(id, sent, now.0), &mut batch);
+                history.add_contact(whisker, ContactUse::Used, row(id, sent, now.0), &mut batch);
                 sent += i64::from(id == 1);
             }
             let next: Vec<i64> = if turn % 2 == 0 { vec![2] } else { vec![2, 1] };
@@ -292,7 +292,7 @@ mod tests {
             // From time to time, restart from the stored forms.
             if turn % 5 == 0 {
                 let all: Vec<_> = (0..ids.len()).map(|whisker| Some(history.stored(whisker, now))).collect();
-                history = History::taken_up(Keep::None, &all, now);
+                history = History::taken_up(ContactRetention::None, &all, now);
             }
         }
         history.laid_out(&ids, &[], Micros(START), &mut batch);
@@ -302,8 +302,8 @@ mod tests {
 
     #[test]
     fn a_stated_error_is_stored_though_its_whisker_felt_nothing() {
-        let (mut history, mut batch) = (History::new(Keep::All), Batch::default());
-        history.stated((3, 13), Micros(START), 0.25, &mut batch);
+        let (mut history, mut batch) = (History::new(ContactRetention::All), Batch::default());
+        history.add_error((3, 13), Micros(START), 0.25, &mut batch);
         let mut changed = vec![3];
         history.take_changed(&mut changed);
         assert_eq!(changed, [3]);

@@ -12,8 +12,8 @@ use vibrissa_core::robot::{Event, Numbers, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{Name, RequestKind};
 
-use super::commit::batch::Gathering;
-use super::publication::Seqs;
+use super::stepper::Stepper;
+use crate::engine::robot::seqs::Seqs;
 
 /// Limit of announced robots per fleet; beyond it, the one announced first is forgotten.
 const ANNOUNCED_MAX: usize = 1024;
@@ -44,7 +44,7 @@ impl Announced {
     /// Handles a birth or a farewell.
     pub(super) fn connection(
         &mut self,
-        gathering: &mut Gathering,
+        stepper: &mut Stepper,
         (name, epoch): (&Name, u64),
         now: Micros,
         event: &Event<'_>,
@@ -62,7 +62,7 @@ impl Announced {
             |known| (known.robot, known.seqs),
         );
         let mut announcement = Announcement { robot, seqs, since: Instant::now() };
-        announcement.step(gathering, name, now, event);
+        announcement.step(stepper, name, now, event);
         self.robots.insert(name.clone(), announcement);
     }
 
@@ -72,17 +72,17 @@ impl Announced {
     }
 
     /// Handles a message that is useless without a factsheet.
-    pub(super) fn early(&mut self, gathering: &mut Gathering, name: &Name, now: Micros, event: &Event<'_>) {
+    pub(super) fn early(&mut self, stepper: &mut Stepper, name: &Name, now: Micros, event: &Event<'_>) {
         if let Some(announcement) = self.robots.get_mut(name) {
-            announcement.step(gathering, name, now, event);
+            announcement.step(stepper, name, now, event);
         }
     }
 
     /// Handles a tick: requests missing factsheets again, and forgets robots whose factsheet has not arrived in time.
-    pub(super) fn tick(&mut self, gathering: &mut Gathering, now: Micros) {
+    pub(super) fn tick(&mut self, stepper: &mut Stepper, now: Micros) {
         self.robots.retain(|_, announcement| announcement.since.elapsed() < PATIENCE);
         for (name, announcement) in &mut self.robots {
-            announcement.step(gathering, name, now, &Event::Tick);
+            announcement.step(stepper, name, now, &Event::Tick);
         }
     }
 
@@ -92,11 +92,11 @@ impl Announced {
     }
 
     /// Requests a factsheet that cannot be accepted now again some seconds later.
-    pub(super) fn ask_later(&mut self, gathering: &mut Gathering, name: &Name, now: Micros) {
+    pub(super) fn ask_later(&mut self, stepper: &mut Stepper, name: &Name, now: Micros) {
         let Some(announcement) = self.robots.get_mut(name) else { return };
         let (boot_id, link) = announcement.robot.connection_state();
         let Some(boot_id) = boot_id.map(str::to_owned) else { return };
-        announcement.step(gathering, name, now, &Event::Connection { boot_id: &boot_id, link });
+        announcement.step(stepper, name, now, &Event::Connection { boot_id: &boot_id, link });
     }
 
     /// Removes a robot because it becomes known.
@@ -106,11 +106,11 @@ impl Announced {
 }
 
 impl Announcement {
-    fn step(&mut self, gathering: &mut Gathering, name: &Name, now: Micros, event: &Event<'_>) {
+    fn step(&mut self, stepper: &mut Stepper, name: &Name, now: Micros, event: &Event<'_>) {
         let mut effects = Vec::new();
-        self.robot.step(&gathering.params, now, event, &mut effects);
+        self.robot.step(&stepper.params, now, event, &mut effects);
         if effects.iter().any(|effect| matches!(effect, Effect::AskForFactsheet)) {
-            gathering.publish_request(name, &mut self.seqs, RequestKind::Factsheet);
+            stepper.publish_request(name, &mut self.seqs, RequestKind::Factsheet);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! How often to read from the network in a burst.
+//! Poll coalescing: how often to read from the network in a burst.
 //!
 //! A broker writes each message separately. A reader that reads at once gets one or two, and pays a wake-up, a read and
 //! the write of an acknowledgement for them: several times the cost of the messages themselves. So at a high rate the
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Pause between two reads.
 pub(super) const PAUSE: Duration = Duration::from_micros(500);
 /// Limit of messages per read; a read that reaches it is followed by the next one at once.
-pub(super) const LOOK_MAX: usize = 128;
+pub(super) const READ_MAX: usize = 128;
 /// Rate from which on it is a burst, messages per second; a burst ends below half of it.
 const BUSY_PER_S: f64 = 8_000.0;
 /// Period over which the rate is measured outside a burst,
@@ -23,20 +23,20 @@ const TURNS: u32 = 10;
 /// Least number of messages with pauses, as a fraction of the number without, for which pauses are used.
 const LEFT_MIN: f64 = 0.8;
 /// How long the result of a trial holds.
-const VERDICT: Duration = Duration::from_secs(30);
+const RESULT_VALID_FOR: Duration = Duration::from_secs(30);
 
 /// Decides whether one connection pauses between reads.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(super) struct PollCoalescing {
     since: Instant,
     messages: u64,
     state: State,
-    verdict: Option<Verdict>,
+    result: Option<TrialResult>,
 }
 
 /// Result of the last trial, and the end of its validity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Verdict {
+struct TrialResult {
     pauses: bool,
     until: Instant,
 }
@@ -51,9 +51,9 @@ enum State {
     Burst(bool),
 }
 
-impl Pace {
+impl PollCoalescing {
     pub(super) fn new(now: Instant) -> Self {
-        Self { since: now, messages: 0, state: State::Calm, verdict: None }
+        Self { since: now, messages: 0, state: State::Calm, result: None }
     }
 
     /// Whether to pause before the next read; `messages` is the number of messages of the last one.
@@ -69,7 +69,7 @@ impl Pace {
             State::Trial(turns, _) => turns.is_multiple_of(2),
             State::Burst(pauses) => pauses,
         };
-        pauses && messages < LOOK_MAX
+        pauses && messages < READ_MAX
     }
 
     /// The state after a period with this rate, messages per second.
@@ -85,11 +85,11 @@ impl Pace {
                     return State::Trial(turns + 1, came);
                 }
                 let pauses = came[0] as f64 >= LEFT_MIN * came[1] as f64;
-                self.verdict = Some(Verdict { pauses, until: now + VERDICT });
+                self.result = Some(TrialResult { pauses, until: now + RESULT_VALID_FOR });
                 State::Burst(pauses)
             }
-            State::Calm | State::Burst(_) => match self.verdict {
-                Some(verdict) if now < verdict.until => State::Burst(verdict.pauses),
+            State::Calm | State::Burst(_) => match self.result {
+                Some(result) if now < result.until => State::Burst(result.pauses),
                 Some(_) | None => State::Trial(0, [0; 2]),
             },
         }
@@ -104,54 +104,59 @@ mod tests {
 
     /// Reads `count` times, once a millisecond, and returns the number of pauses. `brings` gives the messages of a
     /// read; its argument says whether a pause was before it.
-    fn looks(pace: &mut Pace, now: &mut Instant, count: usize, mut brings: impl FnMut(bool) -> usize) -> usize {
+    fn reads(
+        coalescing: &mut PollCoalescing,
+        now: &mut Instant,
+        count: usize,
+        mut brings: impl FnMut(bool) -> usize,
+    ) -> usize {
         let mut is_paused = false;
-        let look = |_: &usize| {
+        let read = |_: &usize| {
             *now += MS;
-            is_paused = pace.pauses(*now, brings(is_paused));
+            is_paused = coalescing.pauses(*now, brings(is_paused));
             is_paused
         };
-        (0..count).filter(look).count()
+        (0..count).filter(read).count()
     }
 
     #[test]
     fn pauses_begin_with_a_burst_and_end_with_it() {
         let mut now = Instant::now();
-        let mut pace = Pace::new(now);
-        assert_eq!(looks(&mut pace, &mut now, 1_000, |_| 7), 0, "7,000 a second");
-        let trial = looks(&mut pace, &mut now, 1_010, |_| 50);
+        let mut coalescing = PollCoalescing::new(now);
+        assert_eq!(reads(&mut coalescing, &mut now, 1_000, |_| 7), 0, "7,000 a second");
+        let trial = reads(&mut coalescing, &mut now, 1_010, |_| 50);
         assert!((490..=510).contains(&trial), "{trial}");
-        assert!(looks(&mut pace, &mut now, 1_000, |_| 50) >= 990);
-        assert!(looks(&mut pace, &mut now, 500, |_| 1) <= 110);
-        assert_eq!(looks(&mut pace, &mut now, 500, |_| 1), 0);
-        assert!(looks(&mut pace, &mut now, 100, |_| 50) >= 90, "the result holds for the next burst");
+        assert!(reads(&mut coalescing, &mut now, 1_000, |_| 50) >= 990);
+        assert!(reads(&mut coalescing, &mut now, 500, |_| 1) <= 110);
+        assert_eq!(reads(&mut coalescing, &mut now, 500, |_| 1), 0);
+        assert!(reads(&mut coalescing, &mut now, 100, |_| 50) >= 90, "the result holds for the next burst");
     }
 
     #[test]
     fn robots_that_send_by_fits_and_starts_are_paused() {
         let mut now = Instant::now();
-        let mut pace = Pace::new(now);
+        let mut coalescing = PollCoalescing::new(now);
         let mut at = 0;
         let mut wave = |_| {
             at += 1;
             if at % 130 < 60 { 127 } else { 1 }
         };
-        looks(&mut pace, &mut now, 2_000, &mut wave);
-        assert!(looks(&mut pace, &mut now, 20_000, &mut wave) >= 19_990);
+        reads(&mut coalescing, &mut now, 2_000, &mut wave);
+        assert!(reads(&mut coalescing, &mut now, 20_000, &mut wave) >= 19_990);
     }
 
     #[test]
     fn a_broker_that_waits_for_acknowledgements_is_left_alone_but_for_trials() {
         let mut now = Instant::now();
-        let mut pace = Pace::new(now);
-        let paused = looks(&mut pace, &mut now, 100_000, |is_paused| if is_paused { 20 } else { 50 });
+        let mut coalescing = PollCoalescing::new(now);
+        let paused = reads(&mut coalescing, &mut now, 100_000, |is_paused| if is_paused { 20 } else { 50 });
         assert!((1_400..=2_100).contains(&paused), "{paused} in 100 s");
     }
 
     #[test]
     fn while_more_is_there_it_is_looked_at_once() {
         let mut now = Instant::now();
-        let mut pace = Pace::new(now);
-        assert_eq!(looks(&mut pace, &mut now, 2_000, |_| LOOK_MAX), 0);
+        let mut coalescing = PollCoalescing::new(now);
+        assert_eq!(reads(&mut coalescing, &mut now, 2_000, |_| READ_MAX), 0);
     }
 }

@@ -23,7 +23,7 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A message as its sender published it.
 #[derive(Debug, Clone)]
-pub struct Said {
+pub struct ReceivedMessage {
     /// Topic of the message.
     pub topic: String,
     /// Payload of the message.
@@ -39,35 +39,35 @@ pub struct Said {
 /// Why the connection failed, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Silence(String);
+pub struct ConnectionEnded(String);
 
 /// A test connection. Dropping it closes the connection.
 #[derive(Debug)]
-pub struct Talk {
+pub struct TestClient {
     client: AsyncClient,
-    heard: mpsc::UnboundedReceiver<Result<Said, Silence>>,
+    received: mpsc::UnboundedReceiver<Result<ReceivedMessage, ConnectionEnded>>,
     polling: JoinHandle<()>,
 }
 
-impl Talk {
+impl TestClient {
     /// Connects and subscribes; the retained messages of the topics come first.
     ///
     /// # Errors
     /// The connection fails, or the broker rejects the subscription.
-    pub async fn open(connection: &Connection, topics: &[String]) -> Result<Self, Silence> {
+    pub async fn open(connection: &Connection, topics: &[String]) -> Result<Self, ConnectionEnded> {
         let (options, reached) = connection.options("check");
         let (client, events) = AsyncClient::builder(options).capacity(256).build();
         let mut poller = Poller::new(events, connection, reached);
-        let problem = |cause| Silence(Problem::new(&connection.broker, cause).to_string());
+        let problem = |cause| ConnectionEnded(Problem::new(&connection.broker, cause).to_string());
         // QoS 2 and the publisher's retain flag, so that messages arrive as they were published.
         let filters =
             topics.iter().map(|topic| SubscribeFilterInput::new(topic, QoS::ExactlyOnce).preserve_retain(true));
         let mut filters = Some(filters.collect::<Vec<_>>());
         loop {
-            match poller.next().await.map_err(silence)? {
+            match poller.next().await.map_err(ended)? {
                 Event::Incoming(Packet::ConnAck(_)) => {
-                    let asked = client.try_subscribe_many(filters.take().unwrap_or_default());
-                    asked.map_err(|error| problem(Cause::Lost(error.to_string())))?;
+                    let subscribed = client.try_subscribe_many(filters.take().unwrap_or_default());
+                    subscribed.map_err(|error| problem(Cause::Lost(error.to_string())))?;
                 }
                 Event::Incoming(Packet::SubAck(ack)) => {
                     let is_refused = |code: &&SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
@@ -80,37 +80,37 @@ impl Talk {
             }
         }
         // Unbounded: a robot sends little, and the test keeps all of it anyway.
-        let (sender, heard) = mpsc::unbounded_channel();
-        Ok(Self { client, heard, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)) })
+        let (sender, received) = mpsc::unbounded_channel();
+        Ok(Self { client, received, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)) })
     }
 
     /// Publishes a message that is not retained; `expiry_s` is its MQTT message expiry, s.
     ///
     /// # Errors
     /// The connection has ended.
-    pub async fn say(
+    pub async fn publish(
         &self,
         topic: String,
         payload: Vec<u8>,
         quality: QualityOfService,
         expiry_s: Option<u32>,
-    ) -> Result<(), Silence> {
+    ) -> Result<(), ConnectionEnded> {
         let options = PublishOptions::new(match quality {
             QualityOfService::AtMostOnce => QoS::AtMostOnce,
             QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
         });
         let properties = PublishProperties { message_expiry_interval: expiry_s, ..PublishProperties::default() };
-        let said = self.client.publish(topic, payload, options.properties(properties)).await;
-        said.map_err(|error| Silence(error.to_string()))
+        let published = self.client.publish(topic, payload, options.properties(properties)).await;
+        published.map_err(|error| ConnectionEnded(error.to_string()))
     }
 
     /// Waits for the next message. Cancel safe.
     ///
     /// # Errors
     /// The connection has ended; the error gives the reason.
-    pub async fn next(&mut self) -> Result<Said, Silence> {
-        let ended = || Err(Silence("the connection has ended".to_owned()));
-        self.heard.recv().await.unwrap_or_else(ended)
+    pub async fn next(&mut self) -> Result<ReceivedMessage, ConnectionEnded> {
+        let ended = || Err(ConnectionEnded("the connection has ended".to_owned()));
+        self.received.recv().await.unwrap_or_else(ended)
     }
 
     /// Disconnects after everything is sent.
@@ -122,27 +122,31 @@ impl Talk {
     }
 }
 
-impl Drop for Talk {
+impl Drop for TestClient {
     fn drop(&mut self) {
         self.polling.abort();
     }
 }
 
-fn silence(failure: Failure) -> Silence {
+fn ended(failure: Failure) -> ConnectionEnded {
     match failure {
-        Failure::Broken(problem) => Silence(problem.to_string()),
-        Failure::Finished => Silence("client stopped".to_owned()),
+        Failure::Broken(problem) => ConnectionEnded(problem.to_string()),
+        Failure::Finished => ConnectionEnded("client stopped".to_owned()),
     }
 }
 
-async fn poll(broker: BrokerAddress, mut poller: Poller, heard: mpsc::UnboundedSender<Result<Said, Silence>>) {
+async fn poll(
+    broker: BrokerAddress,
+    mut poller: Poller,
+    sender: mpsc::UnboundedSender<Result<ReceivedMessage, ConnectionEnded>>,
+) {
     loop {
-        let said = match poller.next().await {
+        let received = match poller.next().await {
             Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
                 let cause = Cause::Publication(format!("{:?}", ack.reason));
-                Err(Silence(Problem::new(&broker, cause).to_string()))
+                Err(ConnectionEnded(Problem::new(&broker, cause).to_string()))
             }
-            Ok(Event::Incoming(Packet::Publish(publish))) => Ok(Said {
+            Ok(Event::Incoming(Packet::Publish(publish))) => Ok(ReceivedMessage {
                 topic: String::from_utf8_lossy(&publish.topic).into_owned(),
                 payload: publish.payload,
                 qos: publish.qos as u8,
@@ -150,11 +154,11 @@ async fn poll(broker: BrokerAddress, mut poller: Poller, heard: mpsc::UnboundedS
                 at: Instant::now(),
             }),
             Ok(_) => continue,
-            Err(failure) => Err(silence(failure)),
+            Err(failure) => Err(ended(failure)),
         };
-        let is_end = said.is_err();
+        let is_end = received.is_err();
         // The receiver was dropped.
-        if heard.send(said).is_err() || is_end {
+        if sender.send(received).is_err() || is_end {
             return;
         }
     }

@@ -17,15 +17,15 @@ use vibrissa_edge::clock::wall_clock;
 
 /// Receives all messages of the connection's fleet until the task is aborted, and reconnects after failures, which
 /// `breaks` counts. A slow receiver makes the broker wait.
-pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<AtomicU64>) -> JoinHandle<()> {
+pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, breaks: Arc<AtomicU64>) -> JoinHandle<()> {
     tokio::spawn(async move {
         let mut backoff = Backoff::new();
         loop {
-            let (problem, was_heard) = listen(&connection, &heard).await;
-            if heard.is_closed() {
+            let (problem, was_subscribed) = listen(&connection, &sender).await;
+            if sender.is_closed() {
                 return;
             }
-            if was_heard {
+            if was_subscribed {
                 breaks.fetch_add(1, Ordering::Relaxed);
                 backoff.reset();
             }
@@ -36,41 +36,41 @@ pub fn tap(connection: Connection, heard: mpsc::Sender<Incoming>, breaks: Arc<At
 }
 
 /// One connection, from the attempt to its end: the reason of the end, and whether the subscription was accepted.
-async fn listen(connection: &Connection, heard: &mpsc::Sender<Incoming>) -> (Problem, bool) {
+async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>) -> (Problem, bool) {
     let connection = &connection.with_secrets_read_again();
     let filter = format!("whisker/v1/{}/#", connection.fleet);
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("record");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();
     let mut poller = Poller::new(events, connection, reached);
-    let mut was_heard = false;
+    let mut was_subscribed = false;
     loop {
         match poller.next().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                let asked = SubscribeFilterInput::new(filter.clone(), QoS::AtLeastOnce);
-                if let Err(error) = client.try_subscribe_many([asked]) {
-                    return (problem(Cause::Lost(error.to_string())), was_heard);
+                let filter_input = SubscribeFilterInput::new(filter.clone(), QoS::AtLeastOnce);
+                if let Err(error) = client.try_subscribe_many([filter_input]) {
+                    return (problem(Cause::Lost(error.to_string())), was_subscribed);
                 }
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
                 let refused = ack.return_codes.iter().find(|code| !matches!(code, SubscribeReasonCode::Success(_)));
                 if let Some(code) = refused {
-                    return (problem(Cause::Subscription(format!("{filter} ({code:?})"))), was_heard);
+                    return (problem(Cause::Subscription(format!("{filter} ({code:?})"))), was_subscribed);
                 }
-                was_heard = true;
+                was_subscribed = true;
                 connection.link.connected(Side::Receiving);
             }
             // Probes of supervisors.
             Ok(Event::Incoming(Packet::Publish(publish))) if is_probe_on(&publish.topic, &publish.payload) => {}
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 let incoming = Incoming { topic: publish.topic, payload: publish.payload, received: wall_clock() };
-                if heard.send(incoming).await.is_err() {
-                    return (problem(Cause::Lost("the recording has ended".to_owned())), was_heard);
+                if sender.send(incoming).await.is_err() {
+                    return (problem(Cause::Lost("the recording has ended".to_owned())), was_subscribed);
                 }
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
-            Err(Failure::Broken(broken)) => return (broken, was_heard),
-            Err(Failure::Finished) => return (problem(Cause::Lost("client stopped".to_owned())), was_heard),
+            Err(Failure::Broken(broken)) => return (broken, was_subscribed),
+            Err(Failure::Finished) => return (problem(Cause::Lost("client stopped".to_owned())), was_subscribed),
         }
     }
 }

@@ -7,13 +7,13 @@ use vibrissa_protocol::Contacts;
 /// Number of messages remembered: those that a robot may send again within some seconds of a burst.
 const REMEMBERED: usize = 256;
 /// Fingerprint of a message that was refused and only receipted.
-pub(super) const REFUSED: u32 = 1;
+pub(crate) const REFUSED: u32 = 1;
 /// Multiplier that spreads boot numbers over 32 bits (Knuth).
 const SPREAD: u32 = 0x9e37_79b1;
 
 /// Fingerprints of one robot's newest messages, at the index `seq` mod 256. Allocated with the first message.
 #[derive(Debug, Default)]
-pub(super) struct Fingerprints(Option<Box<[Fingerprint; REMEMBERED]>>);
+pub(crate) struct Fingerprints(Option<Box<[Fingerprint; REMEMBERED]>>);
 
 /// Fingerprint of one message. Content 0 marks an unused entry.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,9 +25,9 @@ struct Fingerprint {
 
 /// Fingerprint of a message's content, above [`REFUSED`]. `hashers` has secret keys, so that nobody can construct two
 /// contents with the same fingerprint.
-pub(super) fn of_content(hashers: &impl BuildHasher, told: &Contacts) -> u32 {
+pub(crate) fn of_content(hashers: &impl BuildHasher, message: &Contacts) -> u32 {
     let mut hasher = hashers.build_hasher();
-    for contact in &told.contacts {
+    for contact in &message.contacts {
         hasher.write(contact.array.as_str().as_bytes());
         hasher.write_u64(u64::from(contact.whisker));
         hasher.write_u64(contact.t_us);
@@ -42,13 +42,13 @@ pub(super) fn of_content(hashers: &impl BuildHasher, told: &Contacts) -> u32 {
 
 impl Fingerprints {
     /// Remembers the fingerprint of an accepted message.
-    pub(super) fn remember(&mut self, boot: i64, seq: u64, content: u32) {
+    pub(crate) fn remember(&mut self, boot: i64, seq: u64, content: u32) {
         let places = self.0.get_or_insert_with(|| Box::new([Fingerprint::default(); REMEMBERED]));
         places[place(seq)] = Fingerprint { name: name(boot, seq), content };
     }
 
     /// Whether a remembered message of this `seq` had other content. False if the message is not remembered.
-    pub(super) fn contradict(&self, boot: i64, seq: u64, content: u32) -> bool {
+    pub(crate) fn contradict(&self, boot: i64, seq: u64, content: u32) -> bool {
         self.0.as_ref().is_some_and(|places| {
             let known = places[place(seq)];
             known.content != 0 && known.name == name(boot, seq) && known.content != content

@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
-use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::Command;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
 
-use super::Engine;
-use super::commit::batch::Gathering;
-use super::shard::{Known, Shard};
+use super::rows::gain;
+use super::stepper::Stepper;
+use crate::engine::robot::KnownRobot;
+use crate::engine::robot::seqs::Seqs;
 use crate::outbox::{Publication, Stopwatch};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::ids::command_uuid;
@@ -24,27 +24,8 @@ pub(super) enum Sent {
     Again,
 }
 
-/// Next `seq` of each topic to one robot, in this boot of the supervisor.
-#[derive(Debug, Default)]
-pub(super) struct Seqs {
-    receipt: u64,
-    setpoint: u64,
-    request: u64,
-}
-
-fn next(seq: &mut u64) -> u64 {
-    let now = *seq;
-    *seq += 1;
-    now
-}
-
-/// Residual gain as pairs of contact ratio and factor.
-pub(super) fn gain(command: &Command) -> Vec<(f64, f64)> {
-    command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default()
-}
-
-impl Gathering {
-    pub(super) fn publish_setpoint(&mut self, known: &mut Known, command: &Command, sent: Sent) {
+impl Stepper {
+    pub(super) fn publish_setpoint(&mut self, known: &mut KnownRobot, command: &Command, sent: Sent) {
         let Some(whisker) = known.robot.whisker(command.whisker) else { return };
         let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
             return;
@@ -60,7 +41,7 @@ impl Gathering {
         }
         let setpoint = protocol::Setpoint {
             boot_id: self.boot_id.clone(),
-            seq: next(&mut known.seqs.setpoint),
+            seq: known.seqs.next_setpoint(),
             command_id: id.to_string(),
             epoch: command.key.epoch,
             version: command.key.version,
@@ -85,16 +66,15 @@ impl Gathering {
             }
         };
         let publication = self.publication(&known.name, RobotTopic::Setpoint, encode(&setpoint));
-        self.publications.push(Publication { until: Some(until), stopwatch, ..publication });
-        self.is_urgent = true;
-        if let Some(lives) = &mut self.lives {
-            lives.sending(&known.name, command);
+        self.batch.publish_setpoint(Publication { until: Some(until), stopwatch, ..publication });
+        if let Some(traces) = &mut self.traces {
+            traces.sending(&known.name, command);
         }
     }
 
     /// Sends the setpoints under way again after a birth or a restored connection: the robot may have reported their
     /// results while no supervisor listened, and repeats its report for the same `command_id`.
-    pub(super) fn ask_after_setpoints(&mut self, known: &mut Known) {
+    pub(super) fn resend_setpoints(&mut self, known: &mut KnownRobot) {
         let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
         for command in &under_way {
             self.publish_setpoint(known, command, Sent::Again);
@@ -102,8 +82,9 @@ impl Gathering {
     }
 
     pub(super) fn publish_request(&mut self, robot: &Name, seqs: &mut Seqs, request: RequestKind) {
-        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: next(&mut seqs.request), request };
-        self.publications.push(self.publication(robot, RobotTopic::Request, encode(&request)));
+        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: seqs.next_request(), request };
+        let publication = self.publication(robot, RobotTopic::Request, encode(&request));
+        self.batch.publish(publication);
     }
 
     fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
@@ -117,7 +98,7 @@ impl Gathering {
     }
 
     /// Marks the contacts of a boot as due for a receipt.
-    pub(super) fn receipt(&mut self, known: &mut Known, boot_id: &str) {
+    pub(crate) fn receipt(&mut self, known: &mut KnownRobot, boot_id: &str) {
         if known.receipts_due.is_empty() {
             self.receipts_due.push(known.name.clone());
         }
@@ -126,47 +107,19 @@ impl Gathering {
         }
     }
 
-    fn publish_receipt(&mut self, known: &mut Known, boot_id: &str) {
+    pub(super) fn publish_receipt(&mut self, known: &mut KnownRobot, boot_id: &str) {
         let (Some(sequence), Ok(robot_boot_id)) = (known.robot.sequence(boot_id), BootId::new(boot_id)) else {
             return;
         };
         let receipt = protocol::Receipt {
             boot_id: self.boot_id.clone(),
-            seq: next(&mut known.seqs.receipt),
+            seq: known.seqs.next_receipt(),
             robot_boot_id,
             next: sequence.next(),
             held: sequence.held().iter().copied().take(HELD_MAX).collect(),
         };
-        self.publications.push(self.publication(&known.name, RobotTopic::Receipt, encode(&receipt)));
+        let publication = self.publication(&known.name, RobotTopic::Receipt, encode(&receipt));
+        self.batch.publish(publication);
         self.metrics.receipts_sent.inc();
-    }
-}
-
-impl Shard {
-    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
-    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
-    /// forwards each receipt as a message, and a later receipt covers more contacts.
-    pub(super) fn receipts(&mut self, most: usize) {
-        let due = &mut self.gathering.receipts_due;
-        let most = most.max(due.len() / 4).min(due.len());
-        let later = due.split_off(most);
-        for name in std::mem::replace(due, later) {
-            let Some(known) = self.robots.get_mut(&name) else { continue };
-            for boot_id in std::mem::take(&mut known.receipts_due) {
-                self.gathering.publish_receipt(known, boot_id.as_str());
-            }
-        }
-    }
-}
-
-impl Engine {
-    /// A fault planted by a test: receipts are published before the commit.
-    pub(super) fn receipt_at_once(&mut self) {
-        let mut publications = Vec::new();
-        for shard in &mut self.shards {
-            shard.receipts(usize::MAX);
-            publications.append(&mut shard.gathering.publications);
-        }
-        self.publish(publications);
     }
 }

@@ -24,7 +24,7 @@ const PART: &str = "hearing";
 
 /// Fleets that some supervisor may not hear, and the trials to hear them from here.
 #[derive(Default)]
-pub(crate) struct Ears {
+pub(crate) struct HearingTrials {
     /// Fleets that were not heard for too long, and why.
     deaf: BTreeMap<Name, String>,
     /// Trials of fleets that are not supervised here.
@@ -69,7 +69,7 @@ impl Trial {
     }
 }
 
-impl Ears {
+impl HearingTrials {
     /// Reads the hearing of the owned fleets from their links, and of the others from their trials.
     pub(crate) fn listen<'a>(
         &mut self,
@@ -101,8 +101,8 @@ impl Ears {
                 Some(Ok(())) if self.deaf.remove(fleet).is_some() => info!(%fleet, "trial heard the fleet again"),
                 Some(Ok(())) => {}
                 Some(Err(why)) => {
-                    if let Some(told) = self.deaf.get_mut(fleet) {
-                        told.clone_from(why);
+                    if let Some(reason) = self.deaf.get_mut(fleet) {
+                        reason.clone_from(why);
                     }
                 }
             }
@@ -116,7 +116,7 @@ impl Ears {
     }
 
     /// Hearing report for the other supervisors.
-    pub(crate) fn told(&self) -> FleetsHeard {
+    pub(crate) fn report(&self) -> FleetsHeard {
         let heard = |trial: &Trial| matches!(&*trial.shown.borrow(), Some(Ok(())));
         FleetsHeard {
             deaf: self.deaf.keys().cloned().collect(),

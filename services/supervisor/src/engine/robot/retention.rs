@@ -9,7 +9,7 @@ use vibrissa_store::batch::ContactRow;
 
 /// Which contacts get a row of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Keep {
+pub enum ContactRetention {
     /// All contacts.
     #[default]
     All,
@@ -21,32 +21,32 @@ pub enum Keep {
 
 /// Number of contacts remembered per whisker until a decision: a suspicion is raised after about five contacts, and
 /// confirmed or dismissed within about ten more.
-pub const REMEMBERED: usize = 32;
+pub(crate) const REMEMBERED: usize = 32;
 
 /// Applies the policy to the whiskers of one robot. The remembered contacts are not stored: after a restart there are
 /// none.
 #[derive(Debug)]
-pub struct Keeper {
-    keep: Keep,
+pub(crate) struct ContactFilter {
+    retention: ContactRetention,
     /// Contacts by whisker index, the newest last, without those already given out. Empty unless the policy needs them.
     rings: Vec<VecDeque<ContactRow>>,
     /// Whisker of the last contact.
     last: Option<usize>,
 }
 
-impl Keeper {
-    /// Applies `keep` to a new robot.
+impl ContactFilter {
+    /// Applies a policy to a new robot.
     #[must_use]
-    pub fn new(keep: Keep) -> Self {
-        Self { keep, rings: Vec::new(), last: None }
+    pub(crate) fn new(retention: ContactRetention) -> Self {
+        Self { retention, rings: Vec::new(), last: None }
     }
 
     /// Adds a contact; contacts to keep are appended to `rows`.
-    pub fn felt(&mut self, whisker: usize, row: ContactRow, rows: &mut Vec<ContactRow>) {
-        match self.keep {
-            Keep::All => rows.push(row),
-            Keep::None => {}
-            Keep::Decisions => {
+    pub(crate) fn add_contact(&mut self, whisker: usize, row: ContactRow, rows: &mut Vec<ContactRow>) {
+        match self.retention {
+            ContactRetention::All => rows.push(row),
+            ContactRetention::None => {}
+            ContactRetention::Decisions => {
                 if self.rings.len() <= whisker {
                     self.rings.resize_with(whisker + 1, VecDeque::new);
                 }
@@ -61,20 +61,20 @@ impl Keeper {
     }
 
     /// Keeps the last contact, which is one of a compensator.
-    pub fn serves(&mut self, rows: &mut Vec<ContactRow>) {
+    pub(crate) fn keep_last(&mut self, rows: &mut Vec<ContactRow>) {
         let ring = self.last.take().and_then(|whisker| self.rings.get_mut(whisker));
         rows.extend(ring.and_then(VecDeque::pop_back));
     }
 
     /// Keeps the last contacts of a whisker, because a finding or decision was made about it.
-    pub fn decided(&mut self, whisker: usize, rows: &mut Vec<ContactRow>) {
+    pub(crate) fn keep_recent(&mut self, whisker: usize, rows: &mut Vec<ContactRow>) {
         if let Some(ring) = self.rings.get_mut(whisker) {
             rows.extend(ring.drain(..));
         }
     }
 
     /// Applies a new layout: `from` has the former index of each whisker that was there before.
-    pub fn laid_out(&mut self, from: &[Option<usize>]) {
+    pub(crate) fn laid_out(&mut self, from: &[Option<usize>]) {
         let mut before = std::mem::take(&mut self.rings);
         if !before.is_empty() {
             let mut ring = |was: &Option<usize>| was.and_then(|was| before.get_mut(was)).map(std::mem::take);
@@ -114,31 +114,31 @@ mod tests {
 
     #[test]
     fn all_and_none_are_what_they_say() {
-        for (keep, kept) in [(Keep::All, vec![0, 1, 2]), (Keep::None, vec![])] {
-            let (mut keeper, mut rows) = (Keeper::new(keep), Vec::new());
+        for (keep, kept) in [(ContactRetention::All, vec![0, 1, 2]), (ContactRetention::None, vec![])] {
+            let (mut filter, mut rows) = (ContactFilter::new(keep), Vec::new());
             for seq in 0..3 {
-                keeper.felt(0, row(0, seq), &mut rows);
-                keeper.serves(&mut rows);
+                filter.add_contact(0, row(0, seq), &mut rows);
+                filter.keep_last(&mut rows);
             }
-            keeper.decided(0, &mut rows);
+            filter.keep_recent(0, &mut rows);
             assert_eq!(seqs(&rows), kept);
-            assert!(keeper.rings.is_empty(), "no contacts are remembered");
+            assert!(filter.rings.is_empty(), "no contacts are remembered");
         }
     }
 
     #[test]
     fn the_last_contacts_before_a_decision_are_kept() {
-        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        let (mut filter, mut rows) = (ContactFilter::new(ContactRetention::Decisions), Vec::new());
         for seq in 0..100 {
-            keeper.felt(usize::from(seq % 2 == 1), row(0, seq), &mut rows);
+            filter.add_contact(usize::from(seq % 2 == 1), row(0, seq), &mut rows);
         }
         assert!(rows.is_empty());
-        keeper.decided(1, &mut rows);
+        filter.keep_recent(1, &mut rows);
         let odd: Vec<i64> = (0..100).filter(|seq| seq % 2 == 1).collect();
         assert_eq!(seqs(&rows), odd[odd.len() - REMEMBERED..]);
         rows.clear();
-        keeper.decided(1, &mut rows);
-        keeper.decided(9, &mut rows);
+        filter.keep_recent(1, &mut rows);
+        filter.keep_recent(9, &mut rows);
         assert!(rows.is_empty(), "none twice, and none of a whisker without contacts");
     }
 
@@ -149,33 +149,33 @@ mod tests {
 
     #[test]
     fn what_serves_is_kept_once() {
-        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
-        keeper.felt(0, row(0, 0), &mut rows);
-        keeper.felt(0, row(0, 1), &mut rows);
-        keeper.serves(&mut rows);
-        keeper.serves(&mut rows);
+        let (mut filter, mut rows) = (ContactFilter::new(ContactRetention::Decisions), Vec::new());
+        filter.add_contact(0, row(0, 0), &mut rows);
+        filter.add_contact(0, row(0, 1), &mut rows);
+        filter.keep_last(&mut rows);
+        filter.keep_last(&mut rows);
         assert_eq!(seqs(&rows), [1]);
-        keeper.decided(0, &mut rows);
+        filter.keep_recent(0, &mut rows);
         assert_eq!(seqs(&rows), [1, 0]);
         // A contact kept by a decision is not kept again as the last one.
-        keeper.felt(0, row(0, 2), &mut rows);
-        keeper.decided(0, &mut rows);
-        keeper.serves(&mut rows);
+        filter.add_contact(0, row(0, 2), &mut rows);
+        filter.keep_recent(0, &mut rows);
+        filter.keep_last(&mut rows);
         assert_eq!(seqs(&rows), [1, 0, 2]);
     }
 
     #[test]
     fn property_no_contact_is_kept_twice() {
-        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        let (mut filter, mut rows) = (ContactFilter::new(ContactRetention::Decisions), Vec::new());
         let mut noise: u64 = 1;
         for seq in 0..20_000 {
             noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let whisker = (noise >> 33) as usize % 5;
             match (noise >> 40) % 8 {
-                0 => keeper.decided(whisker, &mut rows),
-                1 => keeper.serves(&mut rows),
-                2 if seq % 50 == 0 => keeper.laid_out(&[Some(1), None, Some(0), Some(4), Some(2)]),
-                _ => keeper.felt(whisker, row(whisker, seq), &mut rows),
+                0 => filter.keep_recent(whisker, &mut rows),
+                1 => filter.keep_last(&mut rows),
+                2 if seq % 50 == 0 => filter.laid_out(&[Some(1), None, Some(0), Some(4), Some(2)]),
+                _ => filter.add_contact(whisker, row(whisker, seq), &mut rows),
             }
         }
         let mut kept = seqs(&rows);
@@ -187,13 +187,13 @@ mod tests {
 
     #[test]
     fn another_layout_takes_what_is_remembered_along() {
-        let (mut keeper, mut rows) = (Keeper::new(Keep::Decisions), Vec::new());
+        let (mut filter, mut rows) = (ContactFilter::new(ContactRetention::Decisions), Vec::new());
         for whisker in 0..3 {
-            keeper.felt(whisker, row(whisker, whisker as i64), &mut rows);
+            filter.add_contact(whisker, row(whisker, whisker as i64), &mut rows);
         }
-        keeper.laid_out(&[Some(2), None, Some(0)]);
+        filter.laid_out(&[Some(2), None, Some(0)]);
         for whisker in 0..3 {
-            keeper.decided(whisker, &mut rows);
+            filter.keep_recent(whisker, &mut rows);
         }
         assert_eq!(seqs(&rows), [2, 0]);
     }

@@ -20,41 +20,41 @@ const ANSWERS: usize = 256;
 
 /// Shared by the HTTP handlers and the fleets.
 #[derive(Debug, Clone)]
-pub struct Mailroom(Arc<Inner>);
+pub struct ActionNotifier(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    bells: Mutex<BTreeMap<Name, Arc<Notify>>>,
+    waiting: Mutex<BTreeMap<Name, Arc<Notify>>>,
     answered: broadcast::Sender<i64>,
     changed: watch::Sender<u64>,
 }
 
-impl Default for Mailroom {
+impl Default for ActionNotifier {
     fn default() -> Self {
         Self(Arc::new(Inner {
-            bells: Mutex::default(),
+            waiting: Mutex::default(),
             answered: broadcast::channel(ANSWERS).0,
             changed: watch::Sender::new(0),
         }))
     }
 }
 
-impl Mailroom {
+impl ActionNotifier {
     /// Announces a new action for a fleet. If the fleet is supervised here, its engine reads the action now; otherwise
     /// its owner finds it within a second in the table of actions.
-    pub fn ring(&self, fleet: &Name) {
-        if let Some(bell) = self.bells().get(fleet) {
-            bell.notify_one();
+    pub fn notify(&self, fleet: &Name) {
+        if let Some(waiting) = self.waiting().get(fleet) {
+            waiting.notify_one();
         }
     }
 
     /// Notified when a new action for a fleet arrives.
-    pub(crate) fn bell(&self, fleet: &Name) -> Arc<Notify> {
-        self.bells().entry(fleet.clone()).or_default().clone()
+    pub(crate) fn subscribe(&self, fleet: &Name) -> Arc<Notify> {
+        self.waiting().entry(fleet.clone()).or_default().clone()
     }
 
-    fn bells(&self) -> MutexGuard<'_, BTreeMap<Name, Arc<Notify>>> {
-        self.0.bells.lock().unwrap_or_else(PoisonError::into_inner)
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<Name, Arc<Notify>>> {
+        self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Announces a commit that changes what live pages show.
@@ -97,7 +97,7 @@ impl Mailroom {
             let next = deadline.min(now + POLL);
             loop {
                 tokio::select! {
-                    told = answered.recv() => match told {
+                    received = answered.recv() => match received {
                         Ok(other) if other != action_id => {}
                         // Also if the receiver lagged behind and missed answers.
                         Ok(_) | Err(broadcast::error::RecvError::Lagged(_) | broadcast::error::RecvError::Closed) => break,

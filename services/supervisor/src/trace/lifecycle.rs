@@ -17,8 +17,8 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::Traces;
-use super::span::{Draft, Place, time};
-use super::story::{self, Asked, Step, is_final, known_pressure};
+use super::content::{self, Step, TracedAction, is_final, known_pressure};
+use super::span::{Draft, SpanIds, time};
 use crate::ending::Ending;
 use vibrissa_edge::ids::command_uuid;
 use vibrissa_edge::ids::compensation_uuid;
@@ -31,33 +31,33 @@ const OPEN_MAX: usize = 4096;
 type Whisker = (Name, String, u16);
 
 /// The open traces of a fleet.
-pub(crate) struct Lives {
+pub(crate) struct OpenTraces {
     traces: Traces,
     fleet: Name,
-    open: BTreeMap<Uuid, Life>,
+    open: BTreeMap<Uuid, OpenTrace>,
     /// Number of steps that have led to spans.
     steps: u64,
     /// The spans that raised the suspicions under review, each with the number of its step.
     suspicions: BTreeMap<Whisker, (u64, Draft)>,
     /// The operator's action in execution.
-    asked: Option<Asked>,
-    untold: Untold,
+    action: Option<TracedAction>,
+    pending: PendingSpans,
 }
 
 /// Spans that may be exported after a commit.
 #[derive(Default)]
-pub(crate) struct Untold {
+pub(crate) struct PendingSpans {
     /// Spans and their places.
-    spans: Vec<(Draft, Place)>,
+    spans: Vec<(Draft, SpanIds)>,
     /// The traces that they belong to.
     touched: BTreeSet<Uuid>,
-    over: Vec<Uuid>,
+    ended: Vec<Uuid>,
     /// Setpoints among the publications.
     sending: Vec<Uuid>,
 }
 
 /// An open trace.
-struct Life {
+struct OpenTrace {
     name: String,
     robot: Name,
     began: SystemTime,
@@ -67,7 +67,7 @@ struct Life {
     is_committed: bool,
 }
 
-impl Lives {
+impl OpenTraces {
     pub(crate) fn new(traces: Traces, fleet: Name) -> Self {
         Self {
             traces,
@@ -75,8 +75,8 @@ impl Lives {
             open: BTreeMap::new(),
             steps: 0,
             suspicions: BTreeMap::new(),
-            asked: None,
-            untold: Untold::default(),
+            action: None,
+            pending: PendingSpans::default(),
         }
     }
 
@@ -84,22 +84,22 @@ impl Lives {
     pub(crate) fn take_up(&mut self, name: &Name, robot_id: i64, robot: &Robot) {
         for command in robot.commands_under_way() {
             let id = command_uuid(&self.fleet, name, command.key);
-            let life = self.life(name, robot, robot_id, command, id);
-            if self.begin(id, Life { is_committed: true, ..life }) {
+            let trace = self.trace(name, robot, robot_id, command, id);
+            if self.begin(id, OpenTrace { is_committed: true, ..trace }) {
                 self.moment(id, "take up", None);
             }
         }
     }
 
     /// Sets the operator's action in execution; `None` after it.
-    pub(crate) fn asked(&mut self, asked: Option<Asked>) {
-        self.asked = asked;
+    pub(crate) fn set_action(&mut self, action: Option<TracedAction>) {
+        self.action = action;
     }
 
     /// Adds the spans of a step of the core.
     pub(crate) fn stepped(&mut self, step: &Step<'_>) {
         self.steps += 1;
-        let draft = story::processing(step, self.asked.as_ref());
+        let draft = content::processing(step, self.action.as_ref());
         let mut decided = BTreeMap::new();
         for effect in step.effects {
             if let Effect::Decided(decision) = effect {
@@ -148,23 +148,23 @@ impl Lives {
     /// Begins the trace of a setpoint, with the suspicion that led to it.
     fn commanded(&mut self, step: &Step<'_>, command: &Command, target: Option<WhiskerIndex>, draft: &Draft) {
         let id = command_uuid(&self.fleet, step.name, command.key);
-        let mut life = self.life(step.name, step.robot, step.robot_id, command, id);
-        if let Some(asked) = &self.asked {
-            life.began = asked.asked.min(life.began);
-            life.attributes.extend(asked.attributes());
+        let mut trace = self.trace(step.name, step.robot, step.robot_id, command, id);
+        if let Some(action) = &self.action {
+            trace.began = action.requested.min(trace.began);
+            trace.attributes.extend(action.attributes());
         }
-        self.tell_beginning(step, id, life, target, draft);
+        self.begin_with_suspicion(step, id, trace, target, draft);
     }
 
     /// Makes a complete trace of a decision without a setpoint: no compensator is available, or an operator must
     /// approve it.
     fn decided(&mut self, step: &Step<'_>, number: u32, target: WhiskerIndex, draft: &Draft) {
         let id = compensation_uuid(&self.fleet, step.name, number);
-        let mut attributes = story::robot_of(&self.fleet, step.name).to_vec();
-        attributes.extend(story::whisker_of(step.robot, target));
+        let mut attributes = content::robot_of(&self.fleet, step.name).to_vec();
+        attributes.extend(content::whisker_of(step.robot, target));
         attributes.push(KeyValue::new("vibrissa.compensation_id", wide_id(step.robot_id, number)));
         let name = "decision".to_owned();
-        let life = Life {
+        let trace = OpenTrace {
             name,
             robot: step.name.clone(),
             began: draft.start,
@@ -172,15 +172,15 @@ impl Lives {
             status: Status::Unset,
             is_committed: false,
         };
-        self.tell_beginning(step, id, life, Some(target), draft);
-        self.untold.over.push(id);
+        self.begin_with_suspicion(step, id, trace, Some(target), draft);
+        self.pending.ended.push(id);
     }
 
-    fn tell_beginning(
+    fn begin_with_suspicion(
         &mut self,
         step: &Step<'_>,
         id: Uuid,
-        mut life: Life,
+        mut trace: OpenTrace,
         target: Option<WhiskerIndex>,
         draft: &Draft,
     ) {
@@ -188,76 +188,76 @@ impl Lives {
         // The same message may have raised the suspicion and confirmed it.
         let suspicion = suspicion.filter(|(number, _)| *number < self.steps).map(|(_, before)| before);
         if let Some(before) = &suspicion {
-            life.began = life.began.min(before.start);
+            trace.began = trace.began.min(before.start);
         }
-        if self.begin(id, life) {
+        if self.begin(id, trace) {
             for draft in suspicion.into_iter().chain([draft.clone()]) {
-                self.untold.spans.push((draft, Place::root(id).child()));
+                self.pending.spans.push((draft, SpanIds::root(id).child()));
             }
-            self.untold.touched.insert(id);
+            self.pending.touched.insert(id);
         }
     }
 
     /// Adds the span of a setpoint's state change, and ends the trace at a final state.
     fn answered(&mut self, id: Uuid, state: CommandState, error: Option<&'static str>, draft: Draft) {
-        let Some(life) = self.open.get_mut(&id) else { return };
-        self.untold.spans.push((draft, Place::root(id).child()));
-        self.untold.touched.insert(id);
+        let Some(trace) = self.open.get_mut(&id) else { return };
+        self.pending.spans.push((draft, SpanIds::root(id).child()));
+        self.pending.touched.insert(id);
         if is_final(state) {
-            life.attributes.push(KeyValue::new("vibrissa.setpoint_state", state.word()));
-            life.attributes.extend(error.map(|error| KeyValue::new("error.type", error)));
+            trace.attributes.push(KeyValue::new("vibrissa.setpoint_state", state.word()));
+            trace.attributes.extend(error.map(|error| KeyValue::new("error.type", error)));
             if !matches!(state, CommandState::Applied | CommandState::Superseded) {
-                life.status = Status::error(state.word());
+                trace.status = Status::error(state.word());
             }
-            self.untold.over.push(id);
+            self.pending.ended.push(id);
         }
     }
 
     /// Takes the spans of the steps so far, which belong to one transaction.
-    pub(crate) fn seal(&mut self) -> Untold {
-        std::mem::take(&mut self.untold)
+    pub(crate) fn seal(&mut self) -> PendingSpans {
+        std::mem::take(&mut self.pending)
     }
 
     /// Exports the spans of a transaction after its commit, which took `took`.
-    pub(crate) fn committed(&mut self, untold: &mut Untold, took: Duration) {
+    pub(crate) fn committed(&mut self, pending: &mut PendingSpans, took: Duration) {
         let done = SystemTime::now();
-        for (draft, place) in untold.spans.drain(..) {
-            self.traces.tell(draft, place);
+        for (draft, ids) in pending.spans.drain(..) {
+            self.traces.emit(draft, ids);
         }
-        for id in std::mem::take(&mut untold.touched) {
-            if let Some(life) = self.open.get_mut(&id) {
-                life.is_committed = true;
+        for id in std::mem::take(&mut pending.touched) {
+            if let Some(trace) = self.open.get_mut(&id) {
+                trace.is_committed = true;
             }
             let period = (done.checked_sub(took).unwrap_or(done), done);
             let draft = Draft::new("commit", SpanKind::Client, period)
                 .with("db.system.name", self.traces.0.database)
                 .with("db.operation.name", "COMMIT");
-            self.traces.tell(draft, Place::root(id).child());
+            self.traces.emit(draft, SpanIds::root(id).child());
         }
-        for id in std::mem::take(&mut untold.over) {
-            let Some(life) = self.open.remove(&id) else { continue };
-            let mut root = Draft::new(life.name, SpanKind::Internal, (life.began, done));
-            root.attributes = life.attributes;
-            root.status = life.status;
-            self.traces.tell(root, Place::root(id));
+        for id in std::mem::take(&mut pending.ended) {
+            let Some(trace) = self.open.remove(&id) else { continue };
+            let mut root = Draft::new(trace.name, SpanKind::Internal, (trace.began, done));
+            root.attributes = trace.attributes;
+            root.status = trace.status;
+            self.traces.emit(root, SpanIds::root(id));
         }
     }
 
     /// Notes that a setpoint is among the publications.
     pub(crate) fn sending(&mut self, name: &Name, command: &Command) {
-        self.untold.sending.push(command_uuid(&self.fleet, name, command.key));
+        self.pending.sending.push(command_uuid(&self.fleet, name, command.key));
     }
 
     /// Adds the spans of the publications, handed to the connection at `now`; `all` is false if some could not be.
-    pub(crate) fn published(&mut self, untold: Untold, now: SystemTime, all: bool) {
-        for id in untold.sending {
-            let Some(life) = self.open.get(&id) else { continue };
+    pub(crate) fn published(&mut self, pending: PendingSpans, now: SystemTime, all: bool) {
+        for id in pending.sending {
+            let Some(trace) = self.open.get(&id) else { continue };
             let draft = Draft::new("send setpoint", SpanKind::Producer, (now, now));
-            let mut draft = story::messaging(draft, RobotTopic::Setpoint, &self.fleet, &life.robot, "publish");
+            let mut draft = content::messaging(draft, RobotTopic::Setpoint, &self.fleet, &trace.robot, "publish");
             if !all {
                 draft.status = Status::error("not all messages were published; unanswered setpoints are sent again");
             }
-            self.traces.tell(draft, Place::root(id).child());
+            self.traces.emit(draft, SpanIds::root(id).child());
         }
     }
 
@@ -267,16 +267,16 @@ impl Lives {
             Ending::Stopped => "STOPPED",
             Ending::LeaseLost => "LEASE_LOST",
         };
-        for (id, _) in std::mem::take(&mut self.open).into_iter().filter(|(_, life)| life.is_committed) {
+        for (id, _) in std::mem::take(&mut self.open).into_iter().filter(|(_, trace)| trace.is_committed) {
             self.moment(id, "hand over", Some(word));
         }
     }
 
     /// A setpoint's trace. Every supervisor that knows the setpoint derives the same one.
-    fn life(&self, name: &Name, robot: &Robot, robot_id: i64, command: &Command, id: Uuid) -> Life {
-        let mut attributes = story::robot_of(&self.fleet, name).to_vec();
-        attributes.extend(story::setpoint(robot, robot_id, command, id.to_string()));
-        Life {
+    fn trace(&self, name: &Name, robot: &Robot, robot_id: i64, command: &Command, id: Uuid) -> OpenTrace {
+        let mut attributes = content::robot_of(&self.fleet, name).to_vec();
+        attributes.extend(content::setpoint(robot, robot_id, command, id.to_string()));
+        OpenTrace {
             name: format!("setpoint {}", command.reason.word()),
             robot: name.clone(),
             began: time(command.issued),
@@ -287,10 +287,10 @@ impl Lives {
     }
 
     /// Opens a trace. False if too many traces are open.
-    fn begin(&mut self, id: Uuid, life: Life) -> bool {
+    fn begin(&mut self, id: Uuid, trace: OpenTrace) -> bool {
         let is_followed = self.open.len() < OPEN_MAX;
         if is_followed {
-            self.open.insert(id, life);
+            self.open.insert(id, trace);
         } else {
             self.traces.drop_one();
         }
@@ -301,7 +301,7 @@ impl Lives {
         let now = SystemTime::now();
         let mut draft = Draft::new(name, SpanKind::Internal, (now, now));
         draft.attributes.extend(ending.map(|ending| KeyValue::new("vibrissa.ending", ending)));
-        self.traces.tell(draft, Place::root(id).child());
+        self.traces.emit(draft, SpanIds::root(id).child());
     }
 }
 

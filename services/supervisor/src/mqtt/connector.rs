@@ -20,7 +20,7 @@ pub(super) struct LookupError(pub(super) String);
 /// Connects by TCP to the first address of a host that answers.
 ///
 /// `reached` is set once a TCP connection is up: later failures are not due to the network.
-pub(super) async fn dial(host: String, port: u16, reached: Arc<AtomicBool>) -> io::Result<TcpStream> {
+pub(super) async fn connect(host: String, port: u16, reached: Arc<AtomicBool>) -> io::Result<TcpStream> {
     reached.store(false, Ordering::Relaxed);
     let unknown = |why: String| io::Error::other(LookupError(why));
     let addresses = lookup_host((host.as_str(), port)).await.map_err(|problem| unknown(problem.to_string()))?;

@@ -19,7 +19,7 @@ const OTHERS_FOR: Duration = Duration::from_secs(60);
 
 /// The newest setpoints of one robot, in the order in which they were issued.
 #[derive(Debug, Default)]
-pub(super) struct Commands {
+pub(crate) struct Commands {
     newest: VecDeque<Remembered>,
     /// `seq` of the last `setpoint_state`, with the number of its boot.
     answered: Option<(i64, u64)>,
@@ -33,12 +33,12 @@ struct Remembered {
     id: Uuid,
     until: Instant,
     /// The robot's last answer to this setpoint.
-    said: Option<SetpointOutcome>,
+    answer: Option<SetpointOutcome>,
 }
 
 /// Whether a `setpoint_state` is consistent with the setpoints sent and the answers received before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Plausibility {
+pub(crate) enum Plausibility {
     /// The state is consistent.
     Fits,
     /// No setpoint with this id was sent to the robot.
@@ -49,13 +49,13 @@ pub(super) enum Plausibility {
 
 impl Commands {
     /// For a robot that another supervisor may have commanded before.
-    pub(super) fn taken_up() -> Self {
+    pub(crate) fn taken_up() -> Self {
         Self { others_until: Some(Instant::now() + OTHERS_FOR), ..Self::default() }
     }
 
     /// Deadline for sending a setpoint, by the monotonic clock. `valid_for` counts from the time of issue, `now` is the
     /// wall clock. The deadline is computed once, so a clock that is set back does not extend it.
-    pub(super) fn until(
+    pub(crate) fn until(
         &mut self,
         command: &Command,
         id: Uuid,
@@ -71,18 +71,18 @@ impl Commands {
         while self.newest.len() >= REMEMBERED + under_way {
             self.newest.pop_front();
         }
-        self.newest.push_back(Remembered { key: command.key, id, until, said: None });
+        self.newest.push_back(Remembered { key: command.key, id, until, answer: None });
         until
     }
 
     /// Judges a state, and remembers it. A message that MQTT delivers twice has the same `seq` again.
-    pub(super) fn judge(&mut self, told: &SetpointState, boot: i64, is_under_way: bool) -> Plausibility {
-        let is_new = self.answered.is_none_or(|(before, seq)| before != boot || told.seq > seq);
+    pub(crate) fn judge(&mut self, report: &SetpointState, boot: i64, is_under_way: bool) -> Plausibility {
+        let is_new = self.answered.is_none_or(|(before, seq)| before != boot || report.seq > seq);
         if is_new {
-            self.answered = Some((boot, told.seq));
+            self.answered = Some((boot, report.seq));
         }
         let mut buffer = Uuid::encode_buffer();
-        let mut is_named = |one: &Remembered| *one.id.hyphenated().encode_lower(&mut buffer) == told.command_id;
+        let mut is_named = |one: &Remembered| *one.id.hyphenated().encode_lower(&mut buffer) == report.command_id;
         let Some(known) = self.newest.iter_mut().find(|one| is_named(one)) else {
             let is_others = self.others_until.is_some_and(|until| Instant::now() < until);
             return if is_under_way || is_others { Plausibility::Fits } else { Plausibility::UnknownCommand };
@@ -90,14 +90,14 @@ impl Commands {
         if !is_new {
             return Plausibility::Fits;
         }
-        let is_backward = known.said.is_some_and(|said| {
-            let contradicts = said.is_final() && said != told.state;
-            contradicts || stage(told.state) < stage(said)
+        let is_backward = known.answer.is_some_and(|answer| {
+            let contradicts = answer.is_final() && answer != report.state;
+            contradicts || stage(report.state) < stage(answer)
         });
         if is_backward {
             return Plausibility::Backward;
         }
-        known.said = Some(told.state);
+        known.answer = Some(report.state);
         Plausibility::Fits
     }
 }

@@ -1,0 +1,101 @@
+//! Sources of a fleet's allow list: a file, and a list that was set over HTTP.
+
+use std::sync::Arc;
+
+use tokio::sync::watch;
+use tracing::{info, warn};
+use vibrissa_protocol::Name;
+
+use super::allow_list::AllowList;
+use super::commit::committer::Committer;
+use super::shard::shards::Shards;
+use crate::robots_file::RobotsFile;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::allowed::{AllowedReading, names_of};
+
+/// Sources of a fleet's allow list.
+#[derive(Debug)]
+pub(crate) struct AllowListSources {
+    fleet: Name,
+    file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Version of the list that was set over HTTP; 0 before the first.
+    version: i64,
+    list: AllowList,
+    /// The lists have changed, so that refused robots may be allowed now.
+    has_changed: bool,
+}
+
+impl AllowListSources {
+    /// A list that was `set` over HTTP, and a file that may change later.
+    pub(crate) fn new(
+        fleet: Name,
+        set: Option<&AllowedReading>,
+        file: Option<watch::Receiver<Arc<RobotsFile>>>,
+        shards: &mut Shards,
+    ) -> Self {
+        let mut sources = Self { fleet, file, version: 0, list: AllowList::default(), has_changed: false };
+        if let Some(set) = set {
+            sources.set(set, shards);
+        }
+        sources.read_file(shards);
+        sources
+    }
+
+    /// Whether the lists have changed since the last call.
+    pub(crate) fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
+    }
+
+    /// Reads the file again if it has changed.
+    pub(crate) fn read_changed_file(&mut self, shards: &mut Shards) {
+        if self.file.as_ref().is_some_and(|file| file.has_changed().unwrap_or_default()) {
+            self.read_file(shards);
+            self.has_changed = true;
+        }
+    }
+
+    fn read_file(&mut self, shards: &mut Shards) {
+        let Some(file) = &mut self.file else { return };
+        self.list.set_file(file.borrow_and_update().of_fleet(&self.fleet));
+        self.apply(shards);
+    }
+
+    /// Applies a list that was set over HTTP.
+    fn set(&mut self, reading: &AllowedReading, shards: &mut Shards) {
+        self.version = reading.version;
+        self.list.set_listed(reading.robots.as_deref().map(|names| names_of(names).collect()));
+        self.apply(shards);
+    }
+
+    fn apply(&self, shards: &mut Shards) {
+        let [in_file, set] = self.list.counts();
+        info!(fleet = %self.fleet, ?in_file, ?set, "allow list loaded");
+        shards.set_allow_list(&self.list);
+    }
+
+    /// Reads the list that was set over HTTP if it has changed, and writes the refused robots. If the database is
+    /// unreachable, this does not wait.
+    pub(crate) async fn refresh(&mut self, committer: &mut Committer, shards: &mut Shards) {
+        let (writer, lease) = committer.database();
+        match writer.allowed_robots(lease, self.version).await {
+            Ok(None) => {}
+            Ok(Some(reading)) => {
+                self.set(&reading, shards);
+                self.has_changed = true;
+            }
+            Err(problem) => return committer.failed(&problem, "cannot read the allow list"),
+        }
+        self.write_refused_robots(committer, shards).await;
+    }
+
+    async fn write_refused_robots(&self, committer: &mut Committer, shards: &mut Shards) {
+        let Some(rows) = shards.refused_robots() else { return };
+        let (writer, lease) = committer.database();
+        match writer.write_turned_away(lease, &rows).await {
+            Ok(()) => shards.refused_robots_written(),
+            Err(problem) => {
+                warn!(%problem, fleet = %self.fleet, at = wall_clock().0, "cannot write the refused robots")
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Tests of the journal: the layout of its entries, and reading rows that are joined, cut off, or newer.
+
+use vibrissa_core::robot::Numbers;
+use vibrissa_protocol::{self as protocol, BootId, Name};
+
+use crate::engine::robot::retention::ContactRetention;
+
+use super::*;
+
+/// Bytes of each version, as written by the program of that version. If this fails because the bytes have changed:
+/// raise the version, keep a reader for the old one, and add a file for the new one.
+#[test]
+fn golden_entries_of_version_1_are_read_and_become_version_2() {
+    let of_version_1 = include_bytes!("../../../../../../tests/data/formats/journal-1.bin");
+    let of_version_2 = include_bytes!("../../../../../../tests/data/formats/journal-2.bin");
+    let entries: Vec<Entry> = read(of_version_1).map(Result::unwrap).collect();
+    let contacts = entries.iter().filter(|entry| matches!(entry.event, JournalEvent::Contacts { .. })).count();
+    let statuses = entries.iter().filter(|entry| matches!(entry.event, JournalEvent::Status { .. })).count();
+    assert!(contacts > 0 && statuses > 0, "{contacts} and {statuses}");
+    assert!(read(of_version_2).map(Result::unwrap).eq(entries.iter().cloned()));
+    let mut journal = Journal::default();
+    entries.iter().for_each(|entry| journal.write(entry));
+    assert_eq!(journal.take().0, of_version_2);
+}
+
+#[test]
+fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
+    let mut known =
+        KnownRobot::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()), ContactRetention::All);
+    known.boots.insert("b", 3);
+    let contact = Contact {
+        array: "nowhere",
+        whisker: 5,
+        robot_time: Micros(11),
+        ratio: ContactRatio::known(0.7),
+        deflection: Millimetre::known(3.0),
+        strain: Strain::known(0.001),
+        pressure: Megapascal::known(0.1),
+    };
+    let mut journal = Journal::default();
+    let contacts = [contact; 2];
+    let event = Event::Contacts { boot_id: "b", seq: 9, contacts: &contacts };
+    let sent = |temperature_c| protocol::Contact {
+        array: Name::new("nowhere").unwrap(),
+        whisker: 5,
+        t_us: 11,
+        ratio: 0.7,
+        deflection_mm: 3.0,
+        strain: 0.001,
+        pressure_mpa: 0.1,
+        temperature_c,
+    };
+    let boot_id = BootId::new("b").unwrap();
+    let message = protocol::Contacts { boot_id, seq: 9, contacts: vec![sent(21.0), sent(22.0)] };
+    journal.contacts(&known, Micros(100), &event, Some(&message));
+    journal.tick(&known, Micros(200));
+    journal.contacts(&known, Micros(300), &event, None);
+    let (bytes, count) = journal.take();
+    assert_eq!((count, journal.is_empty()), (2, true));
+    let entries: Vec<Entry> = read(&bytes).map(Result::unwrap).collect();
+    let kept = |temperatures: &[f64]| {
+        temperatures.iter().map(|&one| JournalContact::of(&known.robot, &contact, one)).collect()
+    };
+    let contacts_of = |temperatures| JournalEvent::Contacts { boot: 3, seq: 9, contacts: kept(temperatures) };
+    let entry = |now, event| Entry { robot_id: 7, now: Micros(now), event };
+    assert_eq!(
+        entries,
+        [entry(100, contacts_of(&[21.0, 22.0])), entry(200, JournalEvent::Tick), entry(300, contacts_of(&[]))]
+    );
+    let JournalEvent::Contacts { contacts, .. } = &entries[0].event else { panic!("contacts") };
+    let arrays = ["a".to_owned()];
+    assert_eq!(contacts[0].contact(&arrays), Some(Contact { array: "", ..contact }), "an unknown array");
+    // Concatenated rows, and rows of version 1, have the same entries.
+    let parts: Vec<u8> = by_robot(&bytes).into_iter().flat_map(|(_, entries)| entries).collect();
+    for row in [[&parts[..], &bytes].concat(), [&bytes[8..], &bytes[8..]].concat()] {
+        assert!(read(&row).map(Result::unwrap).eq(entries.iter().chain(&entries).cloned()));
+    }
+    let newer = [&(-VERSION - 1).to_le_bytes()[..], &bytes[8..]].concat();
+    let refused: Vec<_> = read(&newer).collect();
+    assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 3")), "{refused:?}");
+    let cut: Vec<_> = read(&bytes[..bytes.len() - 1]).collect();
+    assert_eq!(cut.iter().filter(|entry| entry.is_ok()).count(), 2);
+    assert_eq!(cut.iter().filter(|entry| entry.is_err()).count(), 1);
+}

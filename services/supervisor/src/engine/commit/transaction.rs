@@ -1,0 +1,160 @@
+//! A sealed transaction on its way to the database.
+
+use std::collections::{BTreeSet, HashMap};
+
+use vibrissa_protocol::{Name, RobotTopic};
+
+use crate::engine::commit::journal;
+use crate::engine::message::{MessageTimes, RawMessage};
+use crate::outbox::Publication;
+use crate::trace::PendingSpans;
+use vibrissa_store::Batch;
+use vibrissa_store::batch::{JournalRow, Owner, Owners, Record};
+
+/// State of a sealed transaction before its next write: see the diagram in [`super`].
+#[derive(Debug, Default)]
+pub(super) enum Stage {
+    /// Its rows are to be written; its publications follow.
+    #[default]
+    Sealed,
+    /// These bytes are to be written to the intent log first; its publications follow.
+    Intent(Vec<u8>),
+    /// Its intent is committed, and its publications are out; its rows are to be written.
+    IntentCommitted,
+}
+
+/// A sealed transaction.
+#[derive(Default)]
+pub(crate) struct SealedTransaction {
+    /// Number of the transaction in the fleet's journal.
+    pub(super) number: i64,
+    pub(super) stage: Stage,
+    pub(super) rows: Batch,
+    pub(super) publications: Vec<Publication>,
+    /// The messages behind the rows.
+    pub(super) messages: Vec<RawMessage>,
+    pub(super) times: Vec<MessageTimes>,
+    /// Spans of the transaction, by shard.
+    pub(super) spans: Vec<PendingSpans>,
+    /// Actions whose answers are in the rows.
+    pub(super) answered: Vec<i64>,
+    /// Number of contacts in the journal entries.
+    pub(super) journal_contacts: usize,
+}
+
+impl SealedTransaction {
+    /// A transaction without any content.
+    pub(crate) fn new(number: i64, answered: Vec<i64>) -> Self {
+        Self { number, answered, ..Self::default() }
+    }
+
+    /// Number of the transaction in the fleet's journal.
+    pub(crate) fn number(&self) -> i64 {
+        self.number
+    }
+
+    /// Adds the spans of a shard's steps.
+    pub(crate) fn push_spans(&mut self, spans: PendingSpans) {
+        self.spans.push(spans);
+    }
+
+    /// Adds a shard's journal entries, which contain `contacts` contacts.
+    pub(super) fn append_entries(&mut self, entries: Vec<u8>, contacts: usize) {
+        self.journal_contacts += contacts;
+        if entries.is_empty() {
+            return;
+        }
+        match &mut self.rows.journal {
+            Some(row) => row.entries.extend_from_slice(&entries),
+            None => self.rows.journal = Some(JournalRow { number: self.number, entries }),
+        }
+    }
+
+    /// Whether there is nothing to write or to publish.
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.is_empty() && self.publications.is_empty()
+    }
+
+    /// Takes the actions whose answers are committed with the rows.
+    pub(crate) fn take_answered(&mut self) -> Vec<i64> {
+        std::mem::take(&mut self.answered)
+    }
+
+    /// Whether there are rows that live pages show.
+    pub(crate) fn has_records(&self) -> bool {
+        !self.rows.records.is_empty()
+    }
+
+    /// Removes a robot whose rows the database has left out, and returns its messages. Actions whose answers were left
+    /// out are pending again.
+    pub(crate) fn remove_rejected(&mut self, share: &RobotShare) -> Vec<RawMessage> {
+        share.remove_publications(&mut self.publications);
+        let committed = answers(&self.rows.records);
+        self.answered.retain(|action_id| committed.contains(action_id));
+        share.take_messages(&mut self.messages)
+    }
+
+    /// Removes a robot from a transaction whose rows are not written yet, and returns its messages.
+    pub(super) fn remove(&mut self, share: &RobotShare) -> Vec<RawMessage> {
+        share.remove_rows(&mut self.rows);
+        if let Some(journal) = &mut self.rows.journal {
+            let others = journal::by_robot(&journal.entries).into_iter().filter(|(other, _)| *other != share.robot_id);
+            journal.entries = others.flat_map(|(_, entries)| entries).collect();
+        }
+        // The robot's earlier entries may be needed again.
+        self.rows.journal_done = None;
+        share.remove_publications(&mut self.publications);
+        share.take_messages(&mut self.messages)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn into_rows(self) -> Batch {
+        self.rows
+    }
+}
+
+/// Ids of the actions that are answered in these rows.
+pub(crate) fn answers(records: &[Record]) -> BTreeSet<i64> {
+    let mut ids = BTreeSet::new();
+    for record in records {
+        if let Record::Answer { action_id, .. } = record {
+            ids.insert(*action_id);
+        }
+    }
+    ids
+}
+
+/// Selects a robot's share of a transaction.
+pub(crate) struct RobotShare {
+    robot: Name,
+    robot_id: i64,
+    owners: Owners,
+    /// Beginning of the robot's topics.
+    topic_prefix: String,
+}
+
+impl RobotShare {
+    /// The share of a robot with these whiskers.
+    pub(crate) fn of(fleet: &Name, robot: &Name, robot_id: i64, whisker_ids: &[i64]) -> Self {
+        let whiskers: HashMap<i64, i64> = whisker_ids.iter().map(|&whisker_id| (whisker_id, robot_id)).collect();
+        let topic = RobotTopic::Receipt.of(fleet, robot).to_string();
+        let topic_prefix = topic.strip_suffix(RobotTopic::Receipt.as_str()).unwrap_or(&topic).to_owned();
+        Self { robot: robot.clone(), robot_id, owners: Owners { whiskers, ..Owners::default() }, topic_prefix }
+    }
+
+    pub(super) fn robot_id(&self) -> i64 {
+        self.robot_id
+    }
+
+    pub(super) fn remove_rows(&self, rows: &mut Batch) {
+        rows.retain(&self.owners, |owner| owner != Owner::Robot(self.robot_id));
+    }
+
+    pub(super) fn remove_publications(&self, publications: &mut Vec<Publication>) {
+        publications.retain(|publication| !publication.topic.starts_with(&self.topic_prefix));
+    }
+
+    pub(super) fn take_messages(&self, messages: &mut Vec<RawMessage>) -> Vec<RawMessage> {
+        messages.extract_if(.., |message| message.robot == self.robot).collect()
+    }
+}

@@ -1,0 +1,176 @@
+//! A robot as the engine knows it: the core's state, its rows in the database, and the answers that it may still give.
+
+pub(crate) mod boots;
+pub(crate) mod commands;
+pub(crate) mod errors;
+pub(crate) mod fingerprints;
+pub(crate) mod history;
+pub(crate) mod limits;
+pub(crate) mod retention;
+pub mod rollup;
+pub(crate) mod seqs;
+
+use std::time::Instant;
+
+use indexmap::IndexMap;
+use smallvec::SmallVec;
+use tracing::error;
+use vibrissa_core::policy::Case;
+use vibrissa_core::robot::event::Factsheet;
+use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
+use vibrissa_core::text::ShortText;
+use vibrissa_protocol::{BootId, Name};
+
+use boots::Boots;
+use commands::Commands;
+use errors::MeasuredErrors;
+use fingerprints::Fingerprints;
+use history::History;
+use limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
+use retention::ContactRetention;
+use seqs::Seqs;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::StoredRobot;
+use vibrissa_store::batch::Record;
+
+/// Robots by name, in the order in which they became known. None is ever removed, so indices stay valid.
+pub(crate) type Robots = IndexMap<Name, KnownRobot>;
+
+/// A robot with its row ids in the database.
+pub(crate) struct KnownRobot {
+    pub(crate) name: Name,
+    pub(crate) robot_id: i64,
+    pub(crate) robot: Robot,
+    pub(crate) whisker_ids: Vec<i64>,
+    pub(crate) boots: Boots,
+    /// Limits the rate of new boots.
+    pub(crate) new_boots: Bucket,
+    /// Limits the rate of new layouts.
+    pub(crate) new_layouts: Bucket,
+    /// Last time that its silence timer was restarted because its messages were shed.
+    pub(crate) silence_restarted: Option<Instant>,
+    /// The last boot refused by the rate limit; it is accepted once the limit allows it.
+    pub(crate) refused_boot: Option<BootId>,
+    /// Next `seq` of each topic to this robot.
+    pub(crate) seqs: Seqs,
+    /// Last measured error of each compensation.
+    pub(crate) errors: MeasuredErrors,
+    /// History of its contacts on the way to the tables.
+    pub(crate) history: History,
+    /// Where its state is durable.
+    pub(crate) durable: Durable,
+    /// Setpoints sent to it.
+    pub(crate) commands: Commands,
+    /// Hashes of its newest `contacts` messages.
+    pub(crate) fingerprints: Fingerprints,
+    /// Boots whose contacts are due for a receipt.
+    pub(crate) receipts_due: SmallVec<[ShortText; 1]>,
+    /// The database has repeatedly rejected its rows: it gets no events for a while.
+    pub(crate) rests: bool,
+}
+
+/// Where a robot's durable state is, once the open batch is committed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Durable {
+    /// In its checkpoint.
+    Checkpoint,
+    /// In its checkpoint, and in the journal's entries from this number on.
+    Journal(i64),
+    /// In a checkpoint that the open batch must write.
+    NextCheckpoint,
+    /// In a checkpoint older than its takeover here, to which no journal entry may be added.
+    BeforeTakeover,
+}
+
+impl KnownRobot {
+    /// A new robot.
+    pub(crate) fn new(name: Name, robot_id: i64, robot: Robot, retention: ContactRetention) -> Self {
+        Self {
+            name,
+            robot_id,
+            robot,
+            whisker_ids: Vec::new(),
+            boots: Boots::default(),
+            new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
+            new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
+            silence_restarted: None,
+            refused_boot: None,
+            seqs: Seqs::default(),
+            errors: MeasuredErrors::default(),
+            history: History::new(retention),
+            durable: Durable::Checkpoint,
+            commands: Commands::default(),
+            fingerprints: Fingerprints::default(),
+            receipts_due: SmallVec::new(),
+            rests: false,
+        }
+    }
+
+    /// A robot as it was stored, before it is taken over. Bytes of another version of the program cannot be read: then
+    /// the robot starts without learned state and without alarms, as the returned record says, and is held as a whole
+    /// if any part of it was.
+    pub(crate) fn restored(
+        name: Name,
+        stored: StoredRobot,
+        epoch: u64,
+        params: &Params,
+        retention: ContactRetention,
+    ) -> (Self, Option<Record>) {
+        let restored = stored.state.as_ref().map(|state| Robot::restore(state, &stored.whisker_states));
+        let mut forgotten = None;
+        let (robot, whisker_ids) = match restored {
+            Some(Ok(mut robot)) => {
+                robot.share_models(params);
+                (robot, stored.whisker_ids)
+            }
+            Some(Err(problem)) => {
+                error!(robot = stored.robot, %problem, "cannot read the checkpoint, its learned state is lost");
+                let now = wall_clock();
+                forgotten = Some(Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 });
+                let mut robot = Robot::new(epoch, stored.numbers).taken_up();
+                if stored.held {
+                    let hold = OperatorAction::Hold(Scope::Robot);
+                    robot.step(params, now, &Event::Operator(&hold), &mut Vec::new());
+                }
+                (robot, Vec::new())
+            }
+            None => (Robot::new(epoch, stored.numbers), Vec::new()),
+        };
+        let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
+        let history = History::taken_up(retention, rollups, wall_clock());
+        let new = Self::new(name, stored.robot_id, robot, retention);
+        (Self { whisker_ids, boots: stored.boots.into(), history, ..new }, forgotten)
+    }
+
+    /// Starts supervision under a new epoch.
+    pub(crate) fn begin(&mut self, epoch: u64, params: &Params) {
+        self.robot.take_up(epoch, wall_clock());
+        self.errors = MeasuredErrors::of(&self.robot, params);
+        self.durable = Durable::BeforeTakeover;
+        self.commands = Commands::taken_up();
+    }
+
+    /// Number of a boot, 0 if it has none.
+    pub(crate) fn boot(&self, boot_id: &str) -> i64 {
+        self.boots.get(boot_id).unwrap_or_default()
+    }
+
+    /// Whether a factsheet contains nothing new, and all its whiskers have row ids.
+    pub(crate) fn is_laid_out(&self, factsheet: &Factsheet) -> bool {
+        self.robot.is_as_known(factsheet) && self.whisker_ids.len() == self.robot.whisker_count()
+    }
+
+    pub(crate) fn whisker_id(&self, index: usize) -> i64 {
+        self.whisker_ids.get(index).copied().unwrap_or_default()
+    }
+
+    /// Target of a compensation that is in force or proposed.
+    pub(crate) fn target_of(&self, compensation: u32) -> Option<usize> {
+        self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.target())
+    }
+
+    /// Case of a compensation that is in force or proposed.
+    pub(crate) fn case_of(&self, compensation: u32) -> Option<Case> {
+        self.robot.compensations().iter().find(|one| one.id() == compensation).map(|one| one.case())
+    }
+}

@@ -1,0 +1,29 @@
+//! Numbers of the messages to one robot.
+
+/// Next `seq` of each topic to one robot, in this boot of the supervisor.
+#[derive(Debug, Default)]
+pub(crate) struct Seqs {
+    receipt: u64,
+    setpoint: u64,
+    request: u64,
+}
+
+impl Seqs {
+    pub(crate) fn next_receipt(&mut self) -> u64 {
+        next(&mut self.receipt)
+    }
+
+    pub(crate) fn next_setpoint(&mut self) -> u64 {
+        next(&mut self.setpoint)
+    }
+
+    pub(crate) fn next_request(&mut self) -> u64 {
+        next(&mut self.request)
+    }
+}
+
+fn next(seq: &mut u64) -> u64 {
+    let now = *seq;
+    *seq += 1;
+    now
+}

@@ -1,0 +1,246 @@
+//! A part of a fleet's robots. Each robot has one owner, its shard. Shards share nothing, so they work in parallel.
+//!
+//! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
+//! - [`reports`]: contacts, status and setpoint states of a known robot become events.
+//! - [`stepper`]: an event is stepped through the core.
+//! - [`record`], [`rows`]: its effects become rows.
+//! - [`publication`]: setpoints, receipts and requests.
+
+mod announced;
+mod messages;
+mod publication;
+mod record;
+mod reports;
+mod rows;
+pub(crate) mod shards;
+pub(crate) mod stepper;
+
+use std::hash::RandomState;
+use std::time::{Duration, Instant};
+
+use vibrissa_core::robot::{Event, Outcome};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, Name};
+
+use crate::engine::allow_list::{AllowList, RefusedRobots};
+use crate::engine::commit::batch::OpenBatch;
+use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::transaction::SealedTransaction;
+use crate::engine::message::RawMessage;
+use crate::engine::robot::Robots;
+
+use announced::Announced;
+use stepper::Stepper;
+
+/// Shortest interval between two restarts of a robot's silence timer after its messages were shed: a third of the time
+/// after which the robot counts as silent.
+const RESTART_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Receipts and waiting checkpoints are part of a transaction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Receipts {
+    /// Time of sealing.
+    pub(crate) now: Micros,
+    /// Limit of the shard's robots that get receipts.
+    pub(crate) robots_max: usize,
+}
+
+/// A part of a fleet's robots, and their open batch.
+pub(crate) struct Shard {
+    robots: Robots,
+    /// Robots whose factsheets are missing.
+    announced: Announced,
+    stepper: Stepper,
+    /// The epoch of the fleet's lease.
+    epoch: u64,
+    /// Number of robots that have got the current tick, if it was interrupted.
+    tick_resumes_at: Option<usize>,
+    allow_list: AllowList,
+    /// Robots that are not on the allow list.
+    refused_robots: RefusedRobots,
+    /// Keys of the hashes of messages.
+    hashers: RandomState,
+    /// Contacts of a handled message; the allocation is reused.
+    contacts: Vec<protocol::Contact>,
+}
+
+impl Shard {
+    /// One of `shards` shards, without robots.
+    pub(crate) fn new(stepper: Stepper, epoch: u64, shards: usize) -> Self {
+        Self {
+            robots: Robots::new(),
+            announced: Announced::of_shards(shards),
+            stepper,
+            epoch,
+            tick_resumes_at: None,
+            allow_list: AllowList::default(),
+            refused_robots: RefusedRobots::default(),
+            hashers: RandomState::new(),
+            contacts: Vec::new(),
+        }
+    }
+
+    pub(crate) fn robots(&self) -> &Robots {
+        &self.robots
+    }
+
+    pub(crate) fn robots_mut(&mut self) -> &mut Robots {
+        &mut self.robots
+    }
+
+    pub(crate) fn stepper_mut(&mut self) -> &mut Stepper {
+        &mut self.stepper
+    }
+
+    /// The robots, and the stepper for their events.
+    pub(crate) fn parts(&mut self) -> (&mut Robots, &mut Stepper) {
+        (&mut self.robots, &mut self.stepper)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn metrics(&self) -> &crate::metrics::FleetMetrics {
+        &self.stepper.metrics
+    }
+
+    /// The open batch.
+    pub(crate) fn batch(&self) -> &OpenBatch {
+        &self.stepper.batch
+    }
+
+    pub(crate) fn batch_mut(&mut self) -> &mut OpenBatch {
+        &mut self.stepper.batch
+    }
+
+    pub(crate) fn refused_robots(&self) -> &RefusedRobots {
+        &self.refused_robots
+    }
+
+    pub(crate) fn refused_robots_mut(&mut self) -> &mut RefusedRobots {
+        &mut self.refused_robots
+    }
+
+    /// Sets the allow list. Robots that are allowed now are no longer listed as refused.
+    pub(crate) fn set_allow_list(&mut self, list: AllowList) {
+        self.refused_robots.retain(|robot| !list.permits(robot));
+        self.allow_list = list;
+    }
+
+    /// Steps one robot; `None` if it is not known.
+    pub(crate) fn step_robot(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
+        Some(self.stepper.step(self.robots.get_mut(name)?, now, event, None))
+    }
+
+    /// Handles messages that need no row ids from the database, and keeps those with effects.
+    pub(super) fn handle_all(&mut self, messages: &mut Vec<RawMessage>) {
+        for raw in messages.drain(..) {
+            self.stepper.has_stepped = false;
+            self.handle(&raw);
+            if self.stepper.has_stepped {
+                self.stepper.batch.push_message(raw);
+            }
+        }
+    }
+
+    /// Whether the current tick was interrupted.
+    pub(crate) fn is_tick_under_way(&self) -> bool {
+        self.tick_resumes_at.is_some()
+    }
+
+    /// Steps a tick through the robots, beginning with the first that has not got it yet, until so many whiskers need a
+    /// checkpoint. The limit keeps an event that affects a whole fleet from blocking everything else with one long
+    /// transaction. Returns false if the tick is interrupted.
+    pub(crate) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
+        let first = self.tick_resumes_at.take().unwrap_or_default();
+        if first == 0 {
+            self.announced.tick(&mut self.stepper, now);
+        }
+        for (index, known) in self.robots.values_mut().enumerate().skip(first) {
+            if known.rests {
+                continue;
+            }
+            self.stepper.accept_refused_boot(known, now);
+            self.stepper.step(known, now, &Event::Tick, None);
+            if self.stepper.batch.decided_whiskers() >= whiskers_max {
+                self.tick_resumes_at = Some(index + 1);
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Restarts the silence timers of all robots, because this supervisor was deaf.
+    pub(crate) fn restart_silence_timers(&mut self, now: Micros) {
+        for known in self.robots.values_mut() {
+            known.robot.listen_from(now);
+            // A journal entry may be replayed only after a checkpoint that contains this change.
+            self.stepper.batch.checkpoint(known);
+        }
+    }
+
+    /// Restarts the robot's silence timer after its messages were shed. Each restart needs a checkpoint, so they are
+    /// limited.
+    pub(crate) fn restart_silence_timer(&mut self, name: &Name, now: Micros) {
+        let Some(known) = self.robots.get_mut(name) else { return };
+        if known.silence_restarted.is_none_or(|last| last.elapsed() >= RESTART_INTERVAL) {
+            known.silence_restarted = Some(Instant::now());
+            known.robot.listen_from(now);
+            self.stepper.batch.checkpoint(known);
+        }
+    }
+
+    /// Closes finished minutes and hours of at most `left` whiskers, including silent ones.
+    pub(super) fn close_history(&mut self, now: Micros, left: &mut usize) {
+        for known in self.robots.values_mut().filter(|known| !known.rests) {
+            let rows = self.stepper.batch.rows_mut();
+            if known.history.close(now, &known.whisker_ids, left, rows) {
+                self.stepper.batch.checkpoint(known);
+                *left = left.saturating_sub(known.whisker_ids.len());
+            }
+        }
+    }
+
+    /// Whether a checkpoint without a decision is due.
+    pub(super) fn is_checkpoint_due(&mut self, now: Micros) -> bool {
+        self.stepper.batch.checkpoints().is_due(&self.robots, now)
+    }
+
+    /// Number of the first journal entry that a recovery of this shard's robots needs; `None` if it needs none.
+    pub(crate) fn oldest_entry(&mut self) -> Option<i64> {
+        self.stepper.batch.checkpoints().oldest(&self.robots).map(|(number, _)| number)
+    }
+
+    pub(super) fn is_receipt_due(&self) -> bool {
+        !self.stepper.receipts_due.is_empty()
+    }
+
+    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
+    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
+    /// forwards each receipt as a message, and a later receipt covers more contacts.
+    pub(crate) fn publish_receipts(&mut self, most: usize) {
+        let due = &mut self.stepper.receipts_due;
+        let most = most.max(due.len() / 4).min(due.len());
+        let later = due.split_off(most);
+        for name in std::mem::replace(due, later) {
+            let Some(known) = self.robots.get_mut(&name) else { continue };
+            for boot_id in std::mem::take(&mut known.receipts_due) {
+                self.stepper.publish_receipt(known, boot_id.as_str());
+            }
+        }
+    }
+
+    /// Seals the open batch by appending it to those of other shards, with the checkpoints that are due.
+    pub(crate) fn seal_into(
+        &mut self,
+        transaction: &mut SealedTransaction,
+        rate: &mut CheckpointRate,
+        receipts: Option<Receipts>,
+    ) {
+        self.stepper.batch.write_decided_checkpoints(&mut self.robots, rate);
+        if let Some(Receipts { now, robots_max }) = receipts {
+            self.stepper.batch.write_due_checkpoints(&mut self.robots, now, rate);
+            self.publish_receipts(robots_max);
+        }
+        self.stepper.batch.seal_into(transaction);
+        transaction.push_spans(self.stepper.seal_spans());
+    }
+}

@@ -1,0 +1,217 @@
+//! Reports of a known robot: factsheet, status, contacts and setpoint states become events of the core.
+
+use std::time::Instant;
+
+use tracing::{debug, warn};
+use vibrissa_core::robot::event::{Contact, Factsheet, WhiskerStatus};
+use vibrissa_core::robot::{Admission, Event, Outcome, Sequence};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, Name};
+
+use super::stepper::{AnsweredSetpoint, Stepper};
+use crate::engine::commit::batch::Source;
+use crate::engine::commit::committer::Committer;
+use crate::engine::message::MessageTimes;
+use crate::engine::robot::commands::Plausibility;
+use crate::engine::robot::{KnownRobot, fingerprints};
+use vibrissa_edge as edge;
+use vibrissa_edge::ids::command_id;
+use vibrissa_store::StoreError;
+use vibrissa_store::batch::LayoutRow;
+
+pub(super) const OLD_FACTSHEET: &str = "a factsheet of a boot that a newer one has replaced";
+
+impl Stepper {
+    /// Parses a factsheet. `None` if it is unusable; then it is counted as refused.
+    pub(super) fn factsheet(&self, message: &protocol::Factsheet, robot: &Name) -> Option<Factsheet> {
+        let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
+        match edge::factsheet(message, &models) {
+            Ok(factsheet) => Some(factsheet),
+            Err(problem) => {
+                warn!(%robot, %problem, "factsheet refused");
+                self.metrics.refuse(problem.label(), problem, "factsheet");
+                None
+            }
+        }
+    }
+
+    pub(super) async fn take_factsheet(
+        &mut self,
+        known: &mut KnownRobot,
+        (message, is_again): (&protocol::Factsheet, bool),
+        now: Micros,
+        committer: &mut Committer,
+    ) -> Result<(), StoreError> {
+        let Some(factsheet) = self.factsheet(message, &known.name) else { return Ok(()) };
+        let boot_id = message.boot_id.as_str();
+        if known.boots.is_old(boot_id) {
+            self.violation("old_boot", OLD_FACTSHEET, &known.name);
+            return Ok(());
+        }
+        // A retained factsheet of an older boot, or one of a boot that was not announced or not accepted. It gets no
+        // row ids, because numbers must increase with newer boots.
+        if known.robot.connection_state().0 != Some(boot_id) {
+            return Ok(());
+        }
+        let is_numbered = known.is_laid_out(&factsheet);
+        if !is_numbered && !is_again && !known.new_layouts.take(Instant::now()) {
+            let problem = "too many new layouts: the last one stays in force until the limit allows another";
+            self.metrics.refuse("too_many_layouts", problem, known.name.as_str());
+            return Ok(());
+        }
+        let (writer, lease) = committer.database();
+        if known.boots.get(boot_id).is_none() {
+            let boot = writer.boot(lease, known.robot_id, boot_id, now.0 as i64).await?;
+            if known.boots.newest().is_some_and(|newest| newest > boot) {
+                self.violation("old_boot", OLD_FACTSHEET, &known.name);
+                return Ok(());
+            }
+            known.boots.insert(boot_id, boot);
+        }
+        if !is_numbered {
+            // Row ids are assigned using a copy, so that an unreachable database changes nothing.
+            let mut laid_out = known.robot.clone();
+            laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
+            let whiskers = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
+            let ids: Vec<i64> = whiskers.iter().map(|(whisker_id, _)| *whisker_id).collect();
+            if ids != known.whisker_ids {
+                let gone = known.history.laid_out(&known.whisker_ids, &whiskers, now, self.batch.rows_mut());
+                known.whisker_ids = ids;
+                self.batch.count_layout(known.whisker_ids.len());
+                self.batch.rows_mut().layouts.push(LayoutRow {
+                    robot_id: known.robot_id,
+                    model: message.model.clone(),
+                    gone,
+                });
+            }
+        }
+        self.step(known, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
+        Ok(())
+    }
+
+    pub(super) fn take_status(&mut self, known: &mut KnownRobot, message: &protocol::Status, now: Micros) {
+        let whiskers: Result<Vec<WhiskerStatus<'_>>, _> = message.whiskers.iter().map(edge::status).collect();
+        match whiskers {
+            Ok(whiskers) => {
+                let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
+                let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
+                if self.step(known, now, &event, None) == Outcome::BadTime {
+                    self.violation("bad_time", "a status with an implausible time", &known.name);
+                }
+            }
+            Err(problem) => self.metrics.refuse(problem.label(), problem, "status"),
+        }
+    }
+
+    /// Handles contacts. `content` is their fingerprint; `None` for a refused message that is only receipted.
+    pub(super) fn take_contacts(
+        &mut self,
+        known: &mut KnownRobot,
+        message: &protocol::Contacts,
+        content: Option<u32>,
+        now: Micros,
+    ) {
+        let mut contacts: Vec<Contact<'_>> = Vec::with_capacity(message.contacts.len());
+        for contact in &message.contacts {
+            match edge::contact(contact) {
+                Ok(contact) => contacts.push(contact),
+                Err(problem) => self.metrics.refuse(problem.label(), problem, "contacts"),
+            }
+        }
+        let boot_id = message.boot_id.as_str();
+        let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts };
+        let (given_up_before, end) = counted(known, boot_id);
+        let source = Source { message, boot: known.boot(boot_id) };
+        match self.step(known, now, &event, Some(source)) {
+            Outcome::NotYet(admission) => {
+                let reason = match admission {
+                    Admission::TooManyGaps => "too_many_gaps",
+                    Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
+                };
+                self.metrics.refuse(reason, "contacts that cannot be accepted yet", known.name.as_str());
+                return;
+            }
+            Outcome::OldBoot => {
+                self.violation("old_boot", "contacts of a boot that newer ones have replaced", &known.name);
+                return;
+            }
+            Outcome::Duplicate => {
+                self.metrics.messages_duplicate.inc();
+                let boot = known.boot(boot_id);
+                if content.is_some_and(|content| known.fingerprints.contradict(boot, message.seq, content)) {
+                    let problem = "a contacts message with the seq of another one and different content";
+                    self.violation("conflicting_duplicate", problem, &known.name);
+                }
+            }
+            Outcome::Taken => {
+                known.fingerprints.remember(known.boot(boot_id), message.seq, content.unwrap_or(fingerprints::REFUSED));
+                if message.seq < end {
+                    self.metrics.messages_resent.inc();
+                }
+                let newest_contact = message.contacts.last().map(|last| Micros(last.t_us));
+                self.batch.push_times(MessageTimes { newest_contact, received: now });
+            }
+            Outcome::BadTime | Outcome::Refused(_) => {}
+        }
+        let given_up = counted(known, boot_id).0 - given_up_before;
+        if given_up > 0 {
+            warn!(robot = %known.name, messages = given_up, "contacts lost, the robot has not sent them again");
+            self.metrics.messages_given_up.inc_by(given_up);
+        }
+        self.receipt(known, boot_id);
+    }
+
+    pub(super) fn take_setpoint_state(
+        &mut self,
+        known: &mut KnownRobot,
+        message: &protocol::SetpointState,
+        now: Micros,
+    ) {
+        let boot_id = message.boot_id.as_str();
+        if known.robot.connection_state().0 != Some(boot_id) {
+            let reason = if known.boots.get(boot_id).is_some() { "old_boot" } else { "unknown_boot" };
+            return self.violation(reason, "a setpoint state from a boot that is not the newest", &known.name);
+        }
+        let found = known
+            .robot
+            .commands_under_way()
+            .find(|command| command_id(&self.fleet, &known.name, command.key) == message.command_id)
+            .map(|command| (AnsweredSetpoint::of(command), command.pressure));
+        match known.commands.judge(message, known.boot(boot_id), found.is_some()) {
+            Plausibility::Fits => {}
+            Plausibility::UnknownCommand => {
+                let problem = "a state of a setpoint that was not sent to this robot";
+                return self.violation("unknown_command", problem, &known.name);
+            }
+            Plausibility::Backward => {
+                let problem = "a setpoint state that precedes one reported before";
+                return self.violation("state_backward", problem, &known.name);
+            }
+        }
+        let Some((answered, pressure)) = found else {
+            let command_id = &message.command_id;
+            debug!(robot = %known.name, command_id, "state of a finished setpoint");
+            return;
+        };
+        match edge::setpoint_report(message, pressure) {
+            Ok(report) => {
+                let robot_time = Micros(message.t_us);
+                let event = Event::Setpoint {
+                    boot_id: message.boot_id.as_str(),
+                    command: answered.command,
+                    report,
+                    robot_time,
+                };
+                self.answered = Some(answered);
+                self.step(known, now, &event, None);
+                self.answered = None;
+            }
+            Err(problem) => self.metrics.refuse(problem.label(), problem, "setpoint_state"),
+        }
+    }
+}
+
+/// Number of a boot's `contacts` messages that are given up, and the first `seq` beyond all received ones.
+fn counted(known: &KnownRobot, boot_id: &str) -> (u64, u64) {
+    known.robot.sequence(boot_id).map_or((0, 0), |sequence: &Sequence| (sequence.given_up(), sequence.end()))
+}

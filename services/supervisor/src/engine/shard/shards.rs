@@ -1,0 +1,330 @@
+//! The shards of a fleet.
+
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use tokio::runtime::Handle;
+use vibrissa_core::robot::{Event, Outcome, Params};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::Name;
+
+use super::{Receipts, Shard};
+use crate::ending::Ending;
+use crate::engine::allow_list::AllowList;
+use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::transaction::SealedTransaction;
+use crate::engine::message::RawMessage;
+use crate::engine::robot::KnownRobot;
+use crate::engine::robot::retention::ContactRetention;
+use crate::outbox::Publication;
+use crate::trace::{PendingSpans, TracedAction};
+use vibrissa_store::allowed::TurnedAwayReading;
+use vibrissa_store::batch::Record;
+
+/// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
+const CONTACTS_MAX: usize = 32_768;
+/// Limit of journal bytes per transaction, likewise.
+const JOURNAL_BYTES_MAX: usize = 16 * 1024 * 1024;
+/// Limit of messages per transaction, likewise. They stay in memory until the commit succeeds, in case the database
+/// rejects it.
+const MESSAGES_MAX: usize = 65_536;
+/// Limit of whiskers whose checkpoints a transaction must write because of decisions, likewise. Their rows and alarms
+/// take some tenths of a second.
+const DECIDED_MAX: usize = 2500;
+/// Limit of the whiskers whose minutes are closed in one commit. Their checkpoints are written with them, and a robot's
+/// checkpoint includes all its changed whiskers.
+const CLOSED_AT_ONCE: usize = 5000;
+/// Number of messages from which on the shards work in tasks of their own.
+const WORTH_TASKS: usize = 128;
+/// Payload bytes from which on the shards work in tasks, about a millisecond's work. Meanwhile this thread receives, so
+/// that no robot's messages wait in the broker behind those of a robot that sends much.
+const WORTH_A_TASK_BYTES: usize = 128 * 1024;
+
+/// All robots of a fleet, each owned by one shard.
+pub(crate) struct Shards {
+    shards: Vec<Shard>,
+}
+
+impl Shards {
+    /// At least one shard.
+    pub(crate) fn new(shards: Vec<Shard>) -> Self {
+        Self { shards }
+    }
+
+    /// Number of shards.
+    pub(crate) fn count(&self) -> usize {
+        self.shards.len()
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Shard> {
+        self.shards.iter()
+    }
+
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Shard> {
+        self.shards.iter_mut()
+    }
+
+    /// The shard that owns a robot of this name.
+    pub(crate) fn of(&mut self, robot: &Name) -> &mut Shard {
+        let at = index_of(robot, self.shards.len());
+        &mut self.shards[at]
+    }
+
+    /// A robot, if it is known.
+    pub(crate) fn robot(&self, name: &Name) -> Option<&KnownRobot> {
+        self.shards[index_of(name, self.shards.len())].robots().get(name)
+    }
+
+    /// All known robots.
+    pub(crate) fn robots(&self) -> impl Iterator<Item = &KnownRobot> {
+        self.shards.iter().flat_map(|shard| shard.robots().values())
+    }
+
+    pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut KnownRobot> {
+        self.shards.iter_mut().flat_map(|shard| shard.robots_mut().values_mut())
+    }
+
+    /// Number of known robots.
+    pub(crate) fn robot_count(&self) -> usize {
+        self.shards.iter().map(|shard| shard.robots().len()).sum()
+    }
+
+    /// Whether the open batches may take more.
+    pub(crate) fn has_room(&self) -> bool {
+        let batches = || self.shards.iter().map(Shard::batch);
+        self.contacts() < CONTACTS_MAX
+            && batches().map(|batch| batch.journal_bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
+            && batches().map(|batch| batch.message_count()).sum::<usize>() < MESSAGES_MAX
+            && batches().map(|batch| batch.decided_whiskers()).sum::<usize>() < DECIDED_MAX
+    }
+
+    /// Number of contacts with rows in the open batches.
+    pub(crate) fn contacts(&self) -> usize {
+        self.shards.iter().map(|shard| shard.batch().rows().contacts.len()).sum()
+    }
+
+    /// Whether a setpoint waits for the commit of the open batches.
+    pub(crate) fn is_urgent(&self) -> bool {
+        self.shards.iter().any(|shard| shard.batch().is_urgent())
+    }
+
+    /// Whether there is nothing to commit or to publish.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.shards.iter().all(|shard| shard.batch().is_empty())
+    }
+
+    /// Whether receipts, or checkpoints that have waited long enough, are due.
+    pub(crate) fn is_round_due(&mut self, now: Micros) -> bool {
+        let is_checkpoint_due = self.shards.iter_mut().any(|shard| shard.is_checkpoint_due(now));
+        is_checkpoint_due || self.shards.iter().any(Shard::is_receipt_due)
+    }
+
+    /// Handles messages, by shard. Many are handled by tasks of `workers`; each shard is owned by one task until it is
+    /// done.
+    pub(crate) async fn handle(&mut self, messages: &mut [Vec<RawMessage>], workers: &Handle) {
+        let busy = messages.iter().filter(|messages| !messages.is_empty()).count();
+        let is_few = busy <= 1 || messages.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
+        let bytes: usize = messages.iter().flatten().map(|raw| raw.payload.len()).sum();
+        if is_few && bytes < WORTH_A_TASK_BYTES {
+            for (shard, messages) in self.shards.iter_mut().zip(messages) {
+                shard.handle_all(messages);
+            }
+            return;
+        }
+        let mut tasks = Vec::with_capacity(self.shards.len());
+        for (mut shard, messages) in self.shards.drain(..).zip(messages) {
+            let mut messages = std::mem::take(messages);
+            tasks.push(workers.spawn(async move {
+                shard.handle_all(&mut messages);
+                shard
+            }));
+        }
+        for task in tasks {
+            // The task is never aborted, so an error means that it has panicked.
+            let shard: Shard = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
+            self.shards.push(shard);
+        }
+    }
+
+    /// Steps one robot; `None` if it is not known.
+    pub(crate) fn step(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
+        self.of(name).step_robot(name, now, event)
+    }
+
+    /// Steps the tick through all robots. Returns false if it stopped because the batches are full; then it must
+    /// continue later.
+    pub(crate) fn tick(&mut self, now: Micros) -> bool {
+        let whiskers_max = DECIDED_MAX / self.shards.len();
+        let is_under_way = self.shards.iter().any(Shard::is_tick_under_way);
+        let mut is_done = true;
+        for shard in &mut self.shards {
+            // A shard that is done waits for the others.
+            if !is_under_way || shard.is_tick_under_way() {
+                is_done &= shard.tick(now, whiskers_max);
+            }
+        }
+        is_done
+    }
+
+    /// Restarts the silence timers of all robots, because this supervisor was deaf.
+    pub(crate) fn restart_silence_timers(&mut self, now: Micros) {
+        for shard in &mut self.shards {
+            shard.restart_silence_timers(now);
+        }
+    }
+
+    /// Closes finished minutes and hours, including those of silent whiskers; in a large fleet a limited number at a
+    /// time.
+    pub(crate) fn close_history(&mut self, now: Micros) {
+        let mut left = CLOSED_AT_ONCE;
+        for shard in &mut self.shards {
+            shard.close_history(now, &mut left);
+        }
+    }
+
+    /// Adds a row that belongs to no robot, after the rows of all shards so far.
+    pub(crate) fn record(&mut self, record: Record) {
+        if let Some(last) = self.shards.last_mut() {
+            last.batch_mut().rows_mut().records.push(record);
+        }
+    }
+
+    /// Sets which contacts get a row of their own. Contacts remembered so far are forgotten.
+    pub(crate) fn set_retention(&mut self, retention: ContactRetention) {
+        for shard in &mut self.shards {
+            shard.stepper_mut().set_retention(retention);
+            for known in shard.robots_mut().values_mut() {
+                known.history.set_retention(retention);
+            }
+        }
+    }
+
+    /// Sets the parameters for all robots.
+    pub(crate) fn set_params(&mut self, params: &Arc<Params>) {
+        for shard in &mut self.shards {
+            shard.stepper_mut().set_params(params.clone());
+        }
+    }
+
+    /// Sets the allow list.
+    pub(crate) fn set_allow_list(&mut self, list: &AllowList) {
+        for shard in &mut self.shards {
+            shard.set_allow_list(list.clone());
+        }
+    }
+
+    /// Robots that are not on the allow list; `None` if none have been added or removed since they were written.
+    pub(crate) fn refused_robots(&self) -> Option<Vec<TurnedAwayReading>> {
+        let lists = || self.shards.iter().map(Shard::refused_robots);
+        lists().any(|list| list.has_changed()).then(|| lists().flat_map(|list| list.rows()).collect())
+    }
+
+    /// Notes that the robots that are not on the allow list are written.
+    pub(crate) fn refused_robots_written(&mut self) {
+        for shard in &mut self.shards {
+            shard.refused_robots_mut().written();
+        }
+    }
+
+    /// Makes all waiting checkpoints due.
+    pub(crate) fn make_checkpoints_due(&mut self) {
+        for shard in &mut self.shards {
+            shard.batch_mut().checkpoints().make_due();
+        }
+    }
+
+    /// Seals the open batches, with the checkpoints that are due.
+    pub(crate) fn seal_into(
+        &mut self,
+        transaction: &mut SealedTransaction,
+        rate: &mut CheckpointRate,
+        receipts: Option<Receipts>,
+    ) {
+        for shard in &mut self.shards {
+            shard.seal_into(transaction, rate, receipts);
+        }
+    }
+
+    /// Number of the first journal entry that a recovery needs; `None` if it needs none.
+    pub(crate) fn oldest_entry(&mut self) -> Option<i64> {
+        self.shards.iter_mut().filter_map(Shard::oldest_entry).min()
+    }
+
+    /// Sets the number of the transaction that the open batches become.
+    pub(crate) fn set_number(&mut self, number: i64) {
+        for shard in &mut self.shards {
+            shard.batch_mut().set_number(number);
+        }
+    }
+
+    /// Takes receipts and other publications without a commit, for a fault planted by a test.
+    pub(crate) fn take_publications(&mut self) -> Vec<Publication> {
+        let mut publications = Vec::new();
+        for shard in &mut self.shards {
+            shard.publish_receipts(usize::MAX);
+            publications.append(&mut shard.batch_mut().take_publications());
+        }
+        publications
+    }
+
+    /// Sets the action in execution, which the traces of its effects name; `None` after it.
+    pub(crate) fn set_action(&mut self, action: Option<&TracedAction>) {
+        for traces in self.shards.iter_mut().filter_map(|shard| shard.stepper_mut().traces_mut()) {
+            traces.set_action(action.cloned());
+        }
+    }
+
+    /// Exports the spans of a transaction after its commit, by shard.
+    pub(crate) fn spans_committed(&mut self, spans: &mut [PendingSpans], took: Duration) {
+        for (shard, spans) in self.shards.iter_mut().zip(spans) {
+            if let Some(traces) = shard.stepper_mut().traces_mut() {
+                traces.committed(spans, took);
+            }
+        }
+    }
+
+    /// Adds the spans of the publications; `all` is false if some could not be published.
+    pub(crate) fn spans_published(&mut self, spans: Vec<PendingSpans>, now: SystemTime, all: bool) {
+        for (shard, spans) in self.shards.iter_mut().zip(spans) {
+            if let Some(traces) = shard.stepper_mut().traces_mut() {
+                traces.published(spans, now, all);
+            }
+        }
+    }
+
+    /// Ends the traces.
+    pub(crate) fn end_traces(&mut self, ending: Ending) {
+        for traces in self.shards.iter_mut().filter_map(|shard| shard.stepper_mut().traces_mut()) {
+            traces.end(ending);
+        }
+    }
+}
+
+/// The shard of a robot. Depends only on its name and the number of shards.
+pub(crate) fn index_of(name: &Name, shards: usize) -> usize {
+    // FNV-1a, so that the result is the same in every build.
+    let hash = name
+        .as_str()
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    // The low bits depend on the last letter, the high ones hardly do.
+    let mixed = (hash ^ (hash >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 33;
+    (mixed % shards.max(1) as u64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_are_spread_over_all_shards_and_stay_where_they_are() {
+        let mut counts = [0; 4];
+        for number in 0..1000 {
+            let name = Name::robot(&format!("robot-{number:04}")).unwrap();
+            let shard = index_of(&name, counts.len());
+            assert_eq!(shard, index_of(&name, counts.len()));
+            counts[shard] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
+    }
+}

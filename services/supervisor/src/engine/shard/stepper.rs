@@ -1,0 +1,191 @@
+//! Steps events through the core, and adds the effects to the open batch.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use tracing::warn;
+use vibrissa_core::robot::effect::{Command, CommandKey, Effect, Reason};
+use vibrissa_core::robot::event::Link;
+use vibrissa_core::robot::{Event, Outcome, Params};
+use vibrissa_core::units::Micros;
+use vibrissa_edge::words::Word;
+use vibrissa_protocol::{BootId, Name};
+
+use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
+use crate::engine::commit::journal::{Entry, JournalEvent};
+use crate::engine::robot::KnownRobot;
+use crate::engine::robot::retention::ContactRetention;
+use crate::metrics::FleetMetrics;
+use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::Batch;
+
+/// Shortest interval between two warnings with the same reason.
+const WARNING_INTERVAL: Duration = Duration::from_secs(60);
+
+/// The setpoint to which a message is an answer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AnsweredSetpoint {
+    pub(super) command: CommandKey,
+    /// Receipt time of the message that led to the setpoint.
+    since: Micros,
+    reason: Reason,
+}
+
+impl AnsweredSetpoint {
+    pub(super) fn of(command: &Command) -> Self {
+        Self { command: command.key, since: command.issued, reason: command.reason }
+    }
+}
+
+/// Steps the robots of a shard, and collects the effects in its open batch.
+pub(crate) struct Stepper {
+    pub(super) fleet: Name,
+    pub(super) boot_id: BootId,
+    pub(super) params: Arc<Params>,
+    pub(super) metrics: FleetMetrics,
+    /// Which contacts get a row of their own.
+    pub(super) retention: ContactRetention,
+    pub(super) batch: OpenBatch,
+    /// The current message has changed a robot.
+    pub(super) has_stepped: bool,
+    /// Robots with boots whose contacts are due for a receipt.
+    pub(super) receipts_due: Vec<Name>,
+    /// The setpoint to which the current message is an answer.
+    pub(super) answered: Option<AnsweredSetpoint>,
+    /// Traces of setpoints under way, if there is a collector.
+    pub(super) traces: Option<OpenTraces>,
+    /// Effects of the current step; the allocation is reused.
+    effects: Vec<Effect>,
+    /// Time of the last warning of each reason.
+    warned: BTreeMap<&'static str, Instant>,
+}
+
+impl Stepper {
+    pub(crate) fn new(fleet: Name, boot_id: BootId, params: Arc<Params>, metrics: FleetMetrics) -> Self {
+        Self {
+            fleet,
+            boot_id,
+            params,
+            metrics,
+            retention: ContactRetention::default(),
+            batch: OpenBatch::default(),
+            has_stepped: false,
+            receipts_due: Vec::new(),
+            answered: None,
+            traces: None,
+            effects: Vec::new(),
+            warned: BTreeMap::new(),
+        }
+    }
+
+    pub(crate) fn params(&self) -> &Params {
+        &self.params
+    }
+
+    pub(crate) fn set_params(&mut self, params: Arc<Params>) {
+        self.params = params;
+    }
+
+    pub(super) fn set_retention(&mut self, retention: ContactRetention) {
+        self.retention = retention;
+    }
+
+    /// Which contacts get a row of their own.
+    pub(crate) fn retention(&self) -> ContactRetention {
+        self.retention
+    }
+
+    /// Adds traces.
+    pub(crate) fn set_traces(&mut self, traces: OpenTraces) {
+        self.traces = Some(traces);
+    }
+
+    pub(crate) fn traces_mut(&mut self) -> Option<&mut OpenTraces> {
+        self.traces.as_mut()
+    }
+
+    /// Takes the spans of the steps since the last transaction was sealed.
+    pub(super) fn seal_spans(&mut self) -> PendingSpans {
+        self.traces.as_mut().map(OpenTraces::seal).unwrap_or_default()
+    }
+
+    pub(crate) fn batch_mut(&mut self) -> &mut OpenBatch {
+        &mut self.batch
+    }
+
+    /// Steps the core, and adds the effects to the batch. `source` is the message of a contacts event.
+    pub(crate) fn step(
+        &mut self,
+        known: &mut KnownRobot,
+        now: Micros,
+        event: &Event<'_>,
+        source: Option<Source<'_>>,
+    ) -> Outcome {
+        let mut effects = std::mem::take(&mut self.effects);
+        let outcome = known.robot.step(&self.params, now, event, &mut effects);
+        self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
+        if let Some(traces) = &mut self.traces
+            && is_traced(&effects)
+        {
+            let (fleet, name, robot_id, robot) = (&self.fleet, &known.name, known.robot_id, &known.robot);
+            traces.stepped(&Step { fleet, name, robot_id, robot, now, event, effects: &effects });
+        }
+        let is_ordinary = effects.iter().all(is_ordinary);
+        self.batch.make_durable(known, now, event, source, outcome, is_ordinary);
+        for effect in effects.drain(..) {
+            self.record(known, now, effect, source);
+        }
+        self.effects = effects;
+        outcome
+    }
+
+    /// Replays an event of the journal. Its rows are already written, so only the open minutes and hours need its
+    /// effects. Effects other than ordinary ones are new, because parameters have changed, and are recorded.
+    pub(crate) fn replay(&mut self, known: &mut KnownRobot, entry: &Entry, event: &Event<'_>) {
+        let mut effects = Vec::new();
+        known.robot.step(&self.params, entry.now, event, &mut effects);
+        let mut written = Batch::default();
+        for effect in effects {
+            if !is_ordinary(&effect) {
+                self.record(known, entry.now, effect, None);
+            } else if let (Effect::Contact(record), JournalEvent::Contacts { boot, seq, contacts }) =
+                (&effect, &entry.event)
+            {
+                let Some(contact) = contacts.get(record.position) else { continue };
+                let row = contact.row(record, known.whisker_id(record.whisker), (*boot, *seq), entry.now);
+                known.history.add_contact(record.whisker, record.used, row, &mut written);
+            } else if let Effect::Response(_) = effect {
+                known.history.keep_last(&mut written);
+            }
+        }
+    }
+
+    /// Accepts the last refused boot, once the limit allows it.
+    pub(super) fn accept_refused_boot(&mut self, known: &mut KnownRobot, now: Micros) {
+        let Some(boot_id) = known.refused_boot.clone() else { return };
+        if known.new_boots.take(Instant::now()) {
+            known.refused_boot = None;
+            self.step(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online }, None);
+        }
+    }
+
+    /// Counts a message that violates the contract, and warns at most once a minute per reason.
+    pub(super) fn violation(&mut self, reason: &'static str, problem: &str, robot: &Name) {
+        self.metrics.refuse(reason, problem, robot.as_str());
+        let now = Instant::now();
+        if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNING_INTERVAL) {
+            self.warned.insert(reason, now);
+            warn!(%robot, reason, "{problem} (further ones are only counted for a minute)");
+        }
+    }
+
+    /// Observes the time until a setpoint was applied.
+    pub(super) fn observe_application(&self, command: CommandKey) {
+        if let Some(answered) = self.answered.filter(|answered| answered.command == command) {
+            let seconds = wall_clock().since(answered.since).as_s();
+            self.metrics.setpoint_application_seconds.of(answered.reason.word()).observe(seconds);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Start of an engine: the fleet is loaded as of its last commit.
+
+use std::sync::Arc;
+
+use tokio::runtime::Handle;
+use tokio::sync::watch;
+use tokio::time::Instant;
+use tracing::info;
+use vibrissa_core::robot::Params;
+use vibrissa_protocol::{BootId, Name};
+
+use super::actions::ParamsInForce;
+use super::allow_list_sources::AllowListSources;
+use super::commit::committer::Committer;
+use super::commit::pipeline::Pipeline;
+use super::commit::recovery::recover;
+use super::quarantine::suspects::Suspects;
+use super::robot::limits::Bucket;
+use super::shard::Shard;
+use super::shard::shards::Shards;
+use super::shard::stepper::Stepper;
+use super::{ContactRetention, Engine, Limits, fleet_metrics};
+use crate::action_notifier::ActionNotifier;
+use crate::metrics::Metrics;
+use crate::params;
+use crate::readiness::Readiness;
+use crate::robots_file::RobotsFile;
+use crate::trace::{OpenTraces, Traces};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::{Lease, StoreError, Writer};
+
+/// Largest number of shards per fleet.
+const SHARDS_MAX: usize = 16;
+
+/// Settings and connections of an engine.
+pub(crate) struct EngineOptions {
+    /// Ownership of the fleet.
+    pub(crate) lease: Lease,
+    /// Boot id of this supervisor for the fleet.
+    pub(crate) boot_id: BootId,
+    /// Parameters of the configuration; the fleet's policy and calibrations in the database take precedence.
+    pub(crate) params: Arc<Params>,
+    /// Connection to the database.
+    pub(crate) writer: Writer,
+    /// Metrics shared by all fleets.
+    pub(crate) metrics: Metrics,
+    pub(crate) readiness: Readiness,
+    pub(crate) action_notifier: ActionNotifier,
+    /// Which contacts get a row of their own.
+    pub(crate) retention: ContactRetention,
+    /// Limits on the number of robots.
+    pub(crate) limits: Limits,
+    /// Allowed robots, which may change later.
+    pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Traces, if there is a collector; those of setpoints under way are continued.
+    pub(crate) traces: Option<Traces>,
+}
+
+/// One shard per core.
+fn shard_count() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
+}
+
+impl EngineOptions {
+    /// Loads every robot of a fleet as of the last commit.
+    ///
+    /// # Errors
+    /// The database cannot be used, or the lease is lost.
+    pub(crate) async fn start(self) -> Result<Engine, StoreError> {
+        let Self { lease, boot_id, mut writer, metrics: program, readiness, action_notifier, .. } = self;
+        let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
+        let policy = writer.policy(&lease).await?;
+        let params = params::with_policy(self.params, policy.as_ref());
+        let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
+        let policy_version = policy.map_or(0, |policy| policy.version);
+        let metrics = program.of_fleet(&fleet);
+        let stepper = || {
+            let (fleet, boot_id, params) = (fleet.clone(), boot_id.clone(), params.clone());
+            Stepper::new(fleet, boot_id, params, metrics.clone())
+        };
+        let count = shard_count();
+        let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
+        let allowed = writer.allowed_robots(&lease, 0).await?;
+        let last = recover(&mut writer, &lease, &mut shards).await?;
+        shards.set_retention(self.retention);
+        info!(%fleet, epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
+        // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
+        metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
+        let committer = Committer::new(lease.clone(), writer, program.clone(), readiness.clone());
+        let workers = Handle::current();
+        let pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        shards.set_number(pipeline.open_number());
+        fleet_metrics::show_params(&metrics, &params, policy_version);
+        fleet_metrics::survey_robots(&mut shards, &fleet, &program, &metrics);
+        if let Some(traces) = &self.traces {
+            trace(&mut shards, &fleet, traces);
+        }
+        let new_robots_per_minute = self.limits.new_robots_per_minute;
+        Ok(Engine {
+            allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
+            suspects: Suspects::new(lease, metrics.clone(), readiness),
+            in_force: ParamsInForce { params, policy_version },
+            action_sent: action_notifier.subscribe(&fleet),
+            action_notifier,
+            limits: self.limits,
+            new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
+            survey_from: Instant::now(),
+            fleet,
+            shards,
+            pipeline,
+            workers,
+            program,
+            metrics,
+        })
+    }
+}
+
+/// Adds traces, which continue those of setpoints under way.
+fn trace(shards: &mut Shards, fleet: &Name, traces: &Traces) {
+    for shard in shards.iter_mut() {
+        let (robots, stepper) = shard.parts();
+        let mut open = OpenTraces::new(traces.clone(), fleet.clone());
+        for known in robots.values() {
+            open.take_up(&known.name, known.robot_id, &known.robot);
+        }
+        stepper.set_traces(open);
+    }
+}
