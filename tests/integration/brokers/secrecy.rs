@@ -56,7 +56,8 @@ async fn a_server_that_is_trusted_gets_the_password_so_that_the_recorder_is_know
 #[tokio::test]
 async fn a_certificate_of_another_authority_gets_nothing() {
     let other = Authority::new("theirs").server(&["localhost"], Validity::Now);
-    nothing_gets_out(&Authority::new("ours"), other, &["not signed by a trusted authority", "ca.crt", "mqtt.ca_file"]).await;
+    nothing_gets_out(&Authority::new("ours"), other, &["not signed by a trusted authority", "ca.crt", "mqtt.ca_file"])
+        .await;
 }
 
 #[tokio::test]
