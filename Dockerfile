@@ -13,7 +13,7 @@ COPY . .
 # The cache keeps built dependencies, but is not part of a layer: hence the programs are copied out of it.
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
-    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator --bins \
+    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator --features vibrissa/full --bins \
     && install -D -t /out target/dist/vibrissa target/dist/vibrissa-simulator
 
 FROM ${DEBIAN_IMAGE} AS runtime

@@ -18,6 +18,11 @@ pub(super) fn traces(reader: &mut Reader) -> Option<Option<TraceOptions>> {
     if !is_set {
         return Some(None);
     }
+    if !cfg!(feature = "traces") {
+        let what = "this program was built without traces: build it with --features traces, or leave the key out";
+        reader.refuse(Key::TracesOtlpEndpoint, what);
+        return None;
+    }
     Some(Some(TraceOptions { url: url?, sample_ratio }))
 }
 

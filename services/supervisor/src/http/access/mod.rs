@@ -277,7 +277,7 @@ async fn admit(
     let needed = match gate.roles.needed(&request.method, path) {
         Need::Role(role) => role,
         Need::NoSuchMethod => {
-            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /docs"));
+            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /openapi.json"));
         }
         Need::Undeclared => {
             tracing::error!(path, "refusing a request: the route declares no role");
