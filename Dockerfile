@@ -13,8 +13,8 @@ COPY . .
 # The cache keeps built dependencies, but is not part of a layer: hence the programs are copied out of it.
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
-    cargo build --release --locked -p vibrissa -p vibrissa-simulator --bins \
-    && install -D -t /out target/release/vibrissa target/release/vibrissa-simulator
+    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator --features vibrissa/full --bins \
+    && install -D -t /out target/dist/vibrissa target/dist/vibrissa-simulator
 
 FROM ${DEBIAN_IMAGE} AS runtime
 # A named volume that is mounted here takes over the folder's owner.

@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod certificates;
 pub mod extremes;
+pub mod jwt;
 pub mod mosquitto;
 pub mod mqtt_proxy;
 pub mod observer;

@@ -14,6 +14,7 @@ pub mod messages;
 pub mod name;
 pub mod refusal;
 pub mod rules;
+#[cfg(feature = "documents")]
 mod schema;
 pub mod timestamp;
 pub mod topic;

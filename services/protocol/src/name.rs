@@ -3,13 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error as _, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use smol_str::SmolStr;
 
 use crate::check;
-use crate::schema;
 
 /// Longest name, in characters.
 const NAME_MAX_CHARS: usize = 64;
@@ -90,14 +88,15 @@ macro_rules! text {
             }
         }
 
-        impl JsonSchema for $name {
+        #[cfg(feature = "documents")]
+        impl schemars::JsonSchema for $name {
             fn inline_schema() -> bool {
                 true
             }
             fn schema_name() -> std::borrow::Cow<'static, str> {
                 stringify!($name).into()
             }
-            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
                 $schema
             }
         }
@@ -126,7 +125,7 @@ text!(
     "a name as text",
     |text| (1..=NAME_MAX_CHARS).contains(&text.len())
         && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-'),
-    schema::matching(&Name::pattern()),
+    crate::schema::matching(&Name::pattern()),
     BadName::NotAName
 );
 text!(
@@ -134,7 +133,7 @@ text!(
     BootId,
     "a boot id as text",
     check::is_identifier,
-    schema::identifier(),
+    crate::schema::identifier(),
     BadName::NotABootId
 );
 

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A time in microseconds since 1970 UTC; as text `2026-11-21T08:00:00.000Z`.
@@ -107,18 +106,20 @@ impl Serialize for Timestamp {
 
 /// The texts that [`Timestamp`] reads, except for the number of days in a month. RFC 3339 also allows other offsets
 /// and earlier years.
+#[cfg(feature = "documents")]
 const PATTERN: &str = "^(19[7-9][0-9]|[2-9][0-9]{3})-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])[Tt]\
                        ([01][0-9]|2[0-3]):[0-5][0-9]:([0-5][0-9]|60)([.][0-9]+)?([Zz]|[+]00:00)$";
 
-impl JsonSchema for Timestamp {
+#[cfg(feature = "documents")]
+impl schemars::JsonSchema for Timestamp {
     fn inline_schema() -> bool {
         true
     }
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Timestamp".into()
     }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "string", "format": "date-time", "maxLength": TEXT_MAX_BYTES, "pattern": PATTERN })
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "string", "format": "date-time", "maxLength": TEXT_MAX_BYTES, "pattern": PATTERN })
     }
 }
 

@@ -87,6 +87,9 @@ impl std::str::FromStr for DatabaseAddress {
         }
         let options: PgConnectOptions =
             text.parse().map_err(|_| bad("it has an option that PostgreSQL does not know"))?;
+        if !options.get_host().is_ascii() {
+            return Err(bad("a host name is in ASCII, an international one in Punycode: xn--..."));
+        }
         Ok(Self::Postgres(PostgresAddress { options: Box::new(options), password: None }))
     }
 }
@@ -141,6 +144,15 @@ mod tests {
         assert!(is_exposed("postgres://u@db/d") && is_exposed("postgres://u@db/d?sslmode=require"));
         assert!(!is_exposed("postgres://u@db/d?sslmode=verify-full"));
         assert!(!is_exposed("postgres://u@127.0.0.1/d") && !is_exposed("sqlite:v"));
+    }
+
+    #[test]
+    fn a_host_that_is_not_in_ascii_is_refused_with_what_to_write() {
+        assert!("postgres://u@xn--bcher-kva.example/d".parse::<DatabaseAddress>().is_ok());
+        for host in ["b\u{fc}cher.example", "b%C3%BCcher.example"] {
+            let refusal = format!("postgres://u@{host}/d").parse::<DatabaseAddress>().unwrap_err();
+            assert!(refusal.to_string().contains("Punycode: xn--"), "{refusal}");
+        }
     }
 
     #[test]

@@ -25,6 +25,10 @@ pub mod engine;
 
 pub mod http;
 pub mod metrics;
+#[cfg(feature = "traces")]
+pub mod trace;
+#[cfg(not(feature = "traces"))]
+#[path = "untraced.rs"]
 pub mod trace;
 
 mod backoff;

@@ -1,6 +1,6 @@
 //! One robot floods the supervisor while others send at their usual rate.
 //!
-//! `cargo test --release -p vibrissa-tests --test attacks fair -- --nocapture --test-threads=1` prints the delays.
+//! `cargo test --profile dist -p vibrissa-tests --test attacks fair -- --nocapture --test-threads=1` prints the delays.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

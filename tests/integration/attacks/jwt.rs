@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use jsonwebtoken::{Algorithm, EncodingKey, Header, encode};
 use rcgen::KeyPair;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_tests::jwt::{header, signed};
 
 use crate::started::{Place, Started};
 
@@ -74,15 +74,11 @@ impl Provider {
     }
 
     /// A token that is valid apart from its header.
-    fn token(&self, header: &Header) -> String {
+    fn token(&self, header: &Value) -> String {
         let claims = json!({ "iss": self.issuer, "aud": "vibrissa", "sub": "ann", "vibrissa_role": "viewer",
                              "vibrissa_fleets": "*", "exp": now_us() / 1_000_000 + 600 });
-        encode(header, &claims, &EncodingKey::from_ec_der(&self.key.serialize_der())).unwrap()
+        signed(header, &claims, &self.key)
     }
-}
-
-fn header(kid: &str) -> Header {
-    Header { kid: Some(kid.to_owned()), ..Header::new(Algorithm::ES256) }
 }
 
 async fn status(started: &Started, token: &str) -> (u16, String) {
@@ -102,9 +98,10 @@ async fn regress_keys_for_something_else_and_critical_extensions_are_refused() {
         let (status, told) = status(&started, &provider.token(&header(kid))).await;
         assert!(status == 401 && told.contains(why), "{kid}: {status} {told}");
     }
-    for critical in [vec!["exp2".to_owned()], vec!["b64".to_owned()], Vec::new()] {
-        let token = provider.token(&Header { crit: Some(critical.clone()), ..header("good") });
-        let (status, told) = status(&started, &token).await;
+    for critical in [vec!["exp2"], vec!["b64"], Vec::new()] {
+        let mut header = header("good");
+        header["crit"] = json!(critical);
+        let (status, told) = status(&started, &provider.token(&header)).await;
         assert!(status == 401 && told.contains("extensions"), "{critical:?}: {status} {told}");
     }
 }

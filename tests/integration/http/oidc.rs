@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use jsonwebtoken::{Algorithm, EncodingKey, Header, encode};
 use rcgen::KeyPair;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -13,6 +12,7 @@ use tokio::net::TcpListener;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::oidc::OidcOptions;
+use vibrissa_tests::jwt::{header, signed};
 use vibrissa_tests::web::{Answer, ask, open};
 
 use crate::served::Served;
@@ -73,8 +73,7 @@ impl Provider {
             claims[name] = value.clone();
         }
         claims.as_object_mut().unwrap().retain(|_, value| !value.is_null());
-        let header = Header { kid: Some(kid.to_owned()), ..Header::new(Algorithm::ES256) };
-        encode(&header, &claims, &EncodingKey::from_ec_der(&self.key.serialize_der())).unwrap()
+        signed(&header(kid), &claims, &self.key)
     }
 }
 

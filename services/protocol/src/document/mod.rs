@@ -1,15 +1,21 @@
 //! The contract as documents: AsyncAPI 3.0, and a JSON Schema for each message.
 //!
 //! Both are generated from the types and constants that [`mod@crate::decode`] uses, so they state what it enforces.
-//! [`BEYOND_SCHEMAS`] lists the rules that a schema cannot express. `vibrissa contract --write docs` writes the
-//! files; a test compares them with the code.
+//! [`BEYOND_SCHEMAS`] lists the rules that a schema cannot express.
+//!
+//! A test compares the files in `docs` with the code, and writes them if the variable `VIBRISSA_WRITE_DOCS` is set. The
+//! program contains those files (`vibrissa contract`), so that only tests need the feature `documents`, which generates
+//! them.
 
+#[cfg(feature = "documents")]
 mod asyncapi;
 mod channel;
 pub mod examples;
+#[cfg(feature = "documents")]
 mod schemas;
 
 pub use channel::Channel;
+#[cfg(feature = "documents")]
 pub use schemas::json_schema;
 
 /// Version of the contract and of its documents; the topics contain its major number.
@@ -28,6 +34,7 @@ pub const BEYOND_SCHEMAS: &[&str] = &[
 ];
 
 /// A document with its path.
+#[cfg(feature = "documents")]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
     /// Path below the folder of documents, such as `schemas/contacts.json`.
@@ -37,6 +44,7 @@ pub struct File {
 }
 
 /// All documents of the contract.
+#[cfg(feature = "documents")]
 #[must_use]
 pub fn files() -> Vec<File> {
     let asyncapi = File { path: "asyncapi.yaml".to_owned(), text: asyncapi() };
@@ -51,11 +59,12 @@ pub fn files() -> Vec<File> {
 ///
 /// # Panics
 /// Never: it consists of texts, numbers and lists of them.
+#[cfg(feature = "documents")]
 #[must_use]
 pub fn asyncapi() -> String {
     let yaml = serde_saphyr::to_string(&asyncapi::Document::new()).expect("a document of texts and numbers");
-    format!("# Written by `vibrissa contract --write docs`.\n{yaml}")
+    format!("# Generated from the types of vibrissa-protocol; docs/README.md says how.\n{yaml}")
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "documents"))]
 mod tests;

@@ -1,19 +1,19 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, ConnectionState, Refusal, Timestamp, check, schema};
+use crate::{BootId, ConnectionState, Refusal, Timestamp, check};
 
 /// `connection`: birth or farewell of a robot, or (as last will) its broken connection.
 ///
 /// The order of arrival counts, not `seq` or `timestamp`: those of a will are as old as its connection. A will
 /// whose boot id is not the robot's newest is ignored.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Connection {
     /// Boot id of the robot.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Time at which the message was written.
     pub timestamp: Timestamp,

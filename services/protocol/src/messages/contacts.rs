@@ -1,48 +1,49 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
 use crate::check::{DEFLECTION_MM, PRESSURE_MPA, RATIO, STRAIN, TEMPERATURE_C};
-use crate::{BootId, CONTACTS_MAX, Name, Refusal, check, schema};
+use crate::{BootId, CONTACTS_MAX, Name, Refusal, check};
 
 /// `contacts`: a batch of contacts.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Contacts {
     /// Boot id of the robot.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// The contacts in the order of their measurement.
-    #[schemars(length(max = CONTACTS_MAX))]
+    #[cfg_attr(feature = "documents", schemars(length(max = CONTACTS_MAX)))]
     pub contacts: Vec<Contact>,
 }
 
 /// Measurements of one contact of one whisker.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Contact {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
     /// Time of the contact, in microseconds since 1970 UTC by the robot's clock.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub t_us: u64,
     /// The paper's contact ratio a: contact distance / present length, both without the chamber's
     /// elongation; from 0.01 to 1.
-    #[schemars(transform = RATIO.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = RATIO.in_schema()))]
     pub ratio: f64,
     /// Deflection of the whisker at the contact, in mm; at least 0.01.
-    #[schemars(transform = DEFLECTION_MM.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = DEFLECTION_MM.in_schema()))]
     pub deflection_mm: f64,
     /// Mean strain over the gauge grid, in m/m; between -1 and 1. It is 0 or has a magnitude of at least 1e-9.
-    #[schemars(transform = STRAIN.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = STRAIN.in_schema()))]
     pub strain: f64,
     /// The chamber's measured gauge pressure in MPa.
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: f64,
     /// The whisker's temperature in degrees Celsius.
-    #[schemars(transform = TEMPERATURE_C.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = TEMPERATURE_C.in_schema()))]
     pub temperature_c: f64,
 }
 

@@ -1,36 +1,37 @@
 use std::collections::BTreeSet;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
 use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
 use crate::name::short_text;
-use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check, schema};
+use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check};
 
 /// `factsheet`: arrays and whiskers of a robot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Factsheet {
     /// Boot id of the robot.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Time at which the message was written.
     pub timestamp: Timestamp,
     /// Model of the robot.
     #[serde(deserialize_with = "short_text")]
-    #[schemars(schema_with = "schema::identifier_field")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
     pub model: String,
     /// Behaviour of the robot without a supervisor.
     pub on_supervisor_loss: OnSupervisorLoss,
     /// Arrays of the robot, with distinct names.
-    #[schemars(length(max = ARRAYS_MAX))]
+    #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX)))]
     pub arrays: Vec<ArrayFacts>,
 }
 
 /// One array of whiskers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct ArrayFacts {
     /// Name of the array.
     pub array: Name,
@@ -38,36 +39,37 @@ pub struct ArrayFacts {
     #[serde(rename = "type")]
     pub array_type: ArrayType,
     /// Whiskers of the array, with distinct numbers.
-    #[schemars(length(max = WHISKERS_MAX))]
+    #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
     pub whiskers: Vec<WhiskerFacts>,
 }
 
 /// One whisker as installed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct WhiskerFacts {
     /// Number of the whisker in the array.
     pub whisker: u16,
     /// Position of the whisker along x, in mm.
-    #[schemars(transform = PLACE_MM.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PLACE_MM.in_schema()))]
     pub x_mm: f64,
     /// Position of the whisker along y, in mm.
-    #[schemars(transform = PLACE_MM.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PLACE_MM.in_schema()))]
     pub y_mm: f64,
     /// Name of the whisker's calibration, such as `nguyen-2021`.
     #[serde(deserialize_with = "short_text")]
-    #[schemars(schema_with = "schema::identifier_field")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
     pub model: String,
     /// Length without the chamber's elongation, in mm.
-    #[schemars(transform = LENGTH_MM.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = LENGTH_MM.in_schema()))]
     pub length_mm: f64,
     /// The chamber's nominal gauge pressure in MPa; at most `pressure_max_mpa`.
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: f64,
     /// Highest pressure that the robot permits in the chamber, in MPa.
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_max_mpa: f64,
     /// Numbers of other whiskers of the same array that can compensate for this one.
-    #[schemars(length(max = WHISKERS_MAX))]
+    #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
     pub neighbours: Vec<u16>,
 }
 

@@ -1,25 +1,25 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, HELD_MAX, Refusal, check, schema};
+use crate::{BootId, HELD_MAX, Refusal, check};
 
 /// `receipt`: which contacts messages of one boot of a robot are committed in the supervisor's database.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Receipt {
     /// Boot id of the supervisor.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Boot id of the robot whose `contacts` messages are receipted.
     pub robot_boot_id: BootId,
     /// All contacts messages of that boot with a `seq` below this one are committed.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub next: u64,
     /// Committed messages beyond a gap: first and last `seq` of each range, both inclusive, with last not below
     /// first.
-    #[schemars(schema_with = "schema::held")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::held"))]
     pub held: Vec<(u64, u64)>,
 }
 

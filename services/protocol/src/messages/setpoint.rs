@@ -1,32 +1,30 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
 use crate::check::{GAIN, PRESSURE_MPA, RATIO, SLEW_MPA_PER_S};
-use crate::{
-    BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check, schema,
-};
+use crate::{BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
 ///
 /// The pressure is not checked here: a robot answers a pressure outside its factsheet's range with `OUT_OF_RANGE`,
 /// so that the supervisor gets an answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Setpoint {
     /// Boot id of the supervisor.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Identifies the command: a repeated one is answered again and not applied again.
-    #[schemars(schema_with = "schema::identifier_field")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
     pub command_id: String,
     /// Epoch of the supervisor; (`epoch`, `version`) orders the setpoints of a whisker. It rises by leaps with each
     /// owner of the fleet and needs 64 bits: it is the start of ownership in milliseconds since 1970 UTC, or later.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub epoch: u64,
     /// Version of the setpoint; it rises within an epoch.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub version: u64,
     /// Boot id of the robot that the setpoint is for.
     pub robot_boot_id: BootId,
@@ -37,41 +35,42 @@ pub struct Setpoint {
     /// The gauge pressure to hold, in MPa.
     pub pressure_mpa: f64,
     /// Highest rate of change of the pressure, in MPa/s; above 0.
-    #[schemars(transform = SLEW_MPA_PER_S.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = SLEW_MPA_PER_S.in_schema()))]
     pub slew_mpa_per_s: f64,
     /// Time at which it was issued, by the supervisor's clock.
     pub issued: Timestamp,
     /// Time at which it expires, in microseconds since 1970 UTC by the robot's own clock.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub expires_us: u64,
     /// Reason of the setpoint.
     pub reason: SetpointReason,
     /// Remaining correction after the pressure: pairs of contact ratio and factor on the compensator's strain, by
     /// rising ratio, for interpolation.
-    #[schemars(schema_with = "schema::gain")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::gain"))]
     pub gain: Vec<(f64, f64)>,
 }
 
 /// `setpoint_state`: progress or result of a setpoint.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(transform = schema::error_where_due)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "documents", schemars(transform = crate::schema::error_where_due))]
 pub struct SetpointState {
     /// Boot id of the robot.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Id of the answered command.
-    #[schemars(schema_with = "schema::identifier_field")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
     pub command_id: String,
     /// State of the setpoint.
     pub state: SetpointOutcome,
     /// Time of the state, in microseconds since 1970 UTC by the robot's clock.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub t_us: u64,
     /// Measured gauge pressure of the chamber, in MPa; absent if there is no such chamber.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: Option<f64>,
     /// Reason, with `REJECTED` and `FAILED`; absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]

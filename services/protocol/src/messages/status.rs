@@ -1,43 +1,44 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
 use crate::check::PRESSURE_MPA;
-use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check, schema};
+use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check};
 
 /// `status`: condition of a robot's chambers and gauges.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct Status {
     /// Boot id of the robot.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Time of the status, in microseconds since 1970 UTC by the robot's clock.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub t_us: u64,
     /// One entry for each whisker.
-    #[schemars(length(max = ARRAYS_MAX * WHISKERS_MAX))]
+    #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX * WHISKERS_MAX)))]
     pub whiskers: Vec<WhiskerStatus>,
     /// Contacts messages that the robot dropped in this boot because its store was full, or lost in the restart
     /// before; absent for zero or for a robot that does not count them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub contacts_dropped: Option<u64>,
 }
 
 /// Condition of one whisker's chamber and gauge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct WhiskerStatus {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
     pub whisker: u16,
     /// Measured gauge pressure of the chamber, in MPa.
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: f64,
     /// Pressure that the regulator shall hold, in MPa.
-    #[schemars(transform = PRESSURE_MPA.in_schema())]
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub setpoint_mpa: f64,
     /// Condition of the regulator.
     pub regulator: Regulator,

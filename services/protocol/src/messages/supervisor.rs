@@ -1,22 +1,22 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, Refusal, SupervisorPresence, check, schema};
+use crate::{BootId, Refusal, SupervisorPresence, check};
 
 /// `whisker/v1/{fleet}/supervisor/state`: states whether a supervisor owns the fleet, and its epoch.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct SupervisorState {
     /// Boot id of the supervisor.
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub seq: u64,
     /// Whether the supervisor owns the fleet.
     pub state: SupervisorPresence,
     /// Epoch of the supervisor; it rises by at least one at each start of a supervisor of this fleet, and the
     /// highest one owns the fleet.
-    #[schemars(transform = schema::exact_integer)]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub epoch: u64,
 }
 

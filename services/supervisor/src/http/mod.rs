@@ -9,6 +9,11 @@ pub mod access;
 pub mod api;
 pub mod asking;
 mod console;
+#[cfg(feature = "api-page")]
+mod docs;
+#[cfg(not(feature = "api-page"))]
+#[path = "no_docs.rs"]
+mod docs;
 pub mod document;
 pub mod extract;
 mod headers;
@@ -39,7 +44,6 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
-use utoipa_swagger_ui::{Config, SwaggerUi};
 use vibrissa_core::robot::Params;
 
 use crate::action_notifier::ActionNotifier;
@@ -246,7 +250,6 @@ pub fn router(app: App) -> (Router, Document) {
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
     // Serialised once: all requests share the bytes.
     let served = Bytes::from(document.to_json().unwrap_or_default());
-    let docs = Router::from(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
     let router = Router::new()
         .merge(api.route_layer(from_fn_with_state(gate.clone(), access::check)))
         .merge(health::told().route_layer(from_fn_with_state(gate, access::monitoring::check)))
@@ -257,7 +260,7 @@ pub fn router(app: App) -> (Router, Document) {
         .route("/problems/{name}", get(problem::explain))
         .route("/livez", get(health::livez))
         .with_state(app.clone())
-        .merge(docs.layer(map_response(headers::of_docs)))
+        .merge(docs::routes())
         .merge(console::routes());
     (around(router, &app), document)
 }

@@ -94,9 +94,11 @@ fn finish(mut response: Response, id: String, path: String) -> Response {
 /// The problem for a refusal of the router itself, which has no body.
 fn bare(status: StatusCode) -> Option<Problem> {
     match status {
-        StatusCode::NOT_FOUND => Some(Problem::new(Kind::NotFound, "nothing is served under this path; see /docs")),
+        StatusCode::NOT_FOUND => {
+            Some(Problem::new(Kind::NotFound, "nothing is served under this path; see /openapi.json"))
+        }
         StatusCode::METHOD_NOT_ALLOWED => {
-            Some(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /docs"))
+            Some(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /openapi.json"))
         }
         StatusCode::PAYLOAD_TOO_LARGE => Some(Problem::new(Kind::TooLarge, "the body exceeds the size limit")),
         _ => None,

@@ -9,6 +9,8 @@ mod fleet;
 mod http;
 mod kinds;
 mod labels;
+#[cfg(target_os = "linux")]
+mod process;
 mod whiskers;
 
 use std::sync::Arc;
@@ -57,7 +59,7 @@ impl Metrics {
     pub fn new(per_whisker: bool) -> Result<Self> {
         let registry = Registry::new();
         #[cfg(target_os = "linux")]
-        registry.register(Box::new(prometheus::process_collector::ProcessCollector::for_self()))?;
+        registry.register(Box::new(process::ProcessMetrics::new()?))?;
         let build = IntGaugeVec::new(
             Opts::new(
                 "vibrissa_build_info",

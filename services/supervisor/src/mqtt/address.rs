@@ -116,8 +116,11 @@ impl FromStr for BrokerAddress {
         let host = match url.host() {
             Some(Host::Ipv6(address)) => address.to_string(),
             Some(Host::Ipv4(address)) => address.to_string(),
-            // A percent sign is an escape, which no host name has.
-            Some(Host::Domain(name)) if !name.is_empty() && !name.contains('%') => name.to_owned(),
+            // An escape: other characters than those of ASCII.
+            Some(Host::Domain(name)) if name.contains('%') => {
+                return Err(malformed("a host name is in ASCII, an international one in Punycode: xn--..."));
+            }
+            Some(Host::Domain(name)) if !name.is_empty() => name.to_owned(),
             Some(Host::Domain(_)) | None => return Err(malformed("no host")),
         };
         let port = url.port().unwrap_or(usual_port);
@@ -157,6 +160,15 @@ mod tests {
             "mqtt://h?q",
         ] {
             assert!(matches!(address(bad), Err(BadBrokerUrl::Malformed(_))), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_host_that_is_not_in_ascii_is_refused_with_what_to_write() {
+        assert!(address("mqtt://xn--bcher-kva.example").is_ok());
+        for host in ["b\u{fc}cher.example", "b%C3%BCcher.example"] {
+            let refusal = address(&format!("mqtts://{host}")).unwrap_err();
+            assert!(refusal.to_string().contains("Punycode: xn--"), "{refusal}");
         }
     }
 

@@ -8,11 +8,13 @@ use clap::Args;
 use serde_json::Value;
 use url::Url;
 
+use crate::config::address::web_url;
+
 /// Arguments of the commands that use the API.
 #[derive(Debug, Args)]
 pub struct ApiArgs {
     /// URL of the supervisor.
-    #[arg(long, env = "VIBRISSA_URL", default_value = "http://127.0.0.1:8080")]
+    #[arg(long, env = "VIBRISSA_URL", default_value = "http://127.0.0.1:8080", value_parser = web_url)]
     url: Url,
     /// File with the API token; not needed on loopback.
     #[arg(long, env = "VIBRISSA_TOKEN_FILE", value_name = "FILE")]

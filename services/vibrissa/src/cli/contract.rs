@@ -6,8 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
-use serde_json::{Map, to_string_pretty, to_value};
-use vibrissa_protocol::document::{self, Channel};
+use serde_json::{Map, Value, from_str, to_string_pretty};
 
 /// Arguments of `vibrissa contract`.
 #[derive(Debug, Args)]
@@ -28,26 +27,54 @@ enum Print {
     Schemas,
 }
 
+/// The AsyncAPI document.
+const ASYNCAPI: &str = include_str!("../../../../docs/asyncapi.yaml");
+
+/// Defines `SCHEMAS`: the name of each message with its JSON Schema.
+macro_rules! schemas {
+    ($($name:literal)+) => {
+        const SCHEMAS: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../../../docs/schemas/", $name, ".json")))),+];
+    };
+}
+
+schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "supervisor_state");
+
 /// Prints or writes the documents.
 ///
 /// # Errors
 /// A file cannot be written.
 pub fn run(args: &ContractArgs, out: &mut dyn Write) -> Result<()> {
     match args.print {
-        Some(Print::Asyncapi) => write!(out, "{}", document::asyncapi())?,
+        Some(Print::Asyncapi) => write!(out, "{ASYNCAPI}")?,
         Some(Print::Schemas) => {
-            let schema = |channel: Channel| Ok((channel.name().to_owned(), to_value(document::json_schema(channel))?));
-            let schemas = Channel::ALL.into_iter().map(schema).collect::<Result<Map<_, _>>>()?;
+            let schema = |&(name, text): &(&str, &str)| Ok((name.to_owned(), from_str(text)?));
+            let schemas = SCHEMAS.iter().map(schema).collect::<Result<Map<String, Value>>>()?;
             writeln!(out, "{}", to_string_pretty(&schemas)?)?;
         }
         None => {}
     }
     let Some(folder) = &args.write else { return Ok(()) };
-    fs::create_dir_all(folder.join("schemas")).with_context(|| format!("creating a folder in {}", folder.display()))?;
-    for file in document::files() {
-        let path = folder.join(file.path);
-        fs::write(&path, file.text).with_context(|| format!("writing {}", path.display()))?;
+    let schemas = folder.join("schemas");
+    fs::create_dir_all(&schemas).with_context(|| format!("creating a folder in {}", folder.display()))?;
+    let asyncapi = (folder.join("asyncapi.yaml"), ASYNCAPI);
+    let files = SCHEMAS.iter().map(|(name, text)| (schemas.join(format!("{name}.json")), *text));
+    for (path, text) in std::iter::once(asyncapi).chain(files) {
+        fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
         writeln!(out, "written: {}", path.display())?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_protocol::document::Channel;
+
+    use super::*;
+
+    #[test]
+    fn every_message_has_its_schema() {
+        let names: Vec<&str> = Channel::ALL.into_iter().map(Channel::name).collect();
+        assert_eq!(SCHEMAS.iter().map(|(name, _)| *name).collect::<Vec<_>>(), names);
+    }
 }

@@ -2,8 +2,7 @@
 
 use std::net::SocketAddr;
 
-use url::Url;
-
+use super::address::web_url;
 use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::http::HttpOptions;
@@ -77,7 +76,7 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
 
 /// A URL whose answers nobody can forge: HTTPS, or this machine.
 fn secure_url(text: &str) -> Result<String, String> {
-    let url = Url::parse(text).map_err(|problem| format!("is not a URL: {problem}"))?;
+    let url = web_url(text)?;
     let is_here = match url.host() {
         Some(url::Host::Ipv4(ip)) => ip.is_loopback(),
         Some(url::Host::Ipv6(ip)) => ip.is_loopback(),

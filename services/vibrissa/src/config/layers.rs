@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use figment::providers::{Format, Toml};
-use figment::value::{Dict, Map, Value};
-use figment::{Figment, Metadata, Profile, Provider};
+use toml::{Table, Value};
 
 use super::keys::{ENVIRONMENT_PREFIX, Key, Kind};
 use super::problem::{Origin, Problem, did_you_mean};
@@ -35,7 +33,7 @@ pub struct Sources {
     pub flags: Vec<(Key, Vec<String>)>,
 }
 
-/// The merged layers, and the problems found so far.
+/// Each key's value in the uppermost layer that has one, and the problems found so far.
 pub(super) struct Layers {
     /// In the order of [`Key::ALL`].
     settings: Vec<(Option<Value>, Origin)>,
@@ -48,18 +46,25 @@ pub(super) struct Layers {
 impl Layers {
     pub(super) fn new(sources: &Sources) -> Self {
         let mut problems = Vec::new();
-        let mut figment = Figment::new().merge(Layer { metadata: Metadata::named(DEFAULT), values: defaults() });
-        if let Some((path, text)) = &sources.file {
-            let values = file(path, text, &mut problems);
-            let metadata = Metadata::from(FILE, figment::Source::File(path.clone()));
-            figment = figment.merge(Layer { metadata, values });
-        }
-        let environment = environment(&sources.environment);
-        let metadata = Metadata::named(ENVIRONMENT).interpolater(|_, keys| name(keys, |key| key.environment()));
-        figment = figment.merge(Layer { metadata, values: environment });
-        let metadata = Metadata::named(FLAG).interpolater(|_, keys| name(keys, |key| key.flag()));
-        figment = figment.merge(Layer { metadata, values: flags(&sources.flags) });
-        Self { settings: settings(&figment), problems, warnings: unknown_variables(&sources.environment) }
+        let file = sources.file.as_ref().map(|(path, text)| (path, file(path, text, &mut problems)));
+        let defaults = defaults();
+        let setting = |&key: &Key| {
+            if let Some(value) = flag(&sources.flags, key) {
+                return (Some(value), Origin::Flag(key.flag().to_owned()));
+            }
+            if let Some(value) = environment(&sources.environment, key) {
+                return (Some(value), Origin::Environment(key.environment().to_owned()));
+            }
+            if let Some((path, values)) = &file
+                && let Some(value) = at(values, key)
+            {
+                return (Some(value.clone()), Origin::File((*path).clone()));
+            }
+            let default = if key == Key::Name { Some(host_name().into()) } else { defaults.get(key.path()).cloned() };
+            (default, Origin::Default)
+        };
+        let settings = Key::ALL.iter().map(setting).collect();
+        Self { settings, problems, warnings: unknown_variables(&sources.environment) }
     }
 
     /// A key's value, if it is set, and its origin.
@@ -69,99 +74,36 @@ impl Layers {
     }
 }
 
-/// The merged value of every key. Extracted once, because each look-up in the layers copies their content.
-fn settings(figment: &Figment) -> Vec<(Option<Value>, Origin)> {
-    let merged = figment.data().ok().and_then(|mut profiles| profiles.remove(&Profile::Default));
-    let merged = Value::from(merged.unwrap_or_default());
-    let setting = |&key: &Key| match merged.find_ref(key.path()) {
-        Some(value) => (Some(value.clone()), origin(figment, key, value)),
-        None => (None, Origin::Default),
-    };
-    Key::ALL.iter().map(setting).collect()
-}
-
-fn origin(figment: &Figment, key: Key, value: &Value) -> Origin {
-    let Some(metadata) = figment.get_metadata(value.tag()) else { return Origin::Default };
-    let keys: Vec<&str> = key.path().split('.').collect();
-    let name = || metadata.interpolate(&Profile::Default, &keys);
-    match (&*metadata.name, metadata.source.as_ref().and_then(figment::Source::file_path)) {
-        (FILE, Some(path)) => Origin::File(path.to_owned()),
-        (ENVIRONMENT, _) => Origin::Environment(name()),
-        (FLAG, _) => Origin::Flag(name()),
-        _ => Origin::Default,
-    }
-}
-
-const DEFAULT: &str = "default";
-const FILE: &str = "file";
-const ENVIRONMENT: &str = "environment";
-const FLAG: &str = "flag";
-
-/// Values with the description of their source.
-struct Layer {
-    metadata: Metadata,
-    values: Dict,
-}
-
-impl Provider for Layer {
-    fn metadata(&self) -> Metadata {
-        self.metadata.clone()
-    }
-
-    fn data(&self) -> Result<Map<Profile, Dict>, figment::Error> {
-        Ok(Profile::Default.collect(self.values.clone()))
-    }
-}
-
-fn name(keys: &[&str], of: fn(Key) -> &'static str) -> String {
-    Key::at(&keys.join(".")).map_or_else(|| keys.join("."), |key| of(key).to_owned())
-}
-
-fn put(values: &mut Dict, key: Key, value: Value) {
+/// The value of a key in a file.
+fn at(values: &Table, key: Key) -> Option<&Value> {
     match key.section() {
-        (None, name) => {
-            values.insert(name.to_owned(), value);
-        }
-        (Some(section), name) => {
-            let section = values.entry(section.to_owned()).or_insert_with(|| Dict::new().into());
-            if let Value::Dict(_, section) = section {
-                section.insert(name.to_owned(), value);
-            }
-        }
+        (None, name) => values.get(name),
+        (Some(section), name) => values.get(section)?.as_table()?.get(name),
     }
 }
 
-fn defaults() -> Dict {
-    let mut values = Dict::new();
-    for &key in Key::ALL {
-        let default = key.default().and_then(|text| {
-            let line: Dict = Toml::from_str(&format!("value = {text}")).ok()?;
-            line.get("value").cloned()
-        });
-        if let Some(value) = default {
-            put(&mut values, key, value);
-        }
-    }
-    let name = host_name().unwrap_or_else(|| "vibrissa".to_owned());
-    put(&mut values, Key::Name, name.into());
-    values
+/// The defaults of the table of keys, by path.
+fn defaults() -> Table {
+    let defaults = Key::ALL.iter().filter_map(|key| Some(format!("{:?} = {}\n", key.path(), key.default()?)));
+    defaults.collect::<String>().parse().unwrap_or_default()
 }
 
-fn host_name() -> Option<String> {
-    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").ok()?;
-    Some(name.trim().to_owned()).filter(|name| !name.is_empty())
+fn host_name() -> String {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let name = name.trim();
+    if name.is_empty() { "vibrissa".to_owned() } else { name.to_owned() }
 }
 
 /// The file's values. The parser's own message would show the line, possibly with a password.
-fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Dict {
+fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Table {
     let mut whole = |what: String| {
         problems.push(Problem { key: String::new(), origin: Origin::File(path.to_owned()), what });
-        Dict::new()
+        Table::new()
     };
     if text.len() > FILE_MAX_BYTES {
         return whole(format!("is larger than {} KiB: is it the configuration file?", FILE_MAX_BYTES / 1024));
     }
-    match Toml::from_str::<Dict>(text) {
+    match text.parse::<Table>() {
         Ok(values) => {
             unknown_keys(path, "", &values, problems);
             values
@@ -174,7 +116,7 @@ fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Dict {
     }
 }
 
-fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Problem>) {
+fn unknown_keys(path: &Path, parent: &str, values: &Table, problems: &mut Vec<Problem>) {
     for (name, value) in values {
         let key = if parent.is_empty() { name.clone() } else { format!("{parent}.{name}") };
         if Key::at(&key).is_some() {
@@ -182,21 +124,21 @@ fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Pro
         }
         let is_section = parent.is_empty() && Key::ALL.iter().any(|known| known.section().0 == Some(name.as_str()));
         let what = match value {
-            Value::Dict(_, values) if is_section => {
+            Value::Table(values) if is_section => {
                 unknown_keys(path, &key, values, problems);
                 continue;
             }
             _ if is_section => format!("is a section: write [{name}] and its keys below it"),
-            Value::Dict(..) => {
+            Value::Table(_) => {
                 let sections = Key::ALL.iter().filter_map(|key| key.section().0);
                 format!("no such section{}", did_you_mean(&key, sections))
             }
-            Value::String(..)
-            | Value::Char(..)
-            | Value::Bool(..)
-            | Value::Num(..)
-            | Value::Empty(..)
-            | Value::Array(..) => {
+            Value::String(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::Boolean(_)
+            | Value::Datetime(_)
+            | Value::Array(_) => {
                 format!("no such key{}", did_you_mean(&key, Key::ALL.iter().map(|key| key.path())))
             }
         };
@@ -206,23 +148,15 @@ fn unknown_keys(path: &Path, parent: &str, values: &Dict, problems: &mut Vec<Pro
 }
 
 /// An empty variable counts as unset.
-fn environment(variables: &[(String, String)]) -> Dict {
-    let mut values = Dict::new();
-    for &key in Key::ALL {
-        let named = |(name, text): &&(String, String)| name == key.environment() && !text.is_empty();
-        if let Some((_, text)) = variables.iter().find(named) {
-            put(&mut values, key, written(key.kind(), std::slice::from_ref(text)));
-        }
-    }
-    values
+fn environment(variables: &[(String, String)], key: Key) -> Option<Value> {
+    let (_, text) = variables.iter().find(|(name, text)| name == key.environment() && !text.is_empty())?;
+    Some(written(key.kind(), std::slice::from_ref(text)))
 }
 
-fn flags(flags: &[(Key, Vec<String>)]) -> Dict {
-    let mut values = Dict::new();
-    for (key, texts) in flags {
-        put(&mut values, *key, written(key.kind(), texts));
-    }
-    values
+/// Of a repeated flag the last one counts.
+fn flag(flags: &[(Key, Vec<String>)], key: Key) -> Option<Value> {
+    let (_, texts) = flags.iter().rfind(|(known, _)| *known == key)?;
+    Some(written(key.kind(), texts))
 }
 
 /// The value that a text stands for. An invalid one stays a text, and is refused as such.

@@ -4,6 +4,7 @@
 //! before anything connects, and all problems are reported at once ([`Problems`]). Read in this order: [`keys`],
 //! [`layers`], [`problem`]; then [`show`], which prints the values in effect with their origins.
 
+pub mod address;
 pub mod choices;
 pub mod keys;
 pub mod layers;

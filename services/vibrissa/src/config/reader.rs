@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use figment::value::Value;
+use toml::Value;
 
 use super::keys::{Key, Kind};
 use super::layers::{LIST_MAX, Layers};
@@ -109,7 +109,7 @@ impl Reader {
     pub(super) fn number(&mut self, key: Key) -> Option<f64> {
         let Kind::Number { min, max } = key.kind() else { return None };
         self.read(key, |value| {
-            let number = value.to_f64().or_else(|| value.to_i128().map(|whole| whole as f64));
+            let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
             let number = number.ok_or_else(|| wrong_type(key, value))?;
             let allowed = (min..=max).contains(&number);
             allowed.then_some(number).ok_or_else(|| format!("must be from {min:?} to {max:?}, not {number:?}"))
@@ -120,7 +120,7 @@ impl Reader {
     pub(super) fn whole(&mut self, key: Key) -> Option<u32> {
         let Kind::Whole { min, max } = key.kind() else { return None };
         self.read(key, |value| {
-            let number = value.to_i128().ok_or_else(|| wrong_type(key, value))?;
+            let number = value.as_integer().ok_or_else(|| wrong_type(key, value))?;
             let allowed = u32::try_from(number).ok().filter(|number| (min..=max).contains(number));
             allowed.ok_or_else(|| format!("must be a whole number from {min} to {max}, not {number}"))
         })
@@ -203,7 +203,7 @@ fn wrong_type(key: Key, value: &Value) -> String {
         Kind::Whole { .. } => ("a whole number", "10"),
     };
     let is = match value {
-        Value::String(_, text) if matches!(key.kind(), Kind::Number { .. } | Kind::Whole { .. }) => {
+        Value::String(text) if matches!(key.kind(), Kind::Number { .. } | Kind::Whole { .. }) => {
             let kubernetes = if text.starts_with("tcp://") {
                 " (Kubernetes sets such variables for services: give the service another name, or set enableServiceLinks: false)"
             } else {
@@ -212,14 +212,13 @@ fn wrong_type(key: Key, value: &Value) -> String {
             let shown: String = text.chars().take(40).collect();
             return format!("must be {should}, such as {example}, not {shown:?}{kubernetes}");
         }
-        Value::String(..) | Value::Char(..) => "a text",
-        Value::Bool(..) => "true or false",
-        Value::Num(..) => "a number",
-        Value::Empty(..) => "nothing",
-        Value::Dict(_, values) if values.keys().any(|name| name.starts_with("$__toml")) => "a date or time",
-        Value::Dict(..) => "a section",
-        Value::Array(..) if key.kind().is_list() => "a list with something else",
-        Value::Array(..) => "a list",
+        Value::String(_) => "a text",
+        Value::Boolean(_) => "true or false",
+        Value::Integer(_) | Value::Float(_) => "a number",
+        Value::Datetime(_) => "a date or time",
+        Value::Table(_) => "a section",
+        Value::Array(_) if key.kind().is_list() => "a list with something else",
+        Value::Array(_) => "a list",
     };
     format!("must be {should}, such as {} = {example}, but is {is}", key.section().1)
 }

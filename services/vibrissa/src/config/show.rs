@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use figment::value::Value;
+use toml::Value;
 
 use super::database::masked;
 use super::keys::{Key, Kind};
@@ -75,19 +75,16 @@ fn toml_value(value: &Value, kind: Kind) -> String {
     // JSON's escapes are valid in TOML, except for one character.
     let quoted = |text: &str| serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F");
     match value {
-        Value::String(_, text) if kind == Kind::DatabaseUrl => quoted(&masked(text)),
-        Value::String(_, text) => quoted(text),
-        Value::Array(_, items) => {
+        Value::String(text) if kind == Kind::DatabaseUrl => quoted(&masked(text)),
+        Value::String(text) => quoted(text),
+        Value::Array(items) => {
             let items: Vec<String> = items.iter().map(|item| toml_value(item, kind)).collect();
             format!("[{}]", items.join(", "))
         }
-        Value::Num(_, number) => match (number.to_f64(), number.to_i128()) {
-            (Some(number), _) => format!("{number:?}"),
-            (None, number) => number.unwrap_or_default().to_string(),
-        },
-        Value::Char(_, character) => quoted(&character.to_string()),
-        Value::Bool(_, truth) => truth.to_string(),
+        Value::Float(number) => format!("{number:?}"),
+        Value::Integer(number) => number.to_string(),
+        Value::Boolean(truth) => truth.to_string(),
         // A valid configuration has no such value.
-        Value::Empty(..) | Value::Dict(..) => "\"\"".to_owned(),
+        Value::Datetime(_) | Value::Table(_) => "\"\"".to_owned(),
     }
 }

@@ -1,7 +1,6 @@
 //! Export of traces.
 
-use url::Url;
-
+use super::address::web_url;
 use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::trace::TraceOptions;
@@ -18,13 +17,18 @@ pub(super) fn traces(reader: &mut Reader) -> Option<Option<TraceOptions>> {
     if !is_set {
         return Some(None);
     }
+    if !cfg!(feature = "traces") {
+        let what = "this program was built without traces: build it with --features traces, or leave the key out";
+        reader.refuse(Key::TracesOtlpEndpoint, what);
+        return None;
+    }
     Some(Some(TraceOptions { url: url?, sample_ratio }))
 }
 
 /// The URL for traces of the collector at an address.
 fn endpoint(text: &str) -> Result<String, String> {
     let example = "write http://HOST:4318";
-    let mut url = Url::parse(text).map_err(|problem| format!("is not a URL ({problem}): {example}"))?;
+    let mut url = web_url(text).map_err(|problem| format!("{problem}: {example}"))?;
     if !matches!(url.scheme(), "http" | "https") || url.host().is_none() {
         return Err(format!("must begin with http:// or https://: {example}, the port for OTLP over HTTP"));
     }
@@ -61,6 +65,7 @@ mod tests {
     #[test]
     fn what_is_no_collectors_address_is_refused_with_what_to_write() {
         for (text, told) in [
+            ("http://b\u{fc}cher.example:4318", "write it in Punycode"),
             ("collector", "is not a URL (relative URL without a base): write http://HOST:4318"),
             ("localhost:4318", "must begin with http:// or https://"),
             ("grpc://h:4317", "must begin with http:// or https://"),

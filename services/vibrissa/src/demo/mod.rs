@@ -81,7 +81,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     println!("\nDatabase: {}\nChart:    {}", database.display(), picture.display());
     if options.serve {
         println!(
-            "\nServing until Ctrl-C: the console on http://{}/, the API in /docs, /metrics; MQTT on {broker:?}",
+            "\nServing until Ctrl-C: the console on http://{}/, the API in /openapi.json, /metrics; MQTT on {broker:?}",
             service.http
         );
         tokio::signal::ctrl_c().await.context("waiting for Ctrl-C")?;

@@ -4,6 +4,7 @@ mod keys;
 pub mod monitoring;
 pub mod oidc;
 pub mod origin;
+mod signature;
 pub mod token;
 
 use std::collections::BTreeSet;
@@ -277,7 +278,10 @@ async fn admit(
     let needed = match gate.roles.needed(&request.method, path) {
         Need::Role(role) => role,
         Need::NoSuchMethod => {
-            return Err(Problem::new(Kind::MethodNotAllowed, "this path does not support the method; see /docs"));
+            return Err(Problem::new(
+                Kind::MethodNotAllowed,
+                "this path does not support the method; see /openapi.json",
+            ));
         }
         Need::Undeclared => {
             tracing::error!(path, "refusing a request: the route declares no role");

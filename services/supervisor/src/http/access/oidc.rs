@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use vibrissa_protocol::Name;
 
 use super::keys::Keys;
-use super::{Caller, Role, Scope};
+use super::{Caller, Role, Scope, signature};
 use crate::http::problem::{Kind, Problem};
 
 /// An accepted OpenID provider.
@@ -33,7 +33,7 @@ pub struct Oidc {
 }
 
 /// Accepted algorithms: asymmetric ones, whose signatures anybody can verify but only the provider can make.
-const ALGORITHMS: [Algorithm; 9] = [
+pub(super) const ALGORITHMS: [Algorithm; 9] = [
     Algorithm::RS256,
     Algorithm::RS384,
     Algorithm::RS512,
@@ -49,6 +49,7 @@ impl Oidc {
     /// A provider; no request is sent to it yet.
     #[must_use]
     pub fn new(options: OidcOptions) -> Self {
+        signature::install();
         let keys = Keys::new(&options.issuer, options.jwks_url.as_deref());
         Self { options: Arc::new(options), keys }
     }

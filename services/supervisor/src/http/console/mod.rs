@@ -1,19 +1,18 @@
 //! The operators' console: a page at `/` and its modules under `/console/`. They read everything they show from the
 //! API. The files are served without a token, because they contain no data.
 //!
-//! Debug builds read the files from the source folder, so that they can be edited while the service runs; release
-//! builds embed them.
+//! Debug builds read the files from the source folder, so that they can be edited while the service runs; other builds
+//! contain them.
 
 mod declared;
 
 use std::borrow::Cow;
 
 use axum::Router;
-use axum::extract::Path;
+use axum::extract;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use rust_embed::RustEmbed;
 
 use super::problem::{Kind, Problem};
 
@@ -32,9 +31,65 @@ const HEADERS: [(HeaderName, &str); 2] = [
     (header::CACHE_CONTROL, "no-cache"),
 ];
 
-#[derive(RustEmbed)]
-#[folder = "console/"]
-struct Files;
+/// Defines `FILES`: the name of each file with its content.
+macro_rules! files {
+    ($($name:literal)+) => {
+        const FILES: &[(&str, &[u8])] =
+            &[$(($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/console/", $name)))),+];
+    };
+}
+
+files!(
+    "actions.js"
+    "api.js"
+    "dialog.js"
+    "dom.js"
+    "drawing.js"
+    "format.js"
+    "icon.svg"
+    "index.html"
+    "live.js"
+    "main.js"
+    "marks.js"
+    "notices.js"
+    "pages/alarms.js"
+    "pages/audit.js"
+    "pages/compensation.js"
+    "pages/fleet.js"
+    "pages/fleets.js"
+    "pages/nowhere.js"
+    "pages/policy.js"
+    "pages/robot.js"
+    "pages/whisker.js"
+    "parts/decisions.js"
+    "parts/proposals.js"
+    "places.js"
+    "plot.js"
+    "router.js"
+    "session.js"
+    "sse.js"
+    "styles/base.css"
+    "styles/forms.css"
+    "styles/layout.css"
+    "styles/lists.css"
+    "styles/pictures.css"
+    "table.js"
+    "words.js"
+);
+
+/// The content of a file, if there is one of that name.
+fn content(name: &str) -> Option<Cow<'static, [u8]>> {
+    if name == declared::PATH {
+        return Some(declared::MODULE.as_bytes().into());
+    }
+    let (name, content) = FILES.iter().find(|(known, _)| *known == name)?;
+    if cfg!(debug_assertions)
+        && let Ok(edited) = std::fs::read(format!("{}/console/{name}", env!("CARGO_MANIFEST_DIR")))
+    {
+        return Some(edited.into());
+    }
+    Some((*content).into())
+}
 
 /// The page and its files.
 pub(super) fn routes() -> Router {
@@ -45,36 +100,26 @@ async fn page(headers: HeaderMap) -> Response {
     answer(PAGE, &headers)
 }
 
-async fn file(Path(path): Path<String>, headers: HeaderMap) -> Response {
+async fn file(extract::Path(path): extract::Path<String>, headers: HeaderMap) -> Response {
     if path == PAGE { missing() } else { answer(&path, &headers) }
 }
 
 fn answer(path: &str, headers: &HeaderMap) -> Response {
-    let Some((content, hash)) = content(path) else { return missing() };
-    let tag = tag(&hash);
+    let Some(content) = content(path) else { return missing() };
+    let tag = tag(&content);
     if headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok()).is_some_and(|tags| has(tags, &tag)) {
         return (StatusCode::NOT_MODIFIED, HEADERS, [(header::ETAG, tag)]).into_response();
     }
     (HEADERS, [(header::ETAG, tag), (header::CONTENT_TYPE, media_type(path).to_owned())], content).into_response()
 }
 
-/// Content of a file, and its hash.
-fn content(path: &str) -> Option<(Cow<'static, [u8]>, [u8; 32])> {
-    if path == declared::PATH {
-        let module = declared::MODULE.as_bytes();
-        return Some((module.into(), blake3::hash(module).into()));
-    }
-    Files::get(path).map(|file| (file.data, file.metadata.sha256_hash()))
-}
-
 fn missing() -> Response {
     Problem::new(Kind::NotFound, "the console has no file of that name").into_response()
 }
 
-/// `ETag` of a file, from the hash of its content.
-fn tag(hash: &[u8]) -> String {
-    let start: String = hash.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
-    format!("\"{start}\"")
+/// `ETag` of a file: a hash of its content.
+fn tag(content: &[u8]) -> String {
+    format!("\"{}\"", &blake3::hash(content).to_hex()[..32])
 }
 
 /// Whether the list of tags in `If-None-Match` contains the tag.
@@ -94,12 +139,15 @@ fn media_type(path: &str) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
 
     async fn ask(path: &str, tags: &str) -> Response {
         let mut headers = HeaderMap::new();
         headers.insert(header::IF_NONE_MATCH, tags.parse().unwrap());
-        file(Path(path.to_owned()), headers).await
+        file(extract::Path(path.to_owned()), headers).await
     }
 
     #[tokio::test]
@@ -124,10 +172,29 @@ mod tests {
 
     #[test]
     fn every_file_has_a_type_that_browsers_take() {
-        assert!(Files::get(declared::PATH).is_none(), "{} is made, and no file", declared::PATH);
-        for path in Files::iter().chain([declared::PATH.into()]) {
-            assert_ne!(media_type(&path), "application/octet-stream", "{path}");
+        for (path, _) in FILES {
+            assert_ne!(media_type(path), "application/octet-stream", "{path}");
         }
-        assert!(Files::iter().any(|path| path == PAGE));
+        assert!(FILES.iter().any(|(path, _)| *path == PAGE));
+    }
+
+    #[test]
+    fn every_file_of_the_folder_is_served() {
+        assert!(FILES.iter().all(|(path, _)| *path != declared::PATH), "{} is made, and no file", declared::PATH);
+        fn add(folder: &Path, before: &str, names: &mut Vec<String>) {
+            for entry in fs::read_dir(folder).unwrap() {
+                let entry = entry.unwrap();
+                let name = format!("{before}{}", entry.file_name().to_str().unwrap());
+                if entry.path().is_dir() {
+                    add(&entry.path(), &format!("{name}/"), names);
+                } else {
+                    names.push(name);
+                }
+            }
+        }
+        let mut names = Vec::new();
+        add(&Path::new(env!("CARGO_MANIFEST_DIR")).join("console"), "", &mut names);
+        names.sort();
+        assert_eq!(FILES.iter().map(|(name, _)| *name).collect::<Vec<_>>(), names, "the list above, in order");
     }
 }
