@@ -1,5 +1,5 @@
 //! Stands in for the module `trace` in a build without the feature `traces`: the same names, and no collector can be
-//! configured. [`Traces`] has no value, so no method of this module ever runs except [`is_told`].
+//! configured. [`Traces`] has no value, so no method of this module ever runs except [`is_traced`].
 
 use std::time::{Duration, SystemTime};
 
@@ -66,9 +66,9 @@ impl RequestSpan {
 }
 
 /// The open traces of a fleet.
-pub(crate) struct Lives(Never);
+pub(crate) struct OpenTraces(Never);
 
-impl Lives {
+impl OpenTraces {
     pub(crate) fn new(traces: Traces, _: Name) -> Self {
         match traces.0 {}
     }
@@ -77,7 +77,7 @@ impl Lives {
         match self.0 {}
     }
 
-    pub(crate) fn asked(&mut self, _: Option<Asked>) {
+    pub(crate) fn set_action(&mut self, _: Option<TracedAction>) {
         match self.0 {}
     }
 
@@ -85,11 +85,11 @@ impl Lives {
         match self.0 {}
     }
 
-    pub(crate) fn seal(&mut self) -> Untold {
+    pub(crate) fn seal(&mut self) -> PendingSpans {
         match self.0 {}
     }
 
-    pub(crate) fn committed(&mut self, _: &mut Untold, _: Duration) {
+    pub(crate) fn committed(&mut self, _: &mut PendingSpans, _: Duration) {
         match self.0 {}
     }
 
@@ -97,7 +97,7 @@ impl Lives {
         match self.0 {}
     }
 
-    pub(crate) fn published(&mut self, _: Untold, _: SystemTime, _: bool) {
+    pub(crate) fn published(&mut self, _: PendingSpans, _: SystemTime, _: bool) {
         match self.0 {}
     }
 
@@ -108,12 +108,12 @@ impl Lives {
 
 /// Spans that may be exported after a commit: none.
 #[derive(Default)]
-pub(crate) struct Untold;
+pub(crate) struct PendingSpans;
 
 /// An operator's action.
-pub(crate) struct Asked;
+pub(crate) struct TracedAction;
 
-impl Asked {
+impl TracedAction {
     pub(crate) fn of(_: &Action) -> Self {
         Self
     }
@@ -132,6 +132,6 @@ pub(crate) struct Step<'a> {
 }
 
 /// Whether a step is traced: none is.
-pub(crate) fn is_told(_: &[Effect]) -> bool {
+pub(crate) fn is_traced(_: &[Effect]) -> bool {
     false
 }
