@@ -279,7 +279,7 @@ impl fmt::Display for Problem {
                  unless the broker or its log reveals it; reconnecting with a new one",
             ),
             Cause::Closed => f.write_str(
-                "it has closed the connection without a reason: it may be stopping, or another client has the \
+                "it has closed the connection without a reason: it may be stopping, or another client connected with the \
                  same client id; reconnecting with a new one",
             ),
             Cause::Unheard { .. } => self.unheard(f),
