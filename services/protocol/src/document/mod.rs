@@ -66,5 +66,6 @@ pub fn asyncapi() -> String {
     format!("# Generated from the types of vibrissa-protocol; docs/README.md says how.\n{yaml}")
 }
 
-#[cfg(all(test, feature = "documents"))]
+#[cfg(test)]
+#[cfg(feature = "documents")]
 mod tests;

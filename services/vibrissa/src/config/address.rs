@@ -7,11 +7,14 @@ use url::{ParseError, Url};
 /// # Errors
 /// It is malformed, or its host is not in ASCII: this program has no Unicode tables.
 pub fn web_url(text: &str) -> Result<Url, String> {
-    Url::parse(text).map_err(|problem| match problem {
-        ParseError::IdnaError if !text.is_ascii() => "has a host name that is not in ASCII: write it in Punycode, \
-                                                      such as xn--bcher-kva.example for b\u{fc}cher.example"
-            .to_owned(),
-        problem => format!("is not a URL ({problem})"),
+    Url::parse(text).map_err(|problem| {
+        if problem == ParseError::IdnaError && !text.is_ascii() {
+            "has a host name that is not in ASCII: write it in Punycode, such as xn--bcher-kva.example for \
+             b\u{fc}cher.example"
+                .to_owned()
+        } else {
+            format!("is not a URL ({problem})")
+        }
     })
 }
 
