@@ -111,6 +111,7 @@ impl OpenTraces {
 pub(crate) struct PendingSpans;
 
 /// An operator's action.
+#[derive(Clone)]
 pub(crate) struct TracedAction;
 
 impl TracedAction {
