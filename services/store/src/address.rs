@@ -87,11 +87,18 @@ impl std::str::FromStr for DatabaseAddress {
         }
         let options: PgConnectOptions =
             text.parse().map_err(|_| bad("it has an option that PostgreSQL does not know"))?;
-        if !options.get_host().is_ascii() {
+        if is_beyond_ascii(url.host_str().unwrap_or_default()) {
             return Err(bad("a host name is in ASCII, an international one in Punycode: xn--..."));
         }
         Ok(Self::Postgres(PostgresAddress { options: Box::new(options), password: None }))
     }
+}
+
+/// Whether a host of a URL, whose other characters are in percent encoding, has a character beyond ASCII.
+fn is_beyond_ascii(host: &str) -> bool {
+    host.split('%')
+        .skip(1)
+        .any(|code| code.starts_with(['8', '9', 'A', 'B', 'C', 'D', 'E', 'F', 'a', 'b', 'c', 'd', 'e', 'f']))
 }
 
 impl std::fmt::Display for DatabaseAddress {
