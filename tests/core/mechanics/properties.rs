@@ -283,7 +283,7 @@ fn property_a_model_is_refused_by_the_condition_that_fails() {
     assert_eq!(refusal(Geometry { t_mm: 0.0, ..geometry }, calibration), "t must be a number above 0, not 0");
     assert!(refusal(Geometry { poisson_ratio: 0.6, ..geometry }, calibration).contains("Poisson"));
     assert!(refusal(Geometry { xss_mm: 14.0, ..geometry }, calibration).contains("x_ss + e"));
-    assert!(refusal(Geometry { dm_large_mm: 18.0, ..geometry }, calibration).contains("inside"));
+    assert!(refusal(Geometry { dm_large_mm: 18.0, ..geometry }, calibration).contains("positive thickness"));
     assert!(refusal(Geometry { d2_mid_small_mm: 14.0, ..geometry }, calibration).contains("1 %"));
     assert!(refusal(geometry, Calibration { c: f64::NAN, ..calibration }).contains("calibration c"));
     assert!(refusal(geometry, Calibration { a: -1.0, ..calibration }).contains("not below 0"));
