@@ -120,9 +120,9 @@ policy_numbers! { keys {
         "Single contacts to store: all, decisions (those before a detection or decision, and those of compensators) or \
          none; minute and hour aggregates are always stored";
     ContactsDays: "contacts.days", Kind::Whole { min: 0, max: 36_500 }, Some("30"),
-        "Days after which single contacts are deleted; 0 keeps them for ever";
+        "Days after which single contacts are deleted; 0 keeps all";
     RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
-        "Days after which minute aggregates are deleted, 0 keeps them for ever; hour aggregates are always kept";
+        "Days after which minute aggregates are deleted, 0 keeps all; hour aggregates are always kept";
     LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
         "Maximum number of robots supervised per fleet; further ones are refused";
     LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),

@@ -122,7 +122,7 @@ impl Replayer {
                     && let Some(envelope) = protocol::envelope(&recorded.payload)
                 {
                     // As in the service, the number is accounted for; otherwise the robot would send the message again
-                    // for ever.
+                    // without end.
                     let (boot_id, seq) = (envelope.boot_id, envelope.seq);
                     let contacts = protocol::Contacts { boot_id, seq, contacts: Vec::new() };
                     return self.message(&step, &Message::Contacts(contacts), sink);

@@ -22,7 +22,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for aggregates.
     pub struct HistoryQuery by RollupSort {
-        /// Minutes, which are stored for a limited time, or hours, which are stored for ever. Default: hours.
+        /// Minutes, which are stored for a limited time, or hours, which are always stored. Default: hours.
         #[param(inline)]
         pub resolution: Option<ResolutionWord>,
         /// Earliest begin, inclusive, by the supervisor's clock.
