@@ -6,6 +6,7 @@ pub mod compensation;
 pub mod crowd;
 pub mod detection;
 pub mod health;
+pub mod reality;
 #[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects and messages matter")]
 pub mod world;
 

@@ -4,6 +4,7 @@ pub mod detection;
 pub mod evaluation;
 pub mod health;
 pub mod paper;
+pub mod reality;
 
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;

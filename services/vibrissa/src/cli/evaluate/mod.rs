@@ -3,6 +3,7 @@
 pub mod compensation;
 pub mod detection;
 pub mod health;
+pub mod reality;
 
 use std::io::Write;
 
@@ -26,6 +27,8 @@ enum What {
     Health(health::HealthArgs),
     /// The paper's compensation experiment on plants that deviate from the model: open loop, closed loop, with gain.
     Compensation(compensation::CompensationArgs),
+    /// Detection, false reports and compensation on whiskers that creep, age, warm up and wear, as real ones do.
+    Reality(reality::RealityArgs),
 }
 
 /// Runs an evaluation.
@@ -38,5 +41,6 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> Result<()> {
         What::Detection(args) => detection::run(args, out),
         What::Health(args) => health::run(args, out),
         What::Compensation(args) => compensation::run(args, out),
+        What::Reality(args) => reality::run(args, out),
     }
 }

@@ -1,0 +1,177 @@
+//! The chamber of a whisker with its valves and sensor, from event to event.
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use vibrissa_core::robot::event::RegulatorState;
+
+use super::nuisances::Nuisances;
+use super::whisker::{NOMINAL_MPA, normal, stream};
+
+/// Resolution and noise of the pressure sensor with on/off valves, MPa.
+const COARSE_MPA: (f64, f64) = (0.00122, 0.0003);
+/// Resolution and noise of the pressure sensor with an ideal regulator, MPa.
+const FINE_MPA: (f64, f64) = (0.0002, 0.0004);
+/// Dead band of the valves, MPa.
+const DEAD_BAND_MPA: (f64, f64) = (0.0015, 0.003);
+/// Loss of a tight chamber behind on/off valves, per second.
+const TIGHT_PER_S: f64 = 5e-5;
+/// Loss of a leaking chamber, per second.
+const LEAK_PER_S: (f64, f64) = (0.001, 0.03);
+/// Time from the arrival at a pressure until it counts as held, s.
+const SETTLING_S: f64 = 0.5;
+/// Refills in one advance after which the phase of the cycle is drawn.
+const REFILLS_MAX: u32 = 100;
+
+/// One chamber.
+#[derive(Debug)]
+pub(super) struct Air {
+    pressure_mpa: f64,
+    target_mpa: f64,
+    slew_mpa_per_s: f64,
+    settling_s: Option<f64>,
+    dead_band_mpa: f64,
+    loss_per_s: f64,
+    leak_per_s: f64,
+    sensor_mpa: (f64, f64),
+    random: ChaCha8Rng,
+}
+
+impl Air {
+    /// A tight chamber at the nominal pressure.
+    #[must_use]
+    pub(super) fn new(nuisances: &Nuisances, seed: u64, number: u64) -> Self {
+        let mut random = stream(seed, 4 + 4 * number);
+        let band_mpa = random.random_range(DEAD_BAND_MPA.0..=DEAD_BAND_MPA.1);
+        let leak_per_s = LEAK_PER_S.0 * (LEAK_PER_S.1 / LEAK_PER_S.0).powf(random.random());
+        let has_valves = nuisances.valves > 0.0;
+        Self {
+            pressure_mpa: NOMINAL_MPA,
+            target_mpa: NOMINAL_MPA,
+            slew_mpa_per_s: 0.02,
+            settling_s: None,
+            dead_band_mpa: nuisances.valves * band_mpa,
+            loss_per_s: if has_valves { TIGHT_PER_S } else { 0.0 },
+            leak_per_s: nuisances.leak * leak_per_s,
+            sensor_mpa: if has_valves { COARSE_MPA } else { FINE_MPA },
+            random,
+        }
+    }
+
+    /// From now on the chamber leaks.
+    pub(super) fn start_leak(&mut self) {
+        self.loss_per_s = self.leak_per_s;
+    }
+
+    /// A new target, to be approached at a rate in MPa/s.
+    pub(super) fn set(&mut self, target_mpa: f64, slew_mpa_per_s: f64) {
+        self.target_mpa = target_mpa;
+        self.slew_mpa_per_s = slew_mpa_per_s;
+        self.settling_s = Some(SETTLING_S);
+    }
+
+    /// Time passes.
+    pub(super) fn advance(&mut self, seconds: f64) {
+        let mut left_s = seconds;
+        if let Some(settling_s) = self.settling_s {
+            let way_mpa = self.target_mpa - self.pressure_mpa;
+            let way_s = way_mpa.abs() / self.slew_mpa_per_s;
+            if way_s > left_s {
+                self.pressure_mpa += (self.slew_mpa_per_s * left_s).copysign(way_mpa);
+                return;
+            }
+            left_s -= way_s;
+            self.settling_s = (settling_s > left_s).then_some(settling_s - left_s);
+            // The valves stop somewhere in the dead band, and from then on the pressure counts as reached.
+            let stop_mpa = if self.settling_s.is_some() { 0.0 } else { self.dead_band_mpa };
+            self.pressure_mpa = (self.target_mpa + stop_mpa * self.random.random_range(-1.0..=1.0)).max(0.0);
+        }
+        self.lose(left_s);
+    }
+
+    /// Loses air for a time; the valves refill from the lower end of the dead band.
+    fn lose(&mut self, seconds: f64) {
+        let low_mpa = self.target_mpa - self.dead_band_mpa;
+        if self.loss_per_s == 0.0 || low_mpa <= 0.0 {
+            return;
+        }
+        let mut left_s = seconds;
+        for _ in 0..REFILLS_MAX {
+            let until_refill_s = ((self.pressure_mpa / low_mpa).ln() / self.loss_per_s).max(0.0);
+            if left_s < until_refill_s {
+                self.pressure_mpa *= (-self.loss_per_s * left_s).exp();
+                return;
+            }
+            left_s -= until_refill_s;
+            self.pressure_mpa = self.target_mpa + self.dead_band_mpa * self.random.random_range(0.0..=0.5);
+        }
+        self.pressure_mpa = self.random.random_range(low_mpa..=self.target_mpa);
+    }
+
+    /// True pressure, MPa.
+    #[must_use]
+    pub(super) fn pressure_mpa(&self) -> f64 {
+        self.pressure_mpa
+    }
+
+    /// Target pressure, MPa.
+    #[must_use]
+    pub(super) fn target_mpa(&self) -> f64 {
+        self.target_mpa
+    }
+
+    /// Pressure by the sensor, MPa.
+    pub(super) fn reading_mpa(&mut self) -> f64 {
+        let (step_mpa, noise_mpa) = self.sensor_mpa;
+        let noisy_mpa = self.pressure_mpa + noise_mpa * normal(&mut self.random);
+        ((noisy_mpa / step_mpa).round() * step_mpa).clamp(0.0, 1.0)
+    }
+
+    /// Whether the target is reached.
+    #[must_use]
+    pub(super) fn is_settled(&self) -> bool {
+        self.settling_s.is_none()
+    }
+
+    /// Condition that the regulator reports; it notices no leaks.
+    #[must_use]
+    pub(super) fn condition(&self) -> RegulatorState {
+        match (self.settling_s, self.target_mpa > self.pressure_mpa) {
+            (None, _) => RegulatorState::Ok,
+            (Some(_), true) => RegulatorState::Filling,
+            (Some(_), false) => RegulatorState::Venting,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setpoint_is_approached_at_its_slew_and_then_held() {
+        let mut air = Air::new(&Nuisances::NONE, 1, 0);
+        air.set(0.06, 0.02);
+        air.advance(1.0);
+        assert!((air.pressure_mpa() - 0.08).abs() < 1e-12 && !air.is_settled());
+        assert_eq!(air.condition(), RegulatorState::Venting);
+        air.advance(2.0);
+        assert!(air.is_settled() && air.pressure_mpa() == 0.06);
+    }
+
+    #[test]
+    fn a_leak_is_refilled_within_the_dead_band() {
+        let nuisances = Nuisances { valves: 1.0, leak: 1.0, ..Nuisances::NONE };
+        let mut air = Air::new(&nuisances, 1, 0);
+        air.start_leak();
+        let mut refills = 0;
+        for _ in 0..2000 {
+            let before_mpa = air.pressure_mpa();
+            air.advance(0.5);
+            refills += u32::from(air.pressure_mpa() > before_mpa);
+            assert!((air.pressure_mpa() - NOMINAL_MPA).abs() <= DEAD_BAND_MPA.1);
+            let steps = air.reading_mpa() / COARSE_MPA.0;
+            assert!((steps - steps.round()).abs() < 1e-9);
+        }
+        assert!(refills > 10, "{refills}");
+    }
+}

@@ -1,0 +1,144 @@
+//! The course of a robot's life that its whiskers share: time, habits, temperature, scale.
+
+use std::f64::consts::TAU;
+
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
+use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
+use super::whisker::{Habit, stream};
+
+/// Rounds of contacts between two pauses.
+const ROUNDS_A_BOUT: u64 = 40;
+/// Mean pause between two bouts, s.
+const PAUSE_S: f64 = 80.0;
+/// Shortest and longest time from a touch to its reading, s: equally likely on a logarithmic scale.
+const HELD_S: (f64, f64) = (0.1, 3.0);
+/// Time between two rounds of a bout, s.
+const BETWEEN_S: f64 = 0.2;
+/// Half of the daily swing of the temperature, K.
+const SWING_K: f64 = 5.0;
+const DAY_S: f64 = 86_400.0;
+/// Rounds between two changes of habit.
+const HABIT_ROUNDS: (u64, u64) = (500, 2500);
+/// Rounds between two steps of the scale.
+const STEP_ROUNDS: (u64, u64) = (300, 5000);
+/// Temperature at installation, degrees Celsius.
+const INSTALLED_C: f64 = 24.0;
+/// Share of the steps that come from the temperature, with a thermometer that shows it; the others have no trace.
+const WARM_STEPS: f64 = 0.5;
+/// Temperature that a warm step shows, K per log sensitivity: that of a rubber with 0.5 % per K.
+const STEP_K: f64 = 200.0;
+/// Zones and ranges of deflections among which habits change.
+const ZONES: [(f64, f64); 2] = [(0.8, 0.9), (0.5, 0.6)];
+const DEFLECTIONS_MM: [(f64, f64); 3] = [(0.2, DEFLECTION_MAX_MM), (0.2, 2.0), (3.0, DEFLECTION_MAX_MM)];
+
+/// What the whiskers of a robot share.
+#[derive(Debug, Clone)]
+pub struct Course {
+    nuisances: Nuisances,
+    random: ChaCha8Rng,
+    /// Number of rounds so far.
+    pub round: u64,
+    /// Time since the installation, s.
+    pub now_s: f64,
+    /// Time between the last two rounds, s.
+    pub pause_s: f64,
+    /// Time from the touches of this round to their readings, s.
+    pub held_s: f64,
+    /// Where and how hard the robot touches.
+    pub habit: Habit,
+    /// Change of all sensitivities, in log sensitivity, apart from each whisker's coefficient of temperature.
+    pub log_shift: f64,
+    /// Part of the thermometer's deviation that belongs to `log_shift`, K.
+    step_k: f64,
+    phase: f64,
+    zone: usize,
+    next_habit: u64,
+    next_step: u64,
+}
+
+impl Course {
+    /// The start of a robot's life.
+    #[must_use]
+    pub fn new(nuisances: Nuisances, seed: u64) -> Self {
+        let mut random = stream(seed, u64::MAX);
+        let phase = random.random_range(0.0..TAU);
+        let zone = random.random_range(0..ZONES.len() * DEFLECTIONS_MM.len());
+        let next_habit = random.random_range(HABIT_ROUNDS.0..=HABIT_ROUNDS.1);
+        let next_step = random.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
+        let mut course = Self {
+            nuisances,
+            random,
+            round: 0,
+            now_s: 0.0,
+            pause_s: 60.0,
+            held_s: HELD_S.0,
+            habit: Habit::ANY,
+            log_shift: 0.0,
+            step_k: 0.0,
+            phase,
+            // The deflections begin with their full range.
+            zone: zone % ZONES.len(),
+            next_habit,
+            next_step,
+        };
+        course.take_up_habit(0);
+        course
+    }
+
+    /// Goes on to the readings of the next round.
+    pub fn go_on(&mut self) {
+        self.round += 1;
+        let [held, pause]: [f64; 2] = std::array::from_fn(|_| self.random.random());
+        self.held_s = HELD_S.0 * (HELD_S.1 / HELD_S.0).powf(held);
+        self.pause_s = if self.round.is_multiple_of(ROUNDS_A_BOUT) { -PAUSE_S * (1.0 - pause).ln() } else { BETWEEN_S };
+        self.now_s += self.pause_s + self.held_s;
+        if self.round >= self.next_habit {
+            self.next_habit += self.random.random_range(HABIT_ROUNDS.0..=HABIT_ROUNDS.1);
+            self.zone += 1;
+            let deflections = self.random.random_range(0..DEFLECTIONS_MM.len());
+            self.take_up_habit(deflections);
+        }
+        if self.round >= self.next_step {
+            self.next_step += self.random.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
+            self.step();
+        }
+    }
+
+    fn take_up_habit(&mut self, deflections: usize) {
+        if self.nuisances.zones {
+            self.habit.ratios = ZONES[self.zone % ZONES.len()];
+        }
+        if self.nuisances.curvature_per_mm > 0.0 {
+            self.habit.deflections_mm = DEFLECTIONS_MM[deflections];
+        }
+    }
+
+    /// A step away, or the step back.
+    fn step(&mut self) {
+        let [up, warm]: [f64; 2] = std::array::from_fn(|_| self.random.random());
+        if self.log_shift == 0.0 {
+            self.log_shift = if up < 0.5 { self.nuisances.step } else { -self.nuisances.step };
+            self.step_k = if warm < WARM_STEPS { STEP_K * self.log_shift } else { 0.0 };
+        } else {
+            (self.log_shift, self.step_k) = (0.0, 0.0);
+        }
+    }
+
+    /// Deviation of the rubber's temperature from that at installation, K, apart from steps.
+    #[must_use]
+    pub fn warmer_k(&self) -> f64 {
+        if self.nuisances.temperature == 0.0 {
+            return 0.0;
+        }
+        let at = |seconds: f64| SWING_K * (TAU * seconds / DAY_S + self.phase).sin();
+        at(self.now_s) - at(0.0)
+    }
+
+    /// Temperature that the robot reports, degrees Celsius.
+    #[must_use]
+    pub fn temperature_c(&self) -> f64 {
+        INSTALLED_C + self.warmer_k() + self.step_k
+    }
+}

@@ -1,0 +1,352 @@
+//! Robots on which something is cut or wears off: how soon and how well the core deals with it.
+
+use rand::Rng;
+use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS};
+use vibrissa_core::robot::effect::{Condition, Effect, EndReason, Reason};
+use vibrissa_edge::words::Z95;
+
+use super::healthy::Healthy;
+use super::robot::{Layout, Robot, WHISKERS};
+use super::row::Incident;
+use super::truth::{Reference, whole};
+use super::whisker::stream;
+use super::{Place, Row, seed};
+
+/// Sizes of the cuts, mm: each trial takes the next.
+pub const SIZES_MM: [f64; 7] = [1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0];
+/// Round of the incident, unless the row states it.
+const AT_ROUND: (u64, u64) = (600, 3000);
+/// Rounds after it.
+const ROUNDS_AFTER: u64 = 2400;
+/// Rounds from a cut to a drop of the gain.
+const UNTIL_DROP: u64 = 800;
+/// Length that wears off, mm.
+const WORN_MM: f64 = 10.0;
+/// Size of the second cut of [`Incident::SecondCut`], mm.
+const SECOND_CUT_MM: f64 = 8.0;
+/// Rounds in which the first cut may become suspected.
+const UNTIL_SUSPECTED_MAX: u64 = 1500;
+/// Rounds between two looks at the readings of a whisker that wears.
+const LOOK_ROUNDS: u64 = 50;
+
+/// Measured, predicted and true error of a compensation, as ratios.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensated {
+    /// Prediction of the decision, its 95 % interval, and the truth at the pressure that was decided.
+    pub predicted: (f64, (f64, f64), f64),
+    /// Last measurement, with its standard deviation.
+    pub measured: Option<(f64, f64)>,
+    /// Truth at the pressure that is held at the end.
+    pub truth: f64,
+    /// Mean error of the readings with the last published gain.
+    pub reading: Option<f64>,
+}
+
+/// Result of one whisker that was cut or worn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Length that was lost in the last change, mm.
+    pub size_mm: f64,
+    /// Contacts from the change to the suspicion; 0 if it was suspected already.
+    pub alarm: Option<u64>,
+    /// Contacts from the change to the report of a trim, or of erosion.
+    pub call: Option<u64>,
+    /// Contacts from the change to the first setpoint of a compensation.
+    pub setpoint: Option<u64>,
+    /// Error of the length at the report, and its standard deviation as stated, mm.
+    pub length: Option<(f64, f64)>,
+    /// The same at the end.
+    pub length_end: (f64, f64),
+    /// Compensation in force at the end.
+    pub compensated: Option<Compensated>,
+    /// Compensations that ended without cause.
+    pub lost: u64,
+    /// Reports of something else: erosion or loss of sensitivity of a cut whisker, or the same cut once more.
+    pub wrong: u64,
+    /// Mean error of the readings while the whisker wore, as a ratio, with the gain in force.
+    pub worn_reading: Option<f64>,
+}
+
+/// A whisker that was cut or worn, on its way.
+struct Case {
+    whisker: usize,
+    size_mm: f64,
+    changed: u64,
+    /// Its response while whole, at the time of the change.
+    whole: ByRatio,
+    alarm: Option<u64>,
+    call: Option<u64>,
+    setpoint: Option<u64>,
+    length: Option<(f64, f64)>,
+    predicted: Option<Prediction>,
+    gain: Option<[f64; CONTACT_RATIOS.len()]>,
+    compensations: Vec<u32>,
+    lost: u64,
+    wrong: u64,
+}
+
+/// A decision.
+#[derive(Clone, Copy)]
+struct Prediction {
+    compensator: usize,
+    error: f64,
+    interval: (f64, f64),
+    /// The true error at the time of the decision.
+    truth: f64,
+    reference: Reference,
+}
+
+/// Runs one trial: the whiskers that were cut or worn, and reports about the others.
+#[must_use]
+pub(super) fn run(row: Row, place: Place, plan_seed: u64, number: u64) -> (Vec<Found>, Healthy) {
+    let incident = row.incident();
+    let own_seed = seed(plan_seed, 1, number);
+    let mut random = stream(own_seed, u64::MAX - 1);
+    let at = random.random_range(AT_ROUND.0..=AT_ROUND.1);
+    let first = random.random_range(0..WHISKERS);
+    let soon = random.random_range(0..=60);
+    let layouts: &[Layout] = match incident {
+        // A scrape that looks like a shift of the array.
+        Incident::Scrape(_) => &[Layout::Neighbours, Layout::Together],
+        // A whisker that compensates for itself is the one whose gain drops.
+        Incident::GainDrop(_) => &[Layout::Together, Layout::Single],
+        Incident::Cut | Incident::Learning(_) | Incident::SecondCut(_) | Incident::Erosion(_) => &Layout::ALL,
+    };
+    let layout = layouts[number as usize % layouts.len()];
+    let size_mm = SIZES_MM[number as usize % SIZES_MM.len()];
+    let mut trial = Trial {
+        robot: Robot::new(row.nuisances(), place, layout, own_seed),
+        incident,
+        round: 0,
+        cases: Vec::new(),
+        others: Healthy::default(),
+        worn_readings: Vec::new(),
+    };
+    let at = if let Incident::Learning(contact) = incident { u64::from(contact) } else { at };
+    trial.rounds(at);
+    match incident {
+        Incident::Cut | Incident::Learning(_) => trial.cut(first, size_mm),
+        Incident::Scrape(count) => (0..count).for_each(|next| trial.cut((first + next) % WHISKERS, size_mm)),
+        Incident::SecondCut(small_mm) => {
+            trial.cut(first, small_mm);
+            for _ in 0..UNTIL_SUSPECTED_MAX {
+                if trial.is_suspected(first) {
+                    break;
+                }
+                trial.rounds(1);
+            }
+            trial.rounds(soon);
+            trial.cases.clear();
+            trial.cut(first, SECOND_CUT_MM);
+        }
+        Incident::Erosion(per_contact_mm) => {
+            trial.change(first, WORN_MM);
+            for _ in 0..(WORN_MM / per_contact_mm) as u64 {
+                trial.robot.whiskers[first].length_mm -= per_contact_mm;
+                trial.rounds(1);
+                if trial.round.is_multiple_of(LOOK_ROUNDS) {
+                    let error = trial.present_reading_error(0);
+                    trial.worn_readings.push(error);
+                }
+            }
+        }
+        Incident::GainDrop(log) => {
+            trial.cut(first, size_mm);
+            trial.rounds(UNTIL_DROP);
+            trial.robot.whiskers[first].drop_gain(log);
+        }
+    }
+    trial.rounds(ROUNDS_AFTER);
+    let found = (0..trial.cases.len()).map(|at| trial.found(at)).collect();
+    (found, trial.others)
+}
+
+struct Trial {
+    robot: Robot,
+    incident: Incident,
+    round: u64,
+    cases: Vec<Case>,
+    others: Healthy,
+    /// Mean error of the readings of a whisker while it wears, as ratios.
+    worn_readings: Vec<f64>,
+}
+
+impl Trial {
+    fn rounds(&mut self, rounds: u64) {
+        for _ in 0..rounds {
+            self.round += 1;
+            self.robot.round();
+            self.others.contacts += (WHISKERS - self.cases.len()) as u64;
+            for effect in std::mem::take(&mut self.robot.told) {
+                self.hear(&effect);
+            }
+        }
+    }
+
+    /// A whisker loses some length at once.
+    fn cut(&mut self, whisker: usize, size_mm: f64) {
+        self.change(whisker, size_mm);
+        self.robot.whiskers[whisker].length_mm -= size_mm;
+    }
+
+    fn change(&mut self, whisker: usize, size_mm: f64) {
+        let is_suspected = self.is_suspected(whisker);
+        self.cases.push(Case {
+            whisker,
+            size_mm,
+            changed: self.round,
+            whole: whole(&self.robot.whiskers[whisker]),
+            alarm: is_suspected.then_some(0),
+            call: None,
+            setpoint: None,
+            length: None,
+            predicted: None,
+            gain: None,
+            compensations: Vec::new(),
+            lost: 0,
+            wrong: 0,
+        });
+    }
+
+    fn is_suspected(&self, whisker: usize) -> bool {
+        self.robot.core.whisker(whisker).is_some_and(|view| view.condition == Condition::Suspected)
+    }
+
+    /// Mean error of the readings in the place of a whisker: of its compensator with the gain in force, else its own.
+    fn present_reading_error(&self, at: usize) -> f64 {
+        let case = &self.cases[at];
+        let running = self.robot.core.compensations().iter().find(|one| one.target() == case.whisker);
+        let server = running.map_or(case.whisker, |one| one.compensator());
+        let gain = case.gain.filter(|_| running.is_some()).unwrap_or([1.0; CONTACT_RATIOS.len()]);
+        let (one, held_mpa) = (&self.robot.whiskers[server], self.robot.air[server].target_mpa());
+        Reference::new(case.whole, one).reading_error(one, held_mpa, &gain)
+    }
+
+    fn hear(&mut self, effect: &Effect) {
+        let whisker = match effect {
+            Effect::Condition { whisker, .. } | Effect::Alarm { whisker, .. } => Some(*whisker),
+            Effect::Trim(trim) => Some(trim.whisker),
+            Effect::Decided(decision) => Some(decision.target),
+            _ => None,
+        };
+        let is_erosion = matches!(self.incident, Incident::Erosion(_));
+        let is_drop = matches!(self.incident, Incident::GainDrop(_));
+        let is_second = matches!(self.incident, Incident::SecondCut(_));
+        let (robot, round) = (&self.robot, self.round);
+        let case = self.cases.iter_mut().find(|case| Some(case.whisker) == whisker);
+        match (effect, case) {
+            (Effect::Condition { to, .. }, Some(case)) => {
+                let since = round - case.changed;
+                match to {
+                    Condition::Suspected => case.alarm = case.alarm.or(Some(since)),
+                    Condition::Eroding if is_erosion => case.called(since, estimate(robot, case.whisker)),
+                    Condition::Eroding => case.wrong += 1,
+                    Condition::SensitivityLoss if !is_drop => case.wrong += 1,
+                    Condition::SensitivityLoss | Condition::Learning | Condition::Healthy | Condition::Trimmed => {}
+                }
+            }
+            (Effect::Trim(trim), Some(case)) => {
+                let after_mm = trim.length_after.length.mm();
+                let true_mm = robot.whiskers[case.whisker].length_mm;
+                // A report of the smaller cut before does not find this one.
+                let is_this = !is_second || after_mm < true_mm + 0.5 * case.size_mm;
+                if is_this && case.call.is_some() && !is_erosion {
+                    case.wrong += 1;
+                } else if is_this {
+                    case.called(round - case.changed, (after_mm - true_mm, trim.length_after.sd_mm));
+                }
+            }
+            (Effect::Decided(decision), Some(case)) => {
+                case.compensations.push(decision.compensation);
+                let chosen = decision.chosen.map(|at| &decision.candidates[at]);
+                if let Some(chosen) = chosen
+                    && let (Some(pressure), Some(error), Some(interval)) =
+                        (chosen.pressure, chosen.predicted_error, chosen.predicted_error_interval)
+                {
+                    let compensator = &robot.whiskers[chosen.whisker];
+                    let reference = Reference::new(case.whole, compensator);
+                    let truth = reference.error(compensator, pressure.mpa());
+                    let compensator = chosen.whisker;
+                    case.predicted = Some(Prediction { compensator, error, interval, truth, reference });
+                }
+            }
+            (Effect::Command(command), _) => {
+                let of = |case: &&mut Case| command.compensation.is_some_and(|id| case.compensations.contains(&id));
+                if let Some(case) = self.cases.iter_mut().find(of) {
+                    case.gain = command.gain.or(case.gain);
+                    if matches!(command.reason, Reason::Compensation(_)) {
+                        case.setpoint = case.setpoint.or(Some(round - case.changed));
+                    }
+                }
+            }
+            (Effect::Ended { compensation, reason, .. }, _) if !is_erosion => {
+                if *reason != EndReason::Reassigned
+                    && let Some(case) = self.cases.iter_mut().find(|case| case.compensations.contains(compensation))
+                {
+                    case.lost += 1;
+                }
+            }
+            (_, Some(_)) => {}
+            (effect, None) => {
+                self.others.count(effect);
+            }
+        }
+    }
+
+    fn found(&self, at: usize) -> Found {
+        let (case, worn) = (&self.cases[at], &self.worn_readings);
+        let core = &self.robot.core;
+        let running = core.compensations().iter().find(|one| one.target() == case.whisker && !one.is_proposed());
+        let decided = running.zip(case.predicted).filter(|(running, made)| running.compensator() == made.compensator);
+        let compensated = decided.map(|(running, decided)| {
+            let one = &self.robot.whiskers[running.compensator()];
+            let held_mpa = self.robot.air[running.compensator()].target_mpa();
+            let measured = core.error(&self.robot.params, running);
+            Compensated {
+                predicted: (decided.error, decided.interval, decided.truth),
+                measured: measured.map(|error| (error.mean, error.sd)),
+                truth: decided.reference.error(one, held_mpa),
+                reading: case.gain.map(|gain| decided.reference.reading_error(one, held_mpa, &gain)),
+            }
+        });
+        Found {
+            size_mm: case.size_mm,
+            alarm: case.alarm,
+            call: case.call,
+            setpoint: case.setpoint,
+            length: case.length,
+            length_end: estimate(&self.robot, case.whisker),
+            compensated,
+            lost: case.lost,
+            wrong: case.wrong,
+            worn_reading: (!worn.is_empty()).then(|| worn.iter().sum::<f64>() / worn.len() as f64),
+        }
+    }
+}
+
+/// Error of the present estimate of a length, and its standard deviation as stated, mm.
+fn estimate(robot: &Robot, whisker: usize) -> (f64, f64) {
+    let view = robot.core.whisker(whisker);
+    view.map_or((f64::NAN, f64::NAN), |view| {
+        (view.length.length.mm() - robot.whiskers[whisker].length_mm, view.length.sd_mm)
+    })
+}
+
+impl Case {
+    /// The change is reported for the first time, with this error of the length.
+    fn called(&mut self, since: u64, length: (f64, f64)) {
+        if self.call.is_none() {
+            self.call = Some(since);
+            self.alarm = self.alarm.or(Some(since));
+            self.length = Some(length);
+        }
+    }
+}
+
+impl Found {
+    /// Whether an interval of 1.96 standard deviations contains the truth.
+    #[must_use]
+    pub fn is_covered((error, sd): (f64, f64)) -> bool {
+        error.abs() <= Z95 * sd
+    }
+}

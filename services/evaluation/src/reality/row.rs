@@ -1,0 +1,173 @@
+//! The rows of the evaluation: one nuisance at one strength each.
+
+use super::nuisances::Nuisances;
+
+/// A departure of real whiskers and robots from the ideal world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Nuisance {
+    /// None: independent noise as configured, contacts all over the whisker, constant temperature.
+    Ideal,
+    /// Contacts stay at ratios of 0.8 to 0.9, then of 0.5 to 0.6, and back; their ratios have errors of 0.01.
+    Habits,
+    /// 0.3 to 1 % per K of either sign, in a room whose temperature swings by 10 K a day.
+    Temperature,
+    /// All whiskers read 3 % more or less from one contact to the next, and later as before.
+    Step,
+    /// Random walk of a whisker's gain: 3 % in 5,000 contacts.
+    Walk,
+    /// 5 % more or less in 10,000 contacts, and 3 % in the first 50.
+    Ageing,
+    /// Correlated noise of 2 %, with a correlation of 0.5 to 0.9 from contact to contact.
+    Ar1,
+    /// Creep and recovery of the rubber: a Prony series of 1 s and 30 s with 2 % each.
+    Creep,
+    /// A hysteresis loop of 4 % of the full range (Prandtl-Ishlinskii).
+    Loop,
+    /// Sensitivity falls by 1.5 % per mm of deflection, and the deflections' range changes.
+    Curvature,
+    /// Two contacts in a hundred have ten times the noise.
+    Outliers,
+    /// On/off valves with a dead band of 1.5 to 3 kPa, and a pressure sensor with steps of 1.22 kPa.
+    Valves,
+    /// A chamber leaks 0.1 to 3 % per second, and its valves refill it.
+    Leak,
+    /// Four of six whiskers are cut at once.
+    Scrape,
+    /// The cut comes at contact 100, while the whisker is learned.
+    Learning,
+    /// A cut of 0.5 mm, and one of 8 mm while the first is suspected.
+    SecondCut,
+    /// 10 mm wear off, 0.002 mm with each contact.
+    Erosion,
+    /// The gain of a compensated cut whisker drops by 3 %.
+    GainDrop,
+    /// All of the above that last, at the strength of real whiskers: no leaks, and single cuts.
+    Mix,
+}
+
+impl Nuisance {
+    /// All, in the order of the table.
+    pub const ALL: [Self; 19] = [
+        Self::Ideal,
+        Self::Habits,
+        Self::Temperature,
+        Self::Step,
+        Self::Walk,
+        Self::Ageing,
+        Self::Ar1,
+        Self::Creep,
+        Self::Loop,
+        Self::Curvature,
+        Self::Outliers,
+        Self::Valves,
+        Self::Leak,
+        Self::Scrape,
+        Self::Learning,
+        Self::SecondCut,
+        Self::Erosion,
+        Self::GainDrop,
+        Self::Mix,
+    ];
+
+    /// Name of the row in tables, JSON and on the command line.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Ideal => "ideal",
+            Self::Habits => "habits",
+            Self::Temperature => "temperature",
+            Self::Step => "step",
+            Self::Walk => "walk",
+            Self::Ageing => "ageing",
+            Self::Ar1 => "ar1",
+            Self::Creep => "creep",
+            Self::Loop => "loop",
+            Self::Curvature => "curvature",
+            Self::Outliers => "outliers",
+            Self::Valves => "valves",
+            Self::Leak => "leak",
+            Self::Scrape => "scrape",
+            Self::Learning => "learning",
+            Self::SecondCut => "second-cut",
+            Self::Erosion => "erosion",
+            Self::GainDrop => "gain-drop",
+            Self::Mix => "mix",
+        }
+    }
+
+    /// The nuisance of a name.
+    #[must_use]
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|one| one.word() == word)
+    }
+
+    /// The strengths at which it is evaluated.
+    fn strengths(self) -> &'static [f64] {
+        match self {
+            Self::Ideal | Self::Mix => &[1.0],
+            _ => &[0.5, 1.0, 2.0],
+        }
+    }
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// The nuisance that is present.
+    pub nuisance: Nuisance,
+    /// Strength as a multiple of that of real whiskers, above 0.
+    pub strength: f64,
+}
+
+/// Incident of a trial, besides the nuisances that last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Incident {
+    /// One whisker is cut.
+    Cut,
+    /// So many whiskers are cut at once.
+    Scrape(usize),
+    /// One whisker is cut at this contact, while it is learned.
+    Learning(u32),
+    /// One whisker is cut by so many mm, and by 8 mm while this is suspected.
+    SecondCut(f64),
+    /// One whisker wears off at this rate, mm per contact.
+    Erosion(f64),
+    /// One whisker is cut and compensated, and then loses this share of its gain, in log sensitivity.
+    GainDrop(f64),
+}
+
+impl Row {
+    /// A row at the strength of real whiskers.
+    #[must_use]
+    pub fn real(nuisance: Nuisance) -> Self {
+        Self { nuisance, strength: 1.0 }
+    }
+
+    /// The rows of these nuisances at all their strengths.
+    #[must_use]
+    pub fn of(nuisances: &[Nuisance]) -> Vec<Self> {
+        let each = |&nuisance: &Nuisance| nuisance.strengths().iter().map(move |&strength| Self { nuisance, strength });
+        nuisances.iter().flat_map(each).collect()
+    }
+
+    /// Sizes of the nuisances that last.
+    #[must_use]
+    pub fn nuisances(self) -> Nuisances {
+        Nuisances::of(self)
+    }
+
+    /// What happens to the whiskers that are not healthy.
+    #[must_use]
+    pub fn incident(self) -> Incident {
+        let strength = self.strength;
+        match self.nuisance {
+            // 2, 4 and 5 of 6: at least one tells that it was not the temperature.
+            Nuisance::Scrape => Incident::Scrape(((4.0 * strength).round() as usize).clamp(2, 5)),
+            Nuisance::Learning => Incident::Learning((100.0 / strength) as u32),
+            Nuisance::SecondCut => Incident::SecondCut(0.5 * strength),
+            Nuisance::Erosion => Incident::Erosion(0.002 * strength),
+            Nuisance::GainDrop => Incident::GainDrop(0.03 * strength),
+            _ => Incident::Cut,
+        }
+    }
+}

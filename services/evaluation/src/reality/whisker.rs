@@ -1,0 +1,229 @@
+//! The true whisker: rubber, gain, noise, and the reading of each contact.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+
+use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
+use super::rubber::{Press, Rubber};
+
+/// Nominal pressure, MPa.
+pub(super) const NOMINAL_MPA: f64 = 0.1;
+/// Largest relative deviation of a whisker's calibration from the model.
+const CALIBRATION_ERROR: f64 = 0.05;
+/// Largest relative difference between whiskers of one robot, which are cast from one batch.
+const BATCH_ERROR: f64 = 0.01;
+/// Independent noise of the ideal world: strain (relative and floor) and deflection (relative).
+const STRAIN_RELATIVE: f64 = 0.02;
+const STRAIN_FLOOR: f64 = 5e-6;
+const DEFLECTION_RELATIVE: f64 = 0.01;
+/// Standard deviation of an outlier, in log sensitivity: ten times all independent noise together.
+const OUTLIER_SD: f64 = 0.25;
+/// Share of the contacts that are read on the way out.
+const ON_THE_WAY_OUT: f64 = 0.5;
+/// First loads take effect within about three times this number of contacts.
+const FIRST_LOADS_CONTACTS: f64 = 15.0;
+
+/// Random numbers for one purpose.
+#[must_use]
+pub(super) fn stream(seed: u64, purpose: u64) -> ChaCha8Rng {
+    let mut stream = ChaCha8Rng::seed_from_u64(seed);
+    stream.set_stream(purpose);
+    stream
+}
+
+pub(super) fn normal(stream: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(stream)
+}
+
+/// Where and how hard a robot touches at present.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Habit {
+    /// Range of the contact ratios.
+    pub ratios: (f64, f64),
+    /// Range of the deflections, mm.
+    pub deflections_mm: (f64, f64),
+}
+
+impl Habit {
+    /// All over the whisker.
+    pub const ANY: Self = Self { ratios: (0.45, 1.0), deflections_mm: (0.2, DEFLECTION_MAX_MM) };
+}
+
+/// Circumstances of a contact that the whiskers of a robot share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circumstances {
+    /// Where and how hard the robot touches.
+    pub habit: Habit,
+    /// Deviation of the temperature from that of the installation, K.
+    pub warmer_k: f64,
+    /// Change of all sensitivities by another cause, in log sensitivity.
+    pub log_shift: f64,
+    /// Time since the last contact, s.
+    pub pause_s: f64,
+    /// Time from the touch to the reading, s.
+    pub held_s: f64,
+    /// True pressure of the chamber, MPa.
+    pub pressure_mpa: f64,
+}
+
+/// Readings of one contact, except the pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Contact ratio to the present length, with its error.
+    pub ratio: f64,
+    /// Deflection, mm.
+    pub deflection_mm: f64,
+    /// Strain, m/m.
+    pub strain: f64,
+    /// True sensitivity without noise and nuisances, 1/mm.
+    pub true_per_mm: f64,
+    /// Deflection without its error, mm.
+    pub true_deflection_mm: f64,
+}
+
+/// A whisker with its true state.
+#[derive(Debug)]
+pub struct Whisker {
+    nuisances: Nuisances,
+    model: Model,
+    /// Chamber at the pressure of the last contact: pressures seldom change.
+    morphology: Morphology,
+    /// Length at installation, mm.
+    pub whole_mm: f64,
+    /// Present length, mm.
+    pub length_mm: f64,
+    /// Change of log sensitivity per K.
+    pub per_k: f64,
+    /// Correlation of the correlated noise from contact to contact.
+    pub phi: f64,
+    ageing: f64,
+    walked: f64,
+    dropped: f64,
+    correlated: f64,
+    contacts: u64,
+    rubber: Rubber,
+    contact_stream: ChaCha8Rng,
+    noise_stream: ChaCha8Rng,
+}
+
+impl Whisker {
+    /// A whole whisker of a robot.
+    #[must_use]
+    pub fn new(nuisances: Nuisances, whole_mm: f64, seed: u64, number: u64) -> Self {
+        let mut batch = stream(seed, 0);
+        let mut own = stream(seed, 1 + 4 * number);
+        let built_in = Calibration::nguyen_2021();
+        let mut by = |value: f64| {
+            let shared = CALIBRATION_ERROR * batch.random_range(-1.0..=1.0);
+            value * (1.0 + shared + BATCH_ERROR * own.random_range(-1.0..=1.0))
+        };
+        let calibration = Calibration {
+            c: by(built_in.c),
+            a: by(built_in.a),
+            b_per_mpa: by(built_in.b_per_mpa),
+            elongation_gain_mm: by(built_in.elongation_gain_mm),
+            ..built_in
+        };
+        let formulation = if batch.random() { Formulation::Published } else { Formulation::Consistent };
+        let model = Model::new(Geometry::nguyen_2021(), calibration, formulation)
+            .unwrap_or_else(|_| Model::nguyen_2021(formulation));
+        let sign = if batch.random() { 1.0 } else { -1.0 };
+        let per_k = sign * batch.random_range(0.003..=0.01) * own.random_range(0.9..=1.1);
+        let ageing_sign = if own.random() { 1.0 } else { -1.0 };
+        let phi = own.random_range(0.5..=0.9);
+        Self {
+            nuisances,
+            morphology: model.morphology(Megapascal::known(NOMINAL_MPA)),
+            model,
+            whole_mm,
+            length_mm: whole_mm,
+            per_k: nuisances.temperature * per_k,
+            phi,
+            ageing: ageing_sign * nuisances.ageing,
+            walked: 0.0,
+            dropped: 0.0,
+            correlated: nuisances.ar_sd * normal(&mut own),
+            contacts: 0,
+            rubber: Rubber::default(),
+            contact_stream: stream(seed, 2 + 4 * number),
+            noise_stream: stream(seed, 3 + 4 * number),
+        }
+    }
+
+    /// Makes a contact; `None` on the chamber.
+    ///
+    /// Each contact takes the same number of draws in each row, so that rows differ by their nuisance alone.
+    pub fn touch(&mut self, at: &Circumstances) -> Option<Touch> {
+        let [place, force, way, peak, rare]: [f64; 5] = std::array::from_fn(|_| self.contact_stream.random());
+        let noise: [f64; 6] = std::array::from_fn(|_| normal(&mut self.noise_stream));
+        let within = |(low, high): (f64, f64), share: f64| low + share * (high - low);
+        let ratio = within(at.habit.ratios, place);
+        let deflection_mm = within(at.habit.deflections_mm, force);
+        let peak_mm =
+            if way < ON_THE_WAY_OUT { within((deflection_mm, DEFLECTION_MAX_MM), peak) } else { deflection_mm };
+        let log_gain = self.log_gain() + self.per_k * at.warmer_k + at.log_shift;
+        self.live(noise[4], noise[5]);
+
+        let true_per_mm = self.sensitivity_per_mm(ratio, at.pressure_mpa)?;
+        let press = Press { deflection_mm, peak_mm, pause_s: at.pause_s, held_s: at.held_s };
+        let felt_mm = self.rubber.press(&self.nuisances, &press);
+        let independent = if rare < self.nuisances.outliers { OUTLIER_SD } else { STRAIN_RELATIVE };
+        let straight = 1.0 - self.nuisances.curvature_per_mm * deflection_mm;
+        let strain = true_per_mm * felt_mm * straight * (log_gain + self.correlated + independent * noise[0]).exp();
+        Some(Touch {
+            ratio: ((1e4 * (ratio + self.nuisances.ratio_sd * noise[1])).round() / 1e4).clamp(0.01, 1.0),
+            deflection_mm: (deflection_mm * (1.0 + DEFLECTION_RELATIVE * noise[2])).max(0.01),
+            strain: (strain + STRAIN_FLOOR * noise[3]).clamp(-0.5, 0.5),
+            true_per_mm,
+            true_deflection_mm: deflection_mm,
+        })
+    }
+
+    /// What a contact leaves behind: noise that goes on, a gain that walks.
+    fn live(&mut self, correlated: f64, walk: f64) {
+        self.contacts += 1;
+        self.walked += self.nuisances.walk * walk;
+        let fresh = (1.0 - self.phi * self.phi).sqrt();
+        self.correlated = self.phi * self.correlated + self.nuisances.ar_sd * fresh * correlated;
+    }
+
+    /// The whisker's own change of log sensitivity since its installation, without temperature and noise.
+    #[must_use]
+    pub fn log_gain(&self) -> f64 {
+        let contacts = self.contacts as f64;
+        let first = if self.nuisances.first_loads == 0.0 {
+            0.0
+        } else {
+            self.nuisances.first_loads * (1.0 - (-contacts / FIRST_LOADS_CONTACTS).exp())
+        };
+        self.ageing * contacts + first + self.walked - self.dropped
+    }
+
+    /// The gain drops once, by this much log sensitivity.
+    pub fn drop_gain(&mut self, log: f64) {
+        self.dropped += log;
+    }
+
+    /// Number of contacts so far.
+    #[must_use]
+    pub fn contacts(&self) -> u64 {
+        self.contacts
+    }
+
+    /// The whisker's true model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn sensitivity_per_mm(&mut self, ratio: f64, pressure_mpa: f64) -> Option<f64> {
+        if self.morphology.pressure.mpa() != pressure_mpa {
+            self.morphology = self.model.morphology(Megapascal::known(pressure_mpa.clamp(0.0, 1.0)));
+        }
+        let (ratio, length) = (ContactRatio::known(ratio), Millimetre::known(self.length_mm));
+        self.model.sensitivity_per_mm(ratio, length, &self.morphology).ok()
+    }
+}
