@@ -99,7 +99,7 @@ impl Ledger {
             array: one.array.as_str().to_owned(),
             whisker: i64::from(one.whisker),
             t_us: one.t_us as i64,
-            values: [one.ratio, one.deflection_mm, one.strain, one.pressure_mpa, one.temperature_c],
+            values: [one.ratio.unwrap_or(f64::NAN), one.deflection_mm, one.strain, one.pressure_mpa, one.temperature_c],
         });
         boot.fingerprints.extend(contents.map(|content| content.fingerprint()));
         boot.recorded.resize(boot.fingerprints.len(), false);
@@ -147,7 +147,11 @@ mod tests {
             array: Name::new("left").unwrap(),
             whisker,
             t_us: 1_000_000 + seq,
-            ratio: 0.85,
+            ratio: Some(0.85),
+            ratio_sd: None,
+            distance_mm: None,
+            distance_sd_mm: None,
+            tip: false,
             deflection_mm: 2.4,
             strain: 0.009_671,
             pressure_mpa: 0.1002,

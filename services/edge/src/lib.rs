@@ -8,8 +8,8 @@ pub mod ids;
 pub mod words;
 
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport,
-    WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, RegulatorState, Rejection,
+    SetpointReport, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, OutOfUnitRange, Strain};
 use vibrissa_protocol as protocol;
@@ -94,10 +94,29 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         array: contact.array.as_str(),
         whisker: contact.whisker,
         robot_time: Micros(contact.t_us),
-        ratio: ContactRatio::new(contact.ratio)?,
+        place: place(contact.place())?,
         deflection: Millimetre::new(contact.deflection_mm)?,
         strain: Strain::new(contact.strain)?,
         pressure: Megapascal::new(contact.pressure_mpa)?,
+    })
+}
+
+/// Standard deviation of a contact's distance from the base if the robot states none, mm.
+const DISTANCE_SD_MM: f64 = 1.0;
+
+/// Place of a contact.
+///
+/// # Errors
+/// A value is out of range.
+pub fn place(place: protocol::ContactPlace) -> Result<ContactPlace, EdgeError> {
+    let distance = |distance: protocol::Distance| -> Result<Distance, EdgeError> {
+        Ok(Distance { at: Millimetre::new(distance.mm)?, sd_mm: distance.sd_mm.unwrap_or(DISTANCE_SD_MM) })
+    };
+    Ok(match place {
+        protocol::ContactPlace::Ratio { ratio, sd } => ContactPlace::Ratio { ratio: ContactRatio::new(ratio)?, sd },
+        protocol::ContactPlace::Distance(at) => ContactPlace::Distance(distance(at)?),
+        protocol::ContactPlace::Tip(at) => ContactPlace::Tip(at.map(distance).transpose()?),
+        protocol::ContactPlace::Unknown => ContactPlace::Unknown,
     })
 }
 

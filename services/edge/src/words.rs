@@ -148,6 +148,8 @@ words! {
         Unsettled => "UNSETTLED",
         TooWeak => "TOO_WEAK",
         OnChamber => "ON_CHAMBER",
+        NoPlace => "NO_PLACE",
+        BeyondTip => "BEYOND_TIP",
         GaugeFault => "GAUGE_FAULT",
         Implausible => "IMPLAUSIBLE",
     }

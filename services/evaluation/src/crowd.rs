@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
+    WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -176,7 +177,15 @@ impl Member {
             self.contacts += 1;
             self.now_us += CONTACT_US;
             let robot_time = Micros(self.now_us);
-            message.push(Contact { array: ARRAY, whisker, robot_time, ratio, deflection, strain, pressure });
+            message.push(Contact {
+                array: ARRAY,
+                whisker,
+                robot_time,
+                place: ContactPlace::Ratio { ratio, sd: None },
+                deflection,
+                strain,
+                pressure,
+            });
         }
         let event = Event::Contacts { boot_id: BOOT, seq: self.seq, contacts: message };
         self.seq += 1;

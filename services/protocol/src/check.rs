@@ -52,6 +52,12 @@ macro_rules! range {
 /// Contact ratio a of the paper. Below the lower limit, the contact would lie on the chamber of any existing
 /// whisker.
 pub(crate) const RATIO: Range = range!(between 0.01 and 1 "");
+/// Standard deviation of a contact ratio.
+pub(crate) const RATIO_SD: Range = range!(above 0 to 0.5 "");
+/// Distance of a contact from the whisker's base, in mm.
+pub(crate) const DISTANCE_MM: Range = range!(between 0.1 and 1000 " mm");
+/// Standard deviation of such a distance, in mm.
+pub(crate) const DISTANCE_SD_MM: Range = range!(above 0 to 100 " mm");
 /// Length of a whisker, in mm.
 pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
 /// Deflection, in mm. The lower limit is below the resolution of any sensor on a robot.

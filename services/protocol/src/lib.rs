@@ -22,8 +22,8 @@ pub mod words;
 
 pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
 pub use messages::{
-    ArrayFacts, Connection, Contact, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status,
-    SupervisorState, WhiskerFacts, WhiskerStatus,
+    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Factsheet, Receipt, Request, Setpoint,
+    SetpointState, Status, SupervisorState, WhiskerFacts, WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;

@@ -84,6 +84,19 @@ pub(crate) fn error_where_due(schema: &mut Schema) {
     schema.insert("then".to_owned(), json!({ "properties": { "error": { "type": "string" } }, "required": ["error"] }));
 }
 
+/// Adds that a contact with a ratio has no other place, and that a standard deviation belongs to a number.
+pub(crate) fn one_place(schema: &mut Schema) {
+    let number = |field: &str| json!({ "properties": { field: { "type": "number" } }, "required": [field] });
+    let only_with = |sd: &str, field: &str| json!({ "if": number(sd), "then": number(field) });
+    let other = json!({ "properties": { "distance_mm": { "type": "null" }, "tip": { "const": false } } });
+    let rules = [
+        json!({ "if": number("ratio"), "then": other }),
+        only_with("ratio_sd", "ratio"),
+        only_with("distance_sd_mm", "distance_mm"),
+    ];
+    schema.insert("allOf".to_owned(), json!(rules));
+}
+
 /// Removes Rust's number formats: validators that know only standard formats reject them.
 pub(crate) fn without_number_formats(schema: &mut Schema) {
     schemars::transform::transform_subschemas(&mut without_number_formats, schema);

@@ -16,6 +16,7 @@ mod journal;
 mod link;
 pub mod load;
 pub mod outbox;
+pub mod places;
 pub mod plant;
 mod random;
 pub mod regulator;

@@ -11,6 +11,7 @@ use vibrissa_core::mechanics::{Calibration, ContactOnChamber, Formulation, Geome
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::Gauge;
 
+use crate::places::{Places, Touch};
 use crate::random::normal;
 use crate::scenario::{Noise, Rubber, TrueFormulation};
 
@@ -149,16 +150,37 @@ impl Plant {
         })
     }
 
-    /// Makes a contact while the chamber has the given true pressure.
+    /// Makes a contact at a random ratio of the present length while the chamber has the given true pressure.
     ///
     /// # Errors
     /// The contact would lie on the chamber, where the model is invalid; it still counts as a contact.
     pub(crate) fn touch(&mut self, pressure_mpa: f64) -> Result<Reading, ContactOnChamber> {
+        let made = self.touch_at(Places::Ratio, pressure_mpa)?;
+        Ok(made.map(|(reading, _)| reading).expect("a ratio of the present length is on the whisker"))
+    }
+
+    /// Makes a contact where objects stand for robots with such places; `None` if the object is beyond the tip.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the model is invalid; it still counts as a contact.
+    pub(crate) fn touch_at(
+        &mut self,
+        places: Places,
+        pressure_mpa: f64,
+    ) -> Result<Option<(Reading, Touch)>, ContactOnChamber> {
         // Each contact takes the same number of draws, so that an event never shifts the random numbers of later
         // contacts.
-        let ratio = self.contact_stream.random_range(RATIO_MIN..=1.0);
+        let drawn = self.contact_stream.random_range(RATIO_MIN..=1.0);
         let deflection_mm = self.contact_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
         let errors: [f64; 4] = std::array::from_fn(|_| normal(&mut self.noise_stream, 1.0));
+        let Some(ratio) = places.ratio(drawn, self.length_mm, self.whole_length_mm) else { return Ok(None) };
+        let touch = Touch {
+            ratio,
+            ratio_error: self.noise.ratio * errors[3],
+            ratio_sd: self.noise.ratio,
+            length_mm: self.length_mm,
+            whole_length_mm: self.whole_length_mm,
+        };
         let sensitivity_per_mm = self.sensitivity_per_mm(ratio, pressure_mpa);
         let baseline_strain = self.baseline.strain;
         self.contacts += 1;
@@ -168,12 +190,13 @@ impl Plant {
             + self.noise.strain_floor * errors[1]
             + baseline_strain;
         let deflection_mm = self.deflection_factor * deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
-        Ok(Reading {
-            ratio: rounded(ratio + self.noise.ratio * errors[3], 1e4).clamp(0.01, 1.0),
+        let reading = Reading {
+            ratio: rounded(ratio + touch.ratio_error, 1e4).clamp(0.01, 1.0),
             deflection_mm: rounded(deflection_mm, 1e4).clamp(0.01, 1000.0),
             strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
             temperature_c: self.temperature_c,
-        })
+        };
+        Ok(Some((reading, touch)))
     }
 
     fn wear(&mut self) {

@@ -14,8 +14,10 @@ from_row! {
         pub at_us: i64,
         /// Number of contacts; 1 for a single contact.
         pub contacts: i64,
-        /// Contact ratio, 0 at the base, 1 at the tip.
-        pub ratio: f64,
+        /// Contact ratio, 0 at the base, 1 at the tip; `None` if no place is known.
+        pub ratio: Option<f64>,
+        /// Measured distance from the base, mm; `None` if the robot stated none.
+        pub distance_mm: Option<f64>,
         /// Deflection at the contact, mm.
         pub deflection_mm: f64,
         /// Measured strain, m/m.
@@ -134,8 +136,8 @@ impl Store {
     }
 
     async fn newest_since(&self, whisker_id: i64, from_us: i64, points: u32) -> sqlx::Result<Series> {
-        const SQL: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, deflection_mm, strain, pressure_mpa, \
-             strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm FROM contacts \
+        const SQL: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, distance_mm, deflection_mm, strain, \
+             pressure_mpa, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm FROM contacts \
              WHERE whisker_id = $1 AND t_us >= $2 ORDER BY t_us DESC, boot DESC, seq DESC, position DESC LIMIT $3";
         let mut items: Vec<ContactMean> = on!(&self.pool, |pool| sqlx::query_as(SQL)
             .bind(whisker_id)
@@ -152,11 +154,11 @@ impl Store {
     async fn contacts_of(&self, of: (i64, i64, i64), points: u32) -> sqlx::Result<Series> {
         const EXTENT: &str = "SELECT count(*) AS total, min(t_us) AS first_us, max(t_us) AS last_us FROM contacts \
              WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3";
-        const EACH: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, deflection_mm, strain, \
+        const EACH: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, distance_mm, deflection_mm, strain, \
              pressure_mpa, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm \
              FROM contacts WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3 ORDER BY t_us, boot, seq, position LIMIT $4";
         const MEANS: &str = "SELECT bucket AS at_us, count(*) AS contacts, avg(ratio) AS ratio, \
-             avg(deflection_mm) AS deflection_mm, avg(strain) AS strain, avg(pressure_mpa) AS pressure_mpa, \
+             avg(distance_mm) AS distance_mm, avg(deflection_mm) AS deflection_mm, avg(strain) AS strain, avg(pressure_mpa) AS pressure_mpa, \
              avg(strain / NULLIF(deflection_mm, 0)) AS sensitivity_per_mm, avg(residual) AS residual, \
              avg(length_mm) AS length_mm, avg(length_sd_mm) AS length_sd_mm \
              FROM (SELECT (t_us - $2) / $4 AS bucket, c.* FROM contacts c \

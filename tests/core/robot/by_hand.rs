@@ -3,7 +3,8 @@
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Command, CommandState, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
+    WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Place, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -101,7 +102,7 @@ impl ByHand {
             array: ARRAY,
             whisker: 0,
             robot_time: self.time(ahead_us),
-            ratio: ContactRatio::new(ratio).unwrap(),
+            place: ContactPlace::Ratio { ratio: ContactRatio::new(ratio).unwrap(), sd: None },
             deflection: Millimetre::new(deflection_mm).unwrap(),
             strain: Strain::new(strain).unwrap(),
             pressure: Megapascal::known(0.1),

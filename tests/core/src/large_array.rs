@@ -4,7 +4,8 @@
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::effect::{Condition, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
+    WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -116,7 +117,7 @@ impl LargeArray {
                 array: ARRAY,
                 whisker: whisker as u16,
                 robot_time: self.now,
-                ratio,
+                place: ContactPlace::Ratio { ratio, sd: None },
                 deflection: Millimetre::known(deflection_mm),
                 strain: Strain::known(per_mm * deflection_mm * (1.0 + error)),
                 pressure,

@@ -86,7 +86,7 @@ async fn say_extremes(mut robot: HandRobot, seed: u64, newest: Newest, said: Arc
                     let is_odd = random.random_bool(0.6);
                     if is_odd { number(&mut random, messages.contact_range(field)) } else { otherwise }
                 };
-                odd.ratio = draw("ratio", odd.ratio);
+                odd.ratio = odd.ratio.map(|ratio| draw("ratio", ratio));
                 odd.deflection_mm = draw("deflection_mm", odd.deflection_mm);
                 odd.strain = draw("strain", odd.strain);
             }

@@ -32,7 +32,7 @@ async fn odd_values_are_refused(supervised: Supervised) {
     // Sends the valid factsheet again, so that the broker retains it.
     odd.say(RobotTopic::Factsheet, text).await;
     for (ratio, deflection_mm, strain) in POISON {
-        let contact = Contact { ratio, deflection_mm, strain, ..odd.contact(1) };
+        let contact = Contact { ratio: Some(ratio), deflection_mm, strain, ..odd.contact(1) };
         odd.send(vec![contact]).await;
         let begun = Instant::now();
         let contacts = vec![honest.contact(0)];

@@ -335,7 +335,7 @@ async fn contacts_are_the_same_to_the_last_bit() {
         .unwrap();
     assert_eq!(rows.len(), 2);
     for (row, sent) in rows.iter().zip(&batch.contacts) {
-        assert_eq!(row.get::<f64, _>("ratio").to_bits(), sent.ratio.to_bits());
+        assert_eq!(row.get::<f64, _>("ratio").to_bits(), sent.ratio.unwrap().to_bits());
         assert_eq!(row.get::<f64, _>("strain").to_bits(), sent.strain.to_bits());
         assert_eq!(row.get::<Option<f64>, _>("residual"), sent.residual);
     }

@@ -44,7 +44,7 @@ async fn means_are_those_of_the_rows(served: &Served) {
         for (item, (at_us, rows)) in items.iter().zip(&spans) {
             assert_eq!(item["at"], vibrissa_store::time::Time(*at_us).to_string());
             assert_eq!(item["contacts"], rows.len());
-            close(&item["ratio"], mean(rows.iter().map(|row| row.ratio)), "ratio");
+            close(&item["ratio"], mean(rows.iter().filter_map(|row| row.ratio)), "ratio");
             close(&item["strain"], mean(rows.iter().map(|row| row.strain)), "strain");
             close(&item["length_mm"], mean(rows.iter().map(|row| row.length_mm)), "length");
             close(&item["pressure_mpa"], mean(rows.iter().map(|row| row.pressure_mpa)), "pressure");

@@ -158,6 +158,11 @@ pub struct Innovation {
 pub struct Observation {
     /// Contact ratio a.
     pub ratio: ContactRatio,
+    /// Standard deviation of the contact ratio.
+    pub ratio_sd: f64,
+    /// Whether the contact ratio is one of the present length. A contact at a known distance from the base has the same
+    /// sensitivity whatever lies beyond it.
+    pub informs_length: bool,
     /// Deflection at the contact, mm, above 0.
     pub deflection_mm: f64,
     /// Measured strain, m/m.
@@ -267,12 +272,25 @@ impl LengthFilter {
         let row = [
             share,
             share * (contact.ratio.a() - Offset::CENTRE),
-            share * log_slope * length.mm() / elongated_mm,
+            if contact.informs_length { share * log_slope * length.mm() / elongated_mm } else { 0.0 },
             1.0 / expected_strain,
         ];
-        let noise_variance = scale.variance() * noise.log_variance(expected_strain, contact.ratio, log_slope);
+        let by_ratio = log_slope * contact.ratio_sd / contact.ratio.a();
+        let noise_variance = scale.variance() * (noise.log_variance(expected_strain) + by_ratio.powi(2));
         let seen = self.innovation(residual, row, noise_variance, scale.density(), predicted);
         if seen.is_bounded() { Ok(seen) } else { Err(NoInformation::Implausible) }
+    }
+
+    /// Compares a measured length with the estimate, as a contact at the tip tells it with its distance from the base.
+    /// `None` if no real whisker has that length.
+    #[must_use]
+    pub fn observe_length(&self, scale: &NoiseScale, measured: Millimetre, sd_mm: f64) -> Option<Innovation> {
+        let mut row = [0.0; STATES];
+        row[LENGTH] = 1.0;
+        let length_mm = self.length().length.mm();
+        let noise_variance = (sd_mm / length_mm).powi(2).max(*VARIANCES.start());
+        let seen = self.innovation((measured.mm() / length_mm).ln(), row, noise_variance, scale.density(), 0.0);
+        seen.is_bounded().then_some(seen)
     }
 
     fn innovation(
@@ -357,6 +375,22 @@ impl LengthFilter {
         }
         after.covariance.add_square(&lacking, variance);
         after.covariance.widen(LENGTH, (0.1 * size * lacking[LENGTH]).powi(2));
+        self.become_if_sound(after)
+    }
+
+    /// Applies a detected change of sensitivity that is no change of length: takes back what the states have absorbed of
+    /// it as a change of `size` in log length, of which they lack `lacking` per unit, and moves the offset instead.
+    /// `log_shift` is the change of log sensitivity. The offset becomes uncertain by that much; the length does not.
+    ///
+    /// Returns false and changes nothing if the state would leave its bounds.
+    pub fn rescaled(&mut self, size: f64, lacking: [f64; STATES], log_shift: f64) -> bool {
+        let mut after = self.clone();
+        for (state, (mean, lacks)) in after.mean.iter_mut().zip(lacking).enumerate() {
+            let unit = if state == LENGTH { 1.0 } else { 0.0 };
+            *mean = (f64::from(*mean) - (unit - lacks) * size) as f32;
+        }
+        after.mean[0] = (f64::from(after.mean[0]) + log_shift) as f32;
+        after.shared_shift(log_shift);
         self.become_if_sound(after)
     }
 

@@ -3,8 +3,6 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::outlier::{InnovationDensity, MEAN_SQUARE_SEEN};
-use crate::units::ContactRatio;
-
 /// Configured noise of a robot's readings, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorNoise {
@@ -27,13 +25,12 @@ impl Default for SensorNoise {
 impl SensorNoise {
     /// Variance of ln(strain / deflection) minus its prediction, to first order.
     ///
-    /// `expected_strain` is the model's, because with the measured strain small readings would get a large weight.
-    /// `log_slope` is d ln s / d ln a at the contact.
+    /// `expected_strain` is the model's, because with the measured strain small readings would get a large weight. The
+    /// error of the contact's place is not part of it.
     #[must_use]
-    pub fn log_variance(&self, expected_strain: f64, ratio: ContactRatio, log_slope: f64) -> f64 {
+    pub fn log_variance(&self, expected_strain: f64) -> f64 {
         let floor = self.strain_floor / expected_strain;
-        let ratio = log_slope * self.ratio / ratio.a();
-        self.strain_relative.powi(2) + floor.powi(2) + self.deflection_relative.powi(2) + ratio.powi(2)
+        self.strain_relative.powi(2) + floor.powi(2) + self.deflection_relative.powi(2)
     }
 
     /// Least strain whose logarithm is still nearly Gaussian: ten times the floor.

@@ -117,6 +117,9 @@ pub struct ContactRecord {
     pub position: usize,
     /// The whisker concerned.
     pub whisker: WhiskerIndex,
+    /// Contact ratio: the robot's, or its distance / the length estimate before the contact; `None` if the place is not
+    /// known.
+    pub ratio: Option<ContactRatio>,
     /// Use that was made of the contact.
     pub used: ContactUse,
     /// Log sensitivity against the prediction, if it was used.
@@ -140,6 +143,10 @@ pub enum ContactUse {
     TooWeak,
     /// Nothing: on the chamber, where the model does not hold.
     OnChamber,
+    /// Nothing: the robot does not know where on the whisker it was.
+    NoPlace,
+    /// Nothing: its distance is beyond the estimated length by more than the errors of both explain.
+    BeyondTip,
     /// Nothing: the gauge is faulty.
     GaugeFault,
     /// Nothing: the numbers would make an estimate leave its possible range.

@@ -130,14 +130,42 @@ pub struct Contact<'a> {
     pub whisker: u16,
     /// Time of the contact by the robot's clock.
     pub robot_time: Micros,
-    /// Contact ratio a of the paper, with respect to the present length.
-    pub ratio: ContactRatio,
+    /// Place of the contact on the whisker, as far as the robot knows it.
+    pub place: ContactPlace,
     /// Deflection at the contact, above 0.
     pub deflection: Millimetre,
     /// Mean strain over the gauge.
     pub strain: Strain,
     /// Pressure in the chamber.
     pub pressure: Megapascal,
+}
+
+/// Place of a contact on the whisker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactPlace {
+    /// Contact ratio a of the paper, with respect to the present length.
+    Ratio {
+        /// Contact ratio.
+        ratio: ContactRatio,
+        /// Its standard deviation; the configured one if the robot states none.
+        sd: Option<f64>,
+    },
+    /// Distance from the base. What lies beyond the contact carries no load: sensitivity at a distance does not depend on
+    /// the length.
+    Distance(Distance),
+    /// The tip, and its distance from the base if the robot measured it.
+    Tip(Option<Distance>),
+    /// Not known.
+    Unknown,
+}
+
+/// Distance from a whisker's base, without the chamber's elongation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// Measured distance, above 0.
+    pub at: Millimetre,
+    /// Its standard deviation, mm.
+    pub sd_mm: f64,
 }
 
 /// Condition of one chamber and gauge, as the robot sees it.

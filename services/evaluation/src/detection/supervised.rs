@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Condition, Effect};
-use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Contact, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, Link, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre, Strain};
 
@@ -71,7 +71,7 @@ impl Supervised {
             array: ARRAY,
             whisker: 0,
             robot_time: Micros(CONTACT_US * self.contacts),
-            ratio: touch.ratio,
+            place: ContactPlace::Ratio { ratio: touch.ratio, sd: None },
             deflection: Millimetre::known(touch.deflection_mm),
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(PRESSURE_MPA),

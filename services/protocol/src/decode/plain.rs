@@ -1,6 +1,7 @@
 //! Fast reader of `contacts` messages in the form that nearly all robots write, in one pass.
 //!
-//! Any other form (fields in another order, unknown or missing fields, escapes in a name, any error) is left to the
+//! Any other form (a place other than a ratio, fields in another order, unknown or missing fields, escapes in a name,
+//! any error) is left to the
 //! full reader, which alone refuses messages. So this reader accepts no message that the full reader refuses, and
 //! its values are equal to the last bit; a test compares the two.
 
@@ -46,7 +47,11 @@ impl<'a> Reader<'a> {
             array: Name::new(self.field(b'{', "\"array\"")?.string()?).ok()?,
             whisker: u16::try_from(self.field(b',', "\"whisker\"")?.integer()?).ok()?,
             t_us: self.field(b',', "\"t_us\"")?.integer()?,
-            ratio: self.field(b',', "\"ratio\"")?.number()?,
+            ratio: Some(self.field(b',', "\"ratio\"")?.number()?),
+            ratio_sd: None,
+            distance_mm: None,
+            distance_sd_mm: None,
+            tip: false,
             deflection_mm: self.field(b',', "\"deflection_mm\"")?.number()?,
             strain: self.field(b',', "\"strain\"")?.number()?,
             pressure_mpa: self.field(b',', "\"pressure_mpa\"")?.number()?,

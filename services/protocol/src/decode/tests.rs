@@ -1,6 +1,7 @@
 use super::*;
 use crate::document::Channel;
 use crate::document::examples::{CONNECTION, CONTACTS, FACTSHEET, RECEIPT, SETPOINT, SETPOINT_STATE, STATUS};
+use crate::{ContactPlace, Distance};
 
 fn topic(last: &str) -> Topic {
     Topic::parse(&format!("whisker/v1/f/r/{last}")).unwrap()
@@ -56,7 +57,7 @@ fn what_is_not_json_is_refused() {
 #[test]
 fn a_malformed_message_is_refused_with_the_place() {
     for (from, to, place) in [
-        (r#""ratio":0.85,"#, "", "contacts[0]"),
+        (r#""strain":0.009671,"#, "", "contacts[0]"),
         (r#""ratio":0.85"#, r#""ratio":"0.85""#, "contacts[0].ratio"),
         (r#""whisker":0"#, r#""whisker":65536"#, "contacts[0].whisker"),
         (r#""whisker":0"#, r#""whisker":-1"#, "contacts[0].whisker"),
@@ -154,8 +155,44 @@ fn a_refusal_tells_what_where_and_what_is_allowed() {
         refusal.starts_with("contacts[0].strain is 0.000000000001, but must be 0, or in magnitude between 1e-9 and 1"),
         "{refusal}"
     );
-    let refusal = refused_after("contacts", CONTACTS, r#""ratio":0.85,"#, "");
-    assert!(refusal.to_string().starts_with("contacts[0]: missing field `ratio`"), "{refusal}");
+    let refusal = refused_after("contacts", CONTACTS, r#""strain":0.009671,"#, "");
+    assert!(refusal.to_string().starts_with("contacts[0]: missing field `strain`"), "{refusal}");
+}
+
+#[test]
+fn a_contact_states_one_place_or_none() {
+    let place_of = |fields: &str| {
+        let text = CONTACTS.replace(r#""ratio":0.85,"#, fields);
+        match decode(&topic("contacts"), text.as_bytes()) {
+            Ok(Message::Contacts(contacts)) => {
+                // It is written as it was read.
+                assert_eq!(encode(&contacts), text.as_bytes());
+                Ok(contacts.contacts[0].place())
+            }
+            other => Err(other.unwrap_err().to_string()),
+        }
+    };
+    let at = |mm, sd_mm| Distance { mm, sd_mm };
+    assert_eq!(place_of(r#""ratio":0.85,"#), Ok(ContactPlace::Ratio { ratio: 0.85, sd: None }));
+    assert_eq!(place_of(r#""ratio":0.85,"ratio_sd":0.02,"#), Ok(ContactPlace::Ratio { ratio: 0.85, sd: Some(0.02) }));
+    assert_eq!(place_of(r#""distance_mm":51.5,"#), Ok(ContactPlace::Distance(at(51.5, None))));
+    assert_eq!(
+        place_of(r#""distance_mm":51.5,"distance_sd_mm":0.4,"#),
+        Ok(ContactPlace::Distance(at(51.5, Some(0.4))))
+    );
+    assert_eq!(place_of(r#""tip":true,"#), Ok(ContactPlace::Tip(None)));
+    assert_eq!(place_of(r#""distance_mm":64.5,"tip":true,"#), Ok(ContactPlace::Tip(Some(at(64.5, None)))));
+    assert_eq!(place_of(""), Ok(ContactPlace::Unknown));
+    for (fields, problem) in [
+        (r#""ratio":0.85,"distance_mm":50.0,"#, "distance_mm: a contact has a ratio or a distance, not both"),
+        (r#""ratio":0.85,"tip":true,"#, "tip: a contact at the tip has no ratio: it is 1"),
+        (r#""ratio_sd":0.02,"#, "ratio_sd: a contact without ratio has no ratio_sd"),
+        (r#""distance_sd_mm":0.5,"#, "distance_sd_mm: a contact without distance_mm has no distance_sd_mm"),
+        (r#""distance_mm":0.0,"#, "distance_mm is 0, but must be between 0.1 and 1000 mm"),
+        (r#""distance_mm":50.0,"distance_sd_mm":0,"#, "distance_sd_mm is 0, but must be above 0 and at most 100 mm"),
+    ] {
+        assert_eq!(place_of(fields), Err(format!("contacts[0].{problem}")));
+    }
 }
 
 #[test]

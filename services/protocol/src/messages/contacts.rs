@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{DEFLECTION_MM, PRESSURE_MPA, RATIO, STRAIN, TEMPERATURE_C};
+use crate::check::{DEFLECTION_MM, DISTANCE_MM, DISTANCE_SD_MM, PRESSURE_MPA, RATIO, RATIO_SD, STRAIN, TEMPERATURE_C};
 use crate::{BootId, CONTACTS_MAX, Name, Refusal, check};
 
 /// `contacts`: a batch of contacts.
@@ -20,7 +20,7 @@ pub struct Contacts {
 
 /// Measurements of one contact of one whisker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema), schemars(transform = crate::schema::one_place))]
 pub struct Contact {
     /// The whisker's array.
     pub array: Name,
@@ -29,10 +29,29 @@ pub struct Contact {
     /// Time of the contact, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
     pub t_us: u64,
-    /// The paper's contact ratio a: contact distance / present length, both without the chamber's
-    /// elongation; from 0.01 to 1.
+    /// The paper's contact ratio a: contact distance / PRESENT length, both without the chamber's elongation; from 0.01
+    /// to 1. Only for robots that know the present length. A robot that would divide by the length of its factsheet sends
+    /// `distance_mm` instead: a cut whisker has another length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "documents", schemars(transform = RATIO.in_schema()))]
-    pub ratio: f64,
+    pub ratio: Option<f64>,
+    /// Standard deviation of `ratio`, up to 0.5. Only with `ratio`; without it the supervisor assumes its configured one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = RATIO_SD.in_schema()))]
+    pub ratio_sd: Option<f64>,
+    /// Distance of the contact from the whisker's base along the whisker, in mm, without the chamber's elongation. Never
+    /// with `ratio`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = DISTANCE_MM.in_schema()))]
+    pub distance_mm: Option<f64>,
+    /// Standard deviation of `distance_mm`, up to 100 mm. Only with `distance_mm`; without it the supervisor assumes 1 mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = DISTANCE_SD_MM.in_schema()))]
+    pub distance_sd_mm: Option<f64>,
+    /// Whether the contact is known to be at the tip, for instance because it slips off the whisker next. Never with
+    /// `ratio`. With `distance_mm` it measures the length.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub tip: bool,
     /// Deflection of the whisker at the contact, in mm; at least 0.01.
     #[cfg_attr(feature = "documents", schemars(transform = DEFLECTION_MM.in_schema()))]
     pub deflection_mm: f64,
@@ -47,10 +66,88 @@ pub struct Contact {
     pub temperature_c: f64,
 }
 
+/// Place of a contact on the whisker, as far as the robot knows it. Standard deviations are those that the robot states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactPlace {
+    /// Contact distance / present length.
+    Ratio {
+        /// Contact ratio, from 0.01 to 1.
+        ratio: f64,
+        /// Its standard deviation.
+        sd: Option<f64>,
+    },
+    /// Distance from the base, without the chamber's elongation.
+    Distance(Distance),
+    /// The tip, and its distance from the base if the robot measured it.
+    Tip(Option<Distance>),
+    /// Somewhere on the whisker.
+    Unknown,
+}
+
+impl ContactPlace {
+    /// Kind of the place, as the word in lists and databases.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Ratio { .. } => "RATIO",
+            Self::Distance(_) => "DISTANCE",
+            Self::Tip(_) => "TIP",
+            Self::Unknown => "UNKNOWN",
+        }
+    }
+}
+
+/// A measured distance from the whisker's base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// Distance in mm.
+    pub mm: f64,
+    /// Its standard deviation in mm.
+    pub sd_mm: Option<f64>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_false(tip: &bool) -> bool {
+    !tip
+}
+
 impl Contact {
+    /// Place of the contact.
+    #[must_use]
+    pub fn place(&self) -> ContactPlace {
+        let distance = self.distance_mm.map(|mm| Distance { mm, sd_mm: self.distance_sd_mm });
+        match (self.ratio, self.tip, distance) {
+            (Some(ratio), _, _) => ContactPlace::Ratio { ratio, sd: self.ratio_sd },
+            (None, true, distance) => ContactPlace::Tip(distance),
+            (None, false, Some(distance)) => ContactPlace::Distance(distance),
+            (None, false, None) => ContactPlace::Unknown,
+        }
+    }
+
+    fn check_place(&self) -> Result<(), Refusal> {
+        let optional =
+            |range: &check::Range, path, value: Option<f64>| value.map_or(Ok(()), |one| range.check(path, one));
+        optional(&RATIO, "ratio", self.ratio)?;
+        optional(&RATIO_SD, "ratio_sd", self.ratio_sd)?;
+        optional(&DISTANCE_MM, "distance_mm", self.distance_mm)?;
+        optional(&DISTANCE_SD_MM, "distance_sd_mm", self.distance_sd_mm)?;
+        let wrong = |path: &str, problem: &str| Err(Refusal::Malformed { path: path.into(), problem: problem.into() });
+        match self {
+            Self { ratio: Some(_), distance_mm: Some(_), .. } => {
+                wrong("distance_mm", "a contact has a ratio or a distance, not both")
+            }
+            Self { ratio: Some(_), tip: true, .. } => wrong("tip", "a contact at the tip has no ratio: it is 1"),
+            Self { ratio: None, ratio_sd: Some(_), .. } => wrong("ratio_sd", "a contact without ratio has no ratio_sd"),
+            Self { distance_mm: None, distance_sd_mm: Some(_), .. } => {
+                wrong("distance_sd_mm", "a contact without distance_mm has no distance_sd_mm")
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn check(&self) -> Result<(), Refusal> {
         check::integer("t_us", self.t_us)?;
-        RATIO.check("ratio", self.ratio)?;
+        self.check_place()?;
         DEFLECTION_MM.check("deflection_mm", self.deflection_mm)?;
         STRAIN.check("strain", self.strain)?;
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;

@@ -13,7 +13,7 @@ mod status;
 mod supervisor;
 
 pub use connection::Connection;
-pub use contacts::{Contact, Contacts};
+pub use contacts::{Contact, ContactPlace, Contacts, Distance};
 pub use factsheet::{ArrayFacts, Factsheet, WhiskerFacts};
 pub use receipt::Receipt;
 pub use request::Request;

@@ -78,7 +78,7 @@ impl Robot {
             contact.t_us += HOUR_US;
         }
         if self.breaks(Misbehaviour::RatioAboveOne) && is_fifth {
-            contact.ratio = 1.2;
+            contact.ratio = Some(1.2);
         }
         if self.breaks(Misbehaviour::UnknownWhiskerTouched) && is_fifth {
             contact.whisker = NO_WHISKER;

@@ -134,24 +134,30 @@ impl Robot {
         let Some(whisker) = self.whiskers.get_mut(at) else {
             return;
         };
-        // A robot does not report a contact on the chamber, where the gauge cannot measure it.
-        let Ok(reading) = whisker.plant.touch(whisker.regulator.pressure_mpa()) else {
+        // A robot does not report a contact on the chamber, where the gauge cannot measure it, nor an object out of reach.
+        let places = self.config.behaviour.places;
+        let Ok(Some((reading, touch))) = whisker.plant.touch_at(places, whisker.regulator.pressure_mpa()) else {
             return;
         };
         if whisker.is_silent(at_us) {
             return;
         }
         let number = whisker.plant.contacts();
-        let contact = Contact {
+        let mut contact = Contact {
             array: whisker.array().clone(),
             whisker: whisker.number(),
             t_us: at_us,
-            ratio: reading.ratio,
+            ratio: None,
+            ratio_sd: None,
+            distance_mm: None,
+            distance_sd_mm: None,
+            tip: false,
             deflection_mm: reading.deflection_mm,
             strain: reading.strain,
             pressure_mpa: whisker.regulator.reading_mpa(),
             temperature_c: reading.temperature_c,
         };
+        places.state(&mut contact, &touch);
         self.batch.push(self.contact_as_sent(contact, number));
         if self.batch.len() >= self.config.behaviour.contacts_per_message {
             self.flush(at_us, out);

@@ -11,6 +11,8 @@ pub use check::BadScenario;
 pub use event::{Change, Event};
 pub use misbehaviour::Misbehaviour;
 
+use crate::places::Places;
+
 /// A whole simulation.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -51,6 +53,8 @@ pub struct Behaviour {
     /// Seconds without a message from the supervisor after which a robot behaves as its `on_supervisor_loss`
     /// states.
     pub supervisor_lost_after_s: f64,
+    /// Place that robots state with each contact.
+    pub places: Places,
     /// Whether robots detect leaks and broken gauges; otherwise they report both as OK.
     pub notices_faults: bool,
     /// Whether robots keep a journal; the caller must then empty it regularly with [`crate::Robot::take_journal`].
@@ -69,6 +73,7 @@ impl Default for Behaviour {
             status_every_s: 1.0,
             kept_messages: 2000,
             supervisor_lost_after_s: 60.0,
+            places: Places::Ratio,
             notices_faults: true,
             journal: false,
             misbehaviour: None,

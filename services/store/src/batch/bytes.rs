@@ -3,10 +3,10 @@
 use borsh::io::{Error, ErrorKind, Result};
 use vibrissa_core::policy::PolicyParams;
 
-use super::Batch;
+use super::{Batch, version_1};
 
-/// First byte of the serialized batch: the format version. Bytes of another version are not read.
-const VERSION: u8 = 1;
+/// First byte of the serialized batch: the format version.
+const VERSION: u8 = 2;
 const _: () = assert!(PolicyParams::NUMBERS.len() == 3, "raise VERSION: the rows of policies have other numbers");
 
 impl Batch {
@@ -19,12 +19,14 @@ impl Batch {
     /// Deserializes a batch.
     ///
     /// # Errors
-    /// The bytes are not a batch of this version.
+    /// The bytes are not a batch of a version that this program reads.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match bytes.split_first() {
             Some((&VERSION, rest)) => borsh::from_slice(rest),
+            Some((1, rest)) => borsh::from_slice::<version_1::Batch>(rest).map(Into::into),
             Some((other, _)) => {
-                let problem = format!("the batch has format version {other}, this program reads version {VERSION}");
+                let problem =
+                    format!("the batch has format version {other}, this program reads versions 1 to {VERSION}");
                 Err(Error::new(ErrorKind::InvalidData, problem))
             }
             None => Err(Error::new(ErrorKind::InvalidData, "the batch has no bytes")),
@@ -46,7 +48,9 @@ mod tests {
             position: 0,
             t_us: 4,
             received_us: 5,
-            ratio: 0.1 + 0.2,
+            place: "DISTANCE",
+            ratio: Some(0.1 + 0.2),
+            distance_mm: Some(21.0),
             deflection_mm: 2.0,
             strain: 0.01,
             pressure_mpa: 0.1,
@@ -67,6 +71,7 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(Batch::from_bytes(&bytes[..end]).is_err(), "{end}");
         }
-        assert!(Batch::from_bytes(&[&[2], &bytes[1..]].concat()).unwrap_err().to_string().contains("version 2"));
+        let newer = [&[VERSION + 1], &bytes[1..]].concat();
+        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 3"));
     }
 }

@@ -6,6 +6,7 @@ mod parts;
 mod policy;
 mod record;
 mod rows;
+mod version_1;
 mod words;
 
 pub use compensation::*;

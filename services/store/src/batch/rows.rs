@@ -141,8 +141,14 @@ row! {
         pub t_us: i64,
         /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
         pub received_us: i64,
-        /// Contact ratio, 0 at the base, 1 at the tip.
-        pub ratio: f64,
+        /// Kind of place that the robot stated: `RATIO`, `DISTANCE`, `TIP` or `UNKNOWN`.
+        #[borsh(deserialize_with = "words::word")]
+        pub place: &'static str,
+        /// Contact ratio, 0 at the base, 1 at the tip: the robot's, or its distance / the estimated length. `None` if the
+        /// place is not known.
+        pub ratio: Option<f64>,
+        /// Measured distance from the base, mm.
+        pub distance_mm: Option<f64>,
         /// Deflection at the contact, mm.
         pub deflection_mm: f64,
         /// Measured strain, m/m.

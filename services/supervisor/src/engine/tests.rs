@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
+    WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -199,7 +200,7 @@ impl World {
             array: "a",
             whisker,
             robot_time: self.now,
-            ratio,
+            place: ContactPlace::Ratio { ratio, sd: None },
             deflection: Millimetre::known(deflection_mm),
             strain: Strain::known(strain),
             pressure,
@@ -222,11 +223,16 @@ impl World {
 
 /// A contact as its robot sends it.
 fn as_sent(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
+    let ContactPlace::Ratio { ratio, .. } = contact.place else { unreachable!("these robots know the ratio") };
     protocol::Contact {
         array: Name::new(contact.array).unwrap(),
         whisker: contact.whisker,
         t_us: contact.robot_time.0,
-        ratio: contact.ratio.a(),
+        ratio: Some(ratio.a()),
+        ratio_sd: None,
+        distance_mm: None,
+        distance_sd_mm: None,
+        tip: false,
         deflection_mm: contact.deflection.mm(),
         strain: contact.strain.ratio(),
         pressure_mpa: contact.pressure.mpa(),

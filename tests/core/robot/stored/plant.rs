@@ -6,8 +6,8 @@ use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::Mode;
 use vibrissa_core::robot::effect::Command;
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport,
-    WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Rejection,
+    SetpointReport, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{OperatorAction, Params, Place, Robot, Scope};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -157,7 +157,7 @@ impl Plant {
             array: ARRAY,
             whisker: if self.random.random_bool(0.002) { 99 } else { whisker },
             robot_time: self.time(),
-            ratio,
+            place: ContactPlace::Ratio { ratio, sd: None },
             deflection: Millimetre::known(deflection_mm),
             strain: Strain::known(strain),
             pressure,

@@ -23,6 +23,8 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
         ("ratio", Some(json!(0)), "out_of_range"),
         ("ratio", Some(json!(1.2)), "out_of_range"),
         ("ratio", Some(json!("NaN")), "malformed"),
+        ("distance_mm", Some(json!(50.0)), "malformed"),
+        ("tip", Some(json!(true)), "malformed"),
         ("deflection_mm", Some(json!(-2.4)), "out_of_range"),
         ("deflection_mm", Some(json!(0.0)), "out_of_range"),
         ("strain", Some(json!(1.5)), "out_of_range"),
@@ -40,7 +42,7 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     .collect();
 
     // Fields in the contract's order, so that the number comes before the invalid part.
-    let contacts = vec![Contact { ratio: 0.75, ..robot.contact(0) }];
+    let contacts = vec![Contact { ratio: Some(0.75), ..robot.contact(0) }];
     let whole = String::from_utf8(encode(&robot.message(contacts))).unwrap();
     junk.push((whole.replace("0.75", "NaN").into_bytes(), "not_json"));
     let contacts = vec![robot.contact(0)];
@@ -145,7 +147,7 @@ async fn a_second_message_of_the_same_number_changes_nothing() {
     let contacts = vec![robot.contact(0), robot.contact(1)];
     let first = robot.send(contacts).await;
     let mut another = first.clone();
-    another.contacts[0].ratio = 0.5;
+    another.contacts[0].ratio = Some(0.5);
     for again in [&first, &another, &first] {
         robot.say(RobotTopic::Contacts, encode(again)).await;
     }

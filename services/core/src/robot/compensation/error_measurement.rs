@@ -58,7 +58,7 @@ impl Robot {
         &mut self,
         params: &Params,
         index: WhiskerIndex,
-        position: usize,
+        (position, ratio): (usize, ContactRatio),
         contact: &Contact<'_>,
         seen: &Innovation,
         effects: &mut Vec<Effect>,
@@ -73,7 +73,7 @@ impl Robot {
         }
         let Some(model) = whisker.model(params) else { return };
         let morphology = model.morphology(contact.pressure);
-        let Ok(model_per_mm) = model.sensitivity_per_mm(contact.ratio, running.length, &morphology) else { return };
+        let Ok(model_per_mm) = model.sensitivity_per_mm(ratio, running.length, &morphology) else { return };
         // The strain by deflection alone; outliers get a larger variance.
         let strain = contact.strain.ratio() - whisker.filter.baseline_strain().0;
         if strain <= 0.0 {
@@ -84,11 +84,11 @@ impl Robot {
             return;
         }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-        running.after.add(contact.ratio, deviation, noise_variance);
-        running.refining.since_gain.add(contact.ratio, deviation, noise_variance);
+        running.after.add(ratio, deviation, noise_variance);
+        running.refining.since_gain.add(ratio, deviation, noise_variance);
         let contacts = running.after.contacts();
         let running = &self.head.compensations[at];
-        effects.extend(self.response(params, running, position, contact).map(Effect::Response));
+        effects.extend(self.response(params, running, (position, ratio), contact).map(Effect::Response));
         if contacts.is_multiple_of(params.measurement.every_contacts) {
             effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
         }
@@ -99,16 +99,16 @@ impl Robot {
         &self,
         params: &Params,
         running: &Compensation,
-        position: usize,
+        (position, ratio): (usize, ContactRatio),
         contact: &Contact<'_>,
     ) -> Option<Response> {
         let least = params.measurement.bin_contacts_min;
-        let before = self.before(params, running)?.at(contact.ratio, least)?;
-        let target = self.whole_target(params, running)?.at(contact.ratio, least)?;
+        let before = self.before(params, running)?.at(ratio, least)?;
+        let target = self.whole_target(params, running)?.at(ratio, least)?;
         Some(Response {
             position,
             compensation: running.id,
-            ratio: contact.ratio,
+            ratio,
             deflection: contact.deflection,
             after: contact.strain,
             before: before.log_per_mm.exp() * contact.deflection.mm(),

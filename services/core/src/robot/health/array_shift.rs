@@ -95,18 +95,23 @@ impl Robot {
             let Some(model) = whisker.model(params) else { continue };
             let log_shift = shift * whisker.log_slope_with_length(model);
             whisker.take_out(log_shift);
-            for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == member) {
-                running.after.shift(log_shift);
-                running.refining.since_gain.shift(log_shift);
-                if let Some(before) = &mut running.before {
-                    before.shift(log_shift);
-                }
-            }
+            self.shift_measured(member, log_shift);
             if self.whiskers[member].condition == Condition::Suspected {
                 self.set_condition(member, Condition::Healthy, effects);
             }
         }
         self.whiskers[index].shift_told = true;
+    }
+
+    /// Brings the measured responses of the compensations in which a whisker serves to another scale.
+    pub(in crate::robot) fn shift_measured(&mut self, compensator: WhiskerIndex, log_shift: f64) {
+        for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == compensator) {
+            running.after.shift(log_shift);
+            running.refining.since_gain.shift(log_shift);
+            if let Some(before) = &mut running.before {
+                before.shift(log_shift);
+            }
+        }
     }
 
     /// The median shift of the whiskers, as the change of log length that would explain it.
@@ -128,7 +133,7 @@ fn feels(own: &Fit, other: &Fit) -> bool {
 
 impl crate::robot::Whisker {
     /// d ln sensitivity / d ln length in the middle of the contact ratios; 0 where the model does not hold.
-    fn log_slope_with_length(&self, model: &Model) -> f64 {
+    pub(in crate::robot) fn log_slope_with_length(&self, model: &Model) -> f64 {
         let middle = ContactRatio::known(crate::mechanics::Offset::CENTRE);
         let length = self.filter.length().length;
         let morphology = model.morphology(self.air.setpoint);
@@ -154,10 +159,15 @@ impl crate::robot::Whisker {
         self.filter.shared_shift(log_shift);
         self.rare.get_or_insert().unsteady =
             Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
+        self.shift_reference(log_shift);
+        self.detector = crate::detection::Detector::default();
+    }
+
+    /// Brings the response while whole to another scale.
+    pub(in crate::robot) fn shift_reference(&mut self, log_shift: f64) {
         self.whole.shift(log_shift);
-        if let Some(offset) = &mut self.rare.get_or_insert().whole_offset {
+        if let Some(offset) = self.rare.get_mut().and_then(|rare| rare.whole_offset.as_mut()) {
             offset.level += log_shift;
         }
-        self.detector = crate::detection::Detector::default();
     }
 }

@@ -1,7 +1,7 @@
 //! Contacts, and the consequences of the detector's verdicts for a whisker.
 
 use crate::detection::{Change, Kind, Others, Verdict};
-use crate::estimation::{LengthEstimate, LengthFilter};
+use crate::estimation::LengthEstimate;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
@@ -34,15 +34,16 @@ impl Robot {
         effects.push(Effect::Contact(ContactRecord {
             position,
             whisker: index,
+            ratio: felt.ratio,
             used: felt.used,
             residual: felt.innovation.map(|seen| seen.residual),
             standardised: felt.innovation.map(|seen| seen.standardised),
             length: whisker.filter.length(),
         }));
         self.refresh_fault(params, now, index, effects);
-        if let Some(seen) = felt.innovation {
+        if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
             self.conclude(params, index, felt.verdict, effects);
-            self.measure(params, index, position, contact, &seen, effects);
+            self.measure(params, index, (position, ratio), contact, &seen, effects);
         }
     }
 
@@ -88,8 +89,7 @@ impl Robot {
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
             Kind::LessSensitive => {
-                // Not a length: the estimate stays, and the offset is learned anew.
-                whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
+                self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
             // It may regain the lost sensitivity, which is no cut, and its alarm stands already.
@@ -121,6 +121,17 @@ impl Robot {
                 }
             }
         }
+    }
+
+    /// Takes a change of a whisker's scale out, which is no change of its length: its offset is learned anew around it,
+    /// and earlier measurements are brought to the same scale. A cut stays known, and so does its compensation.
+    fn rescale(&mut self, params: &Params, index: WhiskerIndex, change: &Change) {
+        let whisker = &mut self.whiskers[index];
+        let Some(model) = whisker.model(params) else { return };
+        let log_shift = change.size * whisker.log_slope_with_length(model);
+        whisker.filter.rescaled(change.size, change.lacking, log_shift);
+        whisker.shift_reference(log_shift);
+        self.shift_measured(index, log_shift);
     }
 
     /// Raises an alarm for a baseline that was followed without a verdict, once it is far off.

@@ -6,6 +6,7 @@ pub mod factsheet;
 pub(in crate::robot) mod head;
 pub(in crate::robot) mod index;
 pub(in crate::robot) mod layout;
+pub(in crate::robot) mod place;
 pub(in crate::robot) mod rare_state;
 pub(in crate::robot) mod rebaseline;
 pub mod sequence;

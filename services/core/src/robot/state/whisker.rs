@@ -14,9 +14,10 @@ use crate::robot::health::array_shift::UNSTEADY_SHARE;
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
+use crate::robot::state::place::Placed;
 use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
-use crate::units::{Megapascal, Micros};
+use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,6 +154,8 @@ pub(in crate::robot) struct InFlight {
 
 /// Result of one contact.
 pub(in crate::robot) struct ContactResult {
+    /// Contact ratio; `None` if the place is not known.
+    pub ratio: Option<ContactRatio>,
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
     pub verdict: Verdict,
@@ -237,6 +240,19 @@ impl Whisker {
         contact: &Contact<'_>,
         others: Others,
     ) -> ContactResult {
+        let placed = Placed::on(&self.filter.length(), contact.place);
+        let result = self.feel_at(params, model, contact, placed, others);
+        ContactResult { ratio: placed.ok().map(|placed| placed.ratio), ..result }
+    }
+
+    fn feel_at(
+        &mut self,
+        params: &Params,
+        model: &Model,
+        contact: &Contact<'_>,
+        placed: Result<Placed, ContactUse>,
+        others: Others,
+    ) -> ContactResult {
         self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
         if off_by_mpa > params.health.settled_within_mpa {
@@ -245,9 +261,15 @@ impl Whisker {
         if self.command.is_none() {
             self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
         }
+        let placed = match placed {
+            Ok(placed) => placed,
+            Err(used) => return ContactResult::unused(used),
+        };
         let morphology = model.morphology(contact.pressure);
         let observation = Observation {
-            ratio: contact.ratio,
+            ratio: placed.ratio,
+            ratio_sd: placed.ratio_sd.unwrap_or(params.noise.ratio),
+            informs_length: placed.informs_length,
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
         };
@@ -259,11 +281,11 @@ impl Whisker {
             Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
             Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
             Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
-            Ok(seen) => self.take(params, contact, &seen, others),
+            Ok(seen) => self.take(params, &placed, &seen, others),
         }
     }
 
-    fn take(&mut self, params: &Params, contact: &Contact<'_>, seen: &Innovation, others: Others) -> ContactResult {
+    fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
         self.contacts += 1;
         self.told_since_alarm += (seen.row[LENGTH].powi(2) / seen.variance) as f32;
         let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
@@ -272,18 +294,24 @@ impl Whisker {
             if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
                 // Against the model at whole length: the residual is against the present estimate.
                 let shift = seen.row[LENGTH] * self.filter.log_length();
-                let deviation = seen.residual + self.filter.offset().at(contact.ratio) + shift;
+                let deviation = seen.residual + self.filter.offset().at(placed.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                self.whole_waiting.add(&mut self.whole, contact.ratio, deviation, variance);
+                self.whole_waiting.add(&mut self.whole, placed.ratio, deviation, variance);
             }
         }
         let eroding = self.condition == Condition::Eroding;
         let learning = self.condition == Condition::Learning;
-        let verdict =
-            if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
-        if !self.filter.learn(seen, self.wander(params)) {
-            return ContactResult::unused(ContactUse::Implausible);
+        let mut verdict = Verdict::Quiet;
+        let length_read = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm));
+        for seen in [Some(*seen), length_read].into_iter().flatten() {
+            // A verdict ends what the detector compares: the second reading would be judged by the state before it.
+            if !learning && matches!(verdict, Verdict::Quiet | Verdict::Looking) {
+                verdict = self.detector.update(&params.detection, &seen, eroding, others);
+            }
+            if !self.filter.learn(&seen, self.wander(params)) {
+                return ContactResult::unused(ContactUse::Implausible);
+            }
         }
         if let Some(rare) = self.rare.get_mut() {
             rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
@@ -291,7 +319,7 @@ impl Whisker {
         self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
-        ContactResult { used, innovation: Some(*seen), verdict }
+        ContactResult { ratio: None, used, innovation: Some(*seen), verdict }
     }
 
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
@@ -375,6 +403,6 @@ impl Whisker {
 
 impl ContactResult {
     fn unused(used: ContactUse) -> Self {
-        Self { used, innovation: None, verdict: Verdict::Quiet }
+        Self { ratio: None, used, innovation: None, verdict: Verdict::Quiet }
     }
 }

@@ -14,7 +14,8 @@ fn is_plain_and_the_same(text: &str) -> bool {
     let full: Contacts = serde_json::from_str(text).unwrap_or_else(|problem| panic!("{problem}: {text}"));
     assert_eq!(plain, full, "{text}");
     let bits = |message: &Contacts| -> Vec<u64> {
-        let of = |one: &Contact| [one.ratio, one.deflection_mm, one.strain, one.pressure_mpa, one.temperature_c];
+        let of =
+            |one: &Contact| [one.ratio.unwrap(), one.deflection_mm, one.strain, one.pressure_mpa, one.temperature_c];
         message.contacts.iter().flat_map(of).map(f64::to_bits).collect()
     };
     assert_eq!(bits(&plain), bits(&full), "{text}");
@@ -87,7 +88,11 @@ fn any_contact() -> impl Strategy<Value = Contact> {
             array: Name::new(&array).unwrap(),
             whisker,
             t_us,
-            ratio: numbers[0],
+            ratio: Some(numbers[0]),
+            ratio_sd: None,
+            distance_mm: None,
+            distance_sd_mm: None,
+            tip: false,
             deflection_mm: numbers[1],
             strain: numbers[2],
             pressure_mpa: numbers[3],

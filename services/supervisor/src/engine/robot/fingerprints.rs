@@ -31,11 +31,13 @@ pub(crate) fn of_content(hashers: &impl BuildHasher, message: &Contacts) -> u32 
         hasher.write(contact.array.as_str().as_bytes());
         hasher.write_u64(u64::from(contact.whisker));
         hasher.write_u64(contact.t_us);
-        for number in
-            [contact.ratio, contact.deflection_mm, contact.strain, contact.pressure_mpa, contact.temperature_c]
-        {
+        // No place is a number of -1 or less.
+        let place = [contact.ratio, contact.ratio_sd, contact.distance_mm, contact.distance_sd_mm];
+        let reading = [contact.deflection_mm, contact.strain, contact.pressure_mpa, contact.temperature_c];
+        for number in place.map(|one| one.unwrap_or(-1.0)).into_iter().chain(reading) {
             hasher.write_u64(number.to_bits());
         }
+        hasher.write_u8(contact.tip.into());
     }
     (hasher.finish() as u32).max(2)
 }
@@ -77,7 +79,11 @@ mod tests {
             array: Name::new("left").unwrap(),
             whisker: 0,
             t_us: 1_000_000,
-            ratio: 0.85,
+            ratio: Some(0.85),
+            ratio_sd: None,
+            distance_mm: None,
+            distance_sd_mm: None,
+            tip: false,
             deflection_mm: 2.4,
             strain,
             pressure_mpa: 0.1,

@@ -177,11 +177,14 @@ fn sample_of(used: ContactUse, row: &ContactRow) -> Sample {
             ContactUse::Unsettled
             | ContactUse::TooWeak
             | ContactUse::OnChamber
+            | ContactUse::NoPlace
+            | ContactUse::BeyondTip
             | ContactUse::GaugeFault
             | ContactUse::Implausible => Use::Unused,
         },
         residual: row.residual,
-        ratio: row.ratio,
+        // A contact without a ratio has no residual, and only those with one count in means of ratios.
+        ratio: row.ratio.unwrap_or_default(),
         deflection_mm: row.deflection_mm,
         strain: row.strain,
         pressure_mpa: row.pressure_mpa,
@@ -232,7 +235,9 @@ mod tests {
             position: 0,
             t_us: 0,
             received_us: received_us as i64,
-            ratio: 0.85,
+            place: "RATIO",
+            ratio: Some(0.85),
+            distance_mm: None,
             deflection_mm: 2.0,
             strain: 0.01,
             pressure_mpa: 0.1,

@@ -96,7 +96,9 @@ mod tests {
             position: 0,
             t_us: seq,
             received_us: seq,
-            ratio: 0.85,
+            place: "RATIO",
+            ratio: Some(0.85),
+            distance_mm: None,
             deflection_mm: 2.0,
             strain: 0.01,
             pressure_mpa: 0.1,
@@ -144,7 +146,7 @@ mod tests {
 
     #[test]
     fn what_is_remembered_takes_what_the_sizing_says() {
-        assert_eq!(size_of::<ContactRow>(), 136);
+        assert_eq!(size_of::<ContactRow>(), 176);
     }
 
     #[test]

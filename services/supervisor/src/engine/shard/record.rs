@@ -2,7 +2,7 @@
 
 use tracing::{info, warn};
 use vibrissa_core::robot::effect::{CommandState, Effect};
-use vibrissa_core::units::{Megapascal, Micros};
+use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol as protocol;
 
 use super::publication::Sent;
@@ -39,7 +39,9 @@ impl Stepper {
                     position: contact.position as i64,
                     t_us: sent.t_us as i64,
                     received_us: recorded_us,
-                    ratio: sent.ratio,
+                    place: sent.place().word(),
+                    ratio: contact.ratio.map(ContactRatio::a),
+                    distance_mm: sent.distance_mm,
                     deflection_mm: sent.deflection_mm,
                     strain: sent.strain,
                     pressure_mpa: sent.pressure_mpa,

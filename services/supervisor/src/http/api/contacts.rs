@@ -78,8 +78,11 @@ pub struct ContactPoint {
     /// Number of contacts.
     #[schema(minimum = 1)]
     pub contacts: i64,
-    /// Contact ratio: position of the contact along the whisker, 0 at the base, 1 at the tip.
-    pub ratio: f64,
+    /// Contact ratio: position of the contact along the whisker, 0 at the base, 1 at the tip. It is the robot's, or its
+    /// distance divided by the estimated length; null if the robot knew no place.
+    pub ratio: Option<f64>,
+    /// Distance from the base measured by the robot, mm; null if it measured none.
+    pub distance_mm: Option<f64>,
     /// Deflection at the contact, mm.
     pub deflection_mm: f64,
     /// Axial strain of the gauge, m/m.
@@ -102,6 +105,7 @@ impl From<&ContactMean> for ContactPoint {
             at: Time(mean.at_us),
             contacts: mean.contacts,
             ratio: mean.ratio,
+            distance_mm: mean.distance_mm,
             deflection_mm: mean.deflection_mm,
             strain: mean.strain,
             pressure_mpa: mean.pressure_mpa,

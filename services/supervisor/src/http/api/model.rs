@@ -81,7 +81,7 @@ fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64)
 /// Mean measured sensitivity near a contact ratio, and the number of contacts.
 fn felt(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64, ratio: f64) -> (Option<f64>, i64) {
     let here = contacts.iter().filter(|one| {
-        (one.ratio - ratio).abs() < RATIO_WITHIN
+        one.ratio.is_some_and(|own| (own - ratio).abs() < RATIO_WITHIN)
             && (one.pressure_mpa - pressure_mpa).abs() <= PRESSURE_WITHIN_MPA
             && (one.length_mm - whisker.length_mm).abs() <= LENGTH_WITHIN_MM
             && one.residual.is_some()

@@ -6,6 +6,8 @@
 //! Only events that lead to contact rows and nothing else are journalled; a decision needs a checkpoint.
 
 pub(super) mod index;
+mod place;
+mod version_2;
 
 use std::collections::BTreeMap;
 
@@ -20,9 +22,11 @@ use vibrissa_protocol as protocol;
 use crate::engine::robot::KnownRobot;
 use vibrissa_store::batch::ContactRow;
 
+use place::JournalPlace;
+
 /// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
-/// id, which is positive. Version 1 had the same layout and no version number.
-const VERSION: i64 = 2;
+/// id, which is positive. Entries of version 1 have the layout of version 2 and no version number; [`version_2`] reads both.
+const VERSION: i64 = 3;
 /// Number of journal rows read at a time.
 pub(crate) const ROWS_AT_A_TIME: i64 = 256;
 /// Index of an array that the robot does not have.
@@ -60,7 +64,7 @@ pub(crate) struct JournalContact {
     array: u16,
     whisker: u16,
     robot_time: Micros,
-    ratio: f64,
+    place: JournalPlace,
     deflection_mm: f64,
     strain: f64,
     pressure_mpa: f64,
@@ -153,50 +157,63 @@ fn version_mark() -> [u8; 8] {
     (-VERSION).to_le_bytes()
 }
 
-/// Skips the version numbers before an entry.
-///
-/// # Errors
-/// The entries are of a version that this program cannot read.
-fn skip_versions(bytes: &mut &[u8]) -> std::io::Result<()> {
-    while let Some((first, rest)) = bytes.split_first_chunk() {
-        match i64::from_le_bytes(*first) {
-            0.. => break,
-            version if version == -VERSION => *bytes = rest,
+/// The bytes of a journal row that are not read yet.
+struct Reader<'b> {
+    bytes: &'b [u8],
+    /// Version of the next entry.
+    version: i64,
+}
+
+impl<'b> Reader<'b> {
+    fn new(bytes: &'b [u8]) -> Self {
+        Self { bytes, version: 1 }
+    }
+
+    /// The next entry, or `None` at the end.
+    ///
+    /// # Errors
+    /// The entry is damaged, or of a version that this program cannot read.
+    fn next(&mut self) -> std::io::Result<Option<Entry>> {
+        while let Some((first, rest)) = self.bytes.split_first_chunk() {
+            let version = i64::from_le_bytes(*first).saturating_neg();
+            if version <= 0 {
+                break;
+            }
+            (self.version, self.bytes) = (version, rest);
+        }
+        if self.bytes.is_empty() {
+            return Ok(None);
+        }
+        match self.version {
+            VERSION => Entry::deserialize(&mut self.bytes).map(Some),
+            1 | 2 => version_2::Entry::deserialize(&mut self.bytes).map(|entry| Some(entry.into())),
             version => {
-                let problem = format!(
-                    "entries of version {}, and this program reads versions 1 to {VERSION}",
-                    version.unsigned_abs()
-                );
-                return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, problem));
+                let problem = format!("entries of version {version}, and this program reads versions 1 to {VERSION}");
+                Err(std::io::Error::new(std::io::ErrorKind::InvalidData, problem))
             }
         }
     }
-    Ok(())
 }
 
 /// Reads the entries of one row.
-pub(crate) fn read(mut bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
+pub(crate) fn read(bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
+    let mut reader = Reader::new(bytes);
     std::iter::from_fn(move || {
-        let skipped = skip_versions(&mut bytes);
-        if skipped.is_ok() && bytes.is_empty() {
-            return None;
-        }
-        let entry = skipped.and_then(|()| Entry::deserialize(&mut bytes));
+        let entry = reader.next();
         if entry.is_err() {
-            bytes = &[];
+            reader.bytes = &[];
         }
-        Some(entry)
+        entry.transpose()
     })
 }
 
-/// Entries of one row by robot, as bytes with their version number, in order. Entries that cannot be read are left out.
-pub(crate) fn by_robot(mut bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
+/// Entries of one row by robot, as bytes of the present version, in order. Entries that cannot be read are left out.
+pub(crate) fn by_robot(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
-    while skip_versions(&mut bytes).is_ok() && !bytes.is_empty() {
-        let before = bytes;
-        let Ok(entry) = Entry::deserialize(&mut bytes) else { break };
+    for entry in read(bytes).map_while(Result::ok) {
         let own = robots.entry(entry.robot_id).or_insert_with(|| version_mark().to_vec());
-        own.extend_from_slice(&before[..before.len() - bytes.len()]);
+        // Writing to memory cannot fail.
+        let _ = entry.serialize(own);
     }
     robots.into_iter().collect()
 }
@@ -215,7 +232,7 @@ impl JournalContact {
             array: array_index(robot, contact.array),
             whisker: contact.whisker,
             robot_time: contact.robot_time,
-            ratio: contact.ratio.a(),
+            place: JournalPlace::of(&contact.place),
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
             pressure_mpa: contact.pressure.mpa(),
@@ -238,7 +255,9 @@ impl JournalContact {
             position: record.position as i64,
             t_us: self.robot_time.0 as i64,
             received_us: now.0 as i64,
-            ratio: self.ratio,
+            place: self.place.sent().word(),
+            ratio: record.ratio.map(ContactRatio::a),
+            distance_mm: self.place.distance_mm(),
             deflection_mm: self.deflection_mm,
             strain: self.strain,
             pressure_mpa: self.pressure_mpa,
@@ -257,7 +276,7 @@ impl JournalContact {
             array: array_name(arrays, self.array),
             whisker: self.whisker,
             robot_time: self.robot_time,
-            ratio: ContactRatio::new(self.ratio).ok()?,
+            place: vibrissa_edge::place(self.place.sent()).ok()?,
             deflection: Millimetre::new(self.deflection_mm).ok()?,
             strain: Strain::new(self.strain).ok()?,
             pressure: Megapascal::new(self.pressure_mpa).ok()?,

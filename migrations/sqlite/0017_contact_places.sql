@@ -1,0 +1,11 @@
+-- Places of contacts: robots also know distances from the base, the tip, or nothing.
+
+-- `place`: RATIO, DISTANCE, TIP or UNKNOWN, as the robot stated it. `ratio`: contact ratio, the robot's or `distance_mm` /
+-- the length estimated before the contact; NULL if the place is unknown. `distance_mm`: the robot's measurement, or NULL.
+ALTER TABLE contacts ADD COLUMN place TEXT NOT NULL DEFAULT 'RATIO';
+ALTER TABLE contacts ADD COLUMN distance_mm REAL;
+-- SQLite cannot remove a column's NOT NULL.
+ALTER TABLE contacts RENAME COLUMN ratio TO known_ratio;
+ALTER TABLE contacts ADD COLUMN ratio REAL;
+UPDATE contacts SET ratio = known_ratio;
+ALTER TABLE contacts DROP COLUMN known_ratio;
