@@ -12,6 +12,7 @@ mod faults;
 mod formats;
 mod health;
 mod leak;
+mod nuisances;
 mod odd_values;
 mod old_boots;
 mod operator;

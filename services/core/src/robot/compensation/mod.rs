@@ -400,11 +400,11 @@ impl Whisker {
         }
     }
 
-    /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber.
+    /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber. A cut whisker
+    /// that serves itself is cut still, whatever else becomes of it.
     fn is_unfit_to_go_on(&self, case: Case) -> bool {
         let broken = match self.condition {
-            Condition::Trimmed => case != Case::SelfCompensation,
-            Condition::Eroding | Condition::SensitivityLoss => true,
+            Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => case != Case::SelfCompensation,
             Condition::Learning | Condition::Healthy | Condition::Suspected => false,
         };
         let faulty = match self.fault {

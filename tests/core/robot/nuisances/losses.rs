@@ -1,0 +1,46 @@
+//! A loss of sensitivity is no change of length, and forgets none.
+
+use vibrissa_core::robot::effect::{AlarmKind, Condition};
+
+use super::rig::Rig;
+
+const SEEDS: u64 = 6;
+
+#[test]
+fn regress_a_loss_of_sensitivity_keeps_a_cut_and_its_compensation() {
+    for seed in 0..SEEDS {
+        let mut rig = Rig::new(seed, 1);
+        rig.run(400);
+        rig.whiskers[0].length_mm = 60.0;
+        rig.run(1500);
+        assert_eq!(rig.trims().len(), 1, "seed {seed}");
+        let (before, pressure) = (rig.view(0).length, rig.whiskers[0].pressure);
+        assert!(pressure.mpa() < 0.099, "seed {seed}: compensated");
+        rig.whiskers[0].gain = 0.97;
+        rig.run(1000);
+        assert_eq!(rig.alarms(AlarmKind::SensitivityLoss).len(), 1, "seed {seed}");
+        let after = rig.view(0).length;
+        assert!((after.length.mm() - before.length.mm()).abs() < 0.3, "seed {seed}: {before:?} {after:?}");
+        assert!((after.length.mm() - 60.0).abs() < 1.0, "seed {seed}: {after:?}");
+        assert_eq!(rig.core.compensations().len(), 1, "seed {seed}");
+        assert!((rig.whiskers[0].pressure.mpa() - pressure.mpa()).abs() < 0.01, "seed {seed}");
+        assert_eq!(rig.trims().len(), 1, "seed {seed}");
+    }
+}
+
+/// The contacts before the alarm moved the length, and the verdict takes that back.
+#[test]
+fn property_a_loss_of_sensitivity_is_no_length() {
+    for seed in 0..SEEDS {
+        for gain in [0.95, 0.8, 0.5] {
+            let mut rig = Rig::new(100 + seed, 1);
+            rig.run(1000);
+            let before = rig.view(0).length;
+            rig.whiskers[0].gain = gain;
+            rig.run(300);
+            assert_eq!(rig.view(0).condition, Condition::SensitivityLoss, "seed {seed}, {gain}");
+            let after = rig.view(0).length;
+            assert!((after.length.mm() - before.length.mm()).abs() < 0.05, "{seed}, {gain}: {before:?} {after:?}");
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Nuisances of real robots and real silicone: none of them is a cut, and none may hide or forget one.
+
+mod losses;
+mod rig;

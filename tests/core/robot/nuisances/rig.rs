@@ -1,0 +1,237 @@
+//! An array of whiskers whose noise is not the ideal world's, connected directly to the core.
+//!
+//! The plant shares nothing with the simulator: each whisker has its own calibration, and a contact is a true ratio and
+//! deflection, a strain with all nuisances, and the readings that the robot makes of them. Setpoints are applied at once.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model};
+use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Trim};
+use vibrissa_core::robot::event::{
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport,
+    WhiskerSheet, WhiskerStatus,
+};
+use vibrissa_core::robot::{Event, Numbers, Params, Robot, WhiskerView};
+use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
+
+const ARRAY: &str = "a";
+const BOOT: &str = "b";
+const CONTACT_US: u64 = 20_000;
+const START_US: u64 = 1_000_000_000_000;
+/// Rounds between two statuses.
+const STATUS_ROUNDS: u64 = 50;
+const WHOLE_MM: f64 = 70.0;
+
+/// Habits of the robot and noise of its readings, as standard deviations.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Noise {
+    /// Range of the true contact ratios.
+    pub ratios: (f64, f64),
+    /// Range of the true deflections, mm.
+    pub deflections_mm: (f64, f64),
+    /// Independent noise of the strain, relative.
+    pub strain: f64,
+    /// Noise of the read deflection, relative.
+    pub deflection: f64,
+    /// Noise of the read contact ratio, absolute.
+    pub ratio: f64,
+    /// Noise of the strain that hangs together: its correlation from contact to contact, and its size, relative.
+    pub correlated: (f64, f64),
+    /// Share of contacts with ten times the independent noise.
+    pub outliers: f64,
+    /// Nonlinearity: change of log sensitivity per mm of deflection.
+    pub bend_per_mm: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self {
+            ratios: (0.45, 1.0),
+            deflections_mm: (0.5, 6.0),
+            strain: 0.02,
+            deflection: 0.01,
+            ratio: 0.01,
+            correlated: (0.0, 0.0),
+            outliers: 0.0,
+            bend_per_mm: 0.0,
+        }
+    }
+}
+
+/// The truth about one whisker.
+pub(crate) struct Rubber {
+    model: Model,
+    /// Present length, mm.
+    pub length_mm: f64,
+    /// Factor on its strain: gauge, rubber, temperature.
+    pub gain: f64,
+    /// Present pressure of its chamber.
+    pub pressure: Megapascal,
+    correlated: f64,
+}
+
+/// The array, and the core that supervises it.
+pub(crate) struct Rig {
+    pub core: Robot,
+    pub params: Params,
+    pub whiskers: Vec<Rubber>,
+    pub noise: Noise,
+    /// Effects, each with the round in which it came, except single contacts and responses.
+    pub effects: Vec<(u64, Effect)>,
+    /// Rounds so far: contacts of each whisker.
+    pub rounds: u64,
+    under_way: Vec<Command>,
+    random: ChaCha8Rng,
+}
+
+impl Rig {
+    /// Whiskers of 70 mm, each with a calibration up to 3 % off.
+    pub(crate) fn new(seed: u64, whiskers: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let whiskers: Vec<Rubber> = (0..whiskers).map(|_| Rubber::new(&mut random)).collect();
+        let params = Params::nguyen_2021(Formulation::Published);
+        let core = Robot::new(1, Numbers::default());
+        let (effects, under_way) = (Vec::new(), Vec::new());
+        let mut rig = Self { core, params, whiskers, noise: Noise::default(), effects, rounds: 0, under_way, random };
+        rig.step(&Event::Connection { boot_id: BOOT, link: Link::Online });
+        let sheet = |number: u16| WhiskerSheet {
+            number,
+            x_mm: 25.0 * f64::from(number),
+            y_mm: 0.0,
+            model: "nguyen-2021".to_owned(),
+            length: Millimetre::known(WHOLE_MM),
+            pressure: Megapascal::known(0.1),
+            pressure_max: Megapascal::EXAMINED_MAX,
+            neighbours: Vec::new(),
+        };
+        let whiskers = (0..rig.whiskers.len() as u16).map(sheet).collect();
+        let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, whiskers };
+        rig.step(&Event::Factsheet { boot_id: BOOT, factsheet: &Factsheet { arrays: vec![array] } });
+        rig.status();
+        rig
+    }
+
+    fn now(&self) -> Micros {
+        Micros(START_US + CONTACT_US * self.rounds)
+    }
+
+    fn step(&mut self, event: &Event<'_>) {
+        let mut effects = Vec::new();
+        self.core.step(&self.params, self.now(), event, &mut effects);
+        for effect in effects {
+            if let Effect::Command(command) | Effect::Resend(command) = &effect {
+                self.under_way.push((**command).clone());
+            }
+            if !matches!(effect, Effect::Contact(_) | Effect::Response(_)) {
+                self.effects.push((self.rounds, effect));
+            }
+        }
+    }
+
+    fn status(&mut self) {
+        let entry = |(one, whisker): (&Rubber, u16)| WhiskerStatus {
+            array: ARRAY,
+            whisker,
+            pressure: one.pressure,
+            setpoint: one.pressure,
+            regulator: RegulatorState::Ok,
+            gauge: GaugeState::Ok,
+        };
+        let whiskers: Vec<WhiskerStatus<'_>> = self.whiskers.iter().zip(0..).map(entry).collect();
+        self.step(&Event::Status { boot_id: BOOT, robot_time: self.now(), whiskers: &whiskers });
+        self.step(&Event::Tick);
+    }
+
+    /// Each whisker has this many contacts, in turn. `before` is called before each round, with its number.
+    pub(crate) fn run_with(&mut self, rounds: u64, mut before: impl FnMut(&mut Self)) {
+        for _ in 0..rounds {
+            before(self);
+            let contacts: Vec<Contact<'static>> = (0..self.whiskers.len()).map(|index| self.contact(index)).collect();
+            let seq = self.rounds;
+            self.rounds += 1;
+            self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts });
+            for command in std::mem::take(&mut self.under_way) {
+                self.whiskers[command.whisker].pressure = command.pressure;
+                let (command, report) = (command.key, SetpointReport::Applied(command.pressure));
+                self.step(&Event::Setpoint { boot_id: BOOT, command, report, robot_time: self.now() });
+            }
+            if self.rounds.is_multiple_of(STATUS_ROUNDS) {
+                self.status();
+            }
+        }
+    }
+
+    /// Each whisker has this many contacts, in turn.
+    pub(crate) fn run(&mut self, rounds: u64) {
+        self.run_with(rounds, |_| ());
+    }
+
+    fn contact(&mut self, index: usize) -> Contact<'static> {
+        let Self { noise, random, whiskers, .. } = self;
+        let one = &mut whiskers[index];
+        let mut normal = || -> f64 { StandardNormal.sample(random) };
+        let [strain_noise, deflection_noise, ratio_noise, fresh] = std::array::from_fn(|_| normal());
+        let ratio = random.random_range(noise.ratios.0..=noise.ratios.1);
+        let deflection_mm = random.random_range(noise.deflections_mm.0..=noise.deflections_mm.1);
+        let outlier = if random.random::<f64>() < noise.outliers { 10.0 } else { 1.0 };
+        let (keeps, size) = noise.correlated;
+        one.correlated = keeps * one.correlated + size * (1.0 - keeps * keeps).sqrt() * fresh;
+        let morphology = one.model.morphology(one.pressure);
+        let (length, true_ratio) = (Millimetre::known(one.length_mm), ContactRatio::known(ratio));
+        let per_mm = one.model.sensitivity_per_mm(true_ratio, length, &morphology).expect("beyond the chamber");
+        let log_noise = noise.strain * outlier * strain_noise + one.correlated + noise.bend_per_mm * deflection_mm;
+        Contact {
+            array: ARRAY,
+            whisker: index as u16,
+            robot_time: Micros(START_US + CONTACT_US * self.rounds),
+            place: ContactPlace::Ratio {
+                ratio: ContactRatio::known((ratio + noise.ratio * ratio_noise).clamp(0.05, 1.0)),
+                sd: None,
+            },
+            deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
+            strain: Strain::known(per_mm * deflection_mm * one.gain * log_noise.exp()),
+            pressure: one.pressure,
+        }
+    }
+
+    /// A whisker as the core sees it.
+    pub(crate) fn view(&self, index: usize) -> WhiskerView<'_> {
+        self.core.whisker(index).expect("a whisker")
+    }
+
+    /// The effects that `pick` selects, each with its round.
+    pub(crate) fn picked<T>(&self, pick: impl Fn(&Effect) -> Option<T>) -> Vec<(u64, T)> {
+        self.effects.iter().filter_map(|(round, effect)| Some((*round, pick(effect)?))).collect()
+    }
+
+    /// All trims, each with its round.
+    pub(crate) fn trims(&self) -> Vec<(u64, Trim)> {
+        self.picked(|effect| if let Effect::Trim(trim) = effect { Some(*trim) } else { None })
+    }
+
+    /// All alarms of a kind, by round and whisker.
+    pub(crate) fn alarms(&self, wanted: AlarmKind) -> Vec<(u64, usize)> {
+        self.picked(|effect| match effect {
+            Effect::Alarm { whisker, kind } if *kind == wanted => Some(*whisker),
+            _ => None,
+        })
+    }
+}
+
+impl Rubber {
+    fn new(random: &mut ChaCha8Rng) -> Self {
+        let built_in = Calibration::nguyen_2021();
+        let mut by = |value: f64| value * (1.0 + random.random_range(-0.03..=0.03));
+        let calibration = Calibration {
+            c: by(built_in.c),
+            a: by(built_in.a),
+            b_per_mpa: by(built_in.b_per_mpa),
+            elongation_gain_mm: by(built_in.elongation_gain_mm),
+            ..built_in
+        };
+        let formulation = if random.random() { Formulation::Published } else { Formulation::Consistent };
+        let model = Model::new(Geometry::nguyen_2021(), calibration, formulation).expect("a whisker");
+        Self { model, length_mm: WHOLE_MM, gain: 1.0, pressure: Megapascal::known(0.1), correlated: 0.0 }
+    }
+}
