@@ -103,6 +103,17 @@ impl Messages {
     }
 }
 
+/// Fields that state a contact's place, and the sets of them that the contract allows.
+const PLACE_FIELDS: [&str; 5] = ["ratio", "ratio_sd", "distance_mm", "distance_sd_mm", "tip"];
+const PLACES: [&[&str]; 6] = [
+    &["ratio"],
+    &["ratio", "ratio_sd"],
+    &["distance_mm"],
+    &["distance_mm", "distance_sd_mm"],
+    &["distance_mm", "distance_sd_mm", "tip"],
+    &[],
+];
+
 struct Writer<'a, R> {
     context: &'a Context,
     random: &'a mut R,
@@ -137,8 +148,15 @@ impl<R: Rng> Writer<'_, R> {
             }
             Shape::Object(fields) => {
                 out.push('{');
+                let place = self.place();
                 for field in fields.iter() {
-                    if !field.is_required && self.random.random() {
+                    let is_wanted = match place {
+                        Some(place) if PLACE_FIELDS.contains(&field.name.as_str()) => {
+                            place.contains(&field.name.as_str())
+                        }
+                        _ => field.is_required || self.random.random(),
+                    };
+                    if !is_wanted {
                         continue;
                     }
                     if !out.ends_with('{') {
@@ -150,6 +168,11 @@ impl<R: Rng> Writer<'_, R> {
                 out.push('}');
             }
         }
+    }
+
+    /// Fields of a contact's place that the contract allows together; `None` for any fields.
+    fn place(&mut self) -> Option<&'static [&'static str]> {
+        if self.random.random_bool(0.05) { None } else { PLACES.choose(self.random).copied() }
     }
 
     fn list(&mut self, item: &Shape, count: usize, out: &mut String) {
