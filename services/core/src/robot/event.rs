@@ -145,7 +145,7 @@ pub struct Contact<'a> {
 pub enum ContactPlace {
     /// Contact ratio a of the paper, with respect to the present length.
     Ratio {
-        /// Contact ratio.
+        /// Contact ratio, above 0 and at most 1.
         ratio: ContactRatio,
         /// Its standard deviation; the configured one if the robot states none.
         sd: Option<f64>,
@@ -155,7 +155,7 @@ pub enum ContactPlace {
     Distance(Distance),
     /// The tip, and its distance from the base if the robot measured it.
     Tip(Option<Distance>),
-    /// Not known.
+    /// The robot does not know the place.
     Unknown,
 }
 

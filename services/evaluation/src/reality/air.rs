@@ -22,7 +22,7 @@ const SETTLING_S: f64 = 0.5;
 /// Refills in one advance after which the phase of the cycle is drawn.
 const REFILLS_MAX: u32 = 100;
 
-/// One chamber.
+/// Chamber of one whisker with its valves and sensor.
 #[derive(Debug)]
 pub(super) struct Air {
     pressure_mpa: f64,
@@ -69,7 +69,7 @@ impl Air {
         self.settling_s = Some(SETTLING_S);
     }
 
-    /// Time passes.
+    /// Lets the chamber leak and its valves work for a time.
     pub(super) fn advance(&mut self, seconds: f64) {
         let mut left_s = seconds;
         if let Some(settling_s) = self.settling_s {

@@ -33,7 +33,7 @@ const STEP_K: f64 = 200.0;
 const ZONES: [(f64, f64); 2] = [(0.8, 0.9), (0.5, 0.6)];
 const DEFLECTIONS_MM: [(f64, f64); 3] = [(0.2, DEFLECTION_MAX_MM), (0.2, 2.0), (3.0, DEFLECTION_MAX_MM)];
 
-/// What the whiskers of a robot share.
+/// Circumstances that the whiskers of a robot share.
 #[derive(Debug, Clone)]
 pub struct Course {
     nuisances: Nuisances,

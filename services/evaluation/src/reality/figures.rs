@@ -10,9 +10,9 @@ const LARGE_MM: f64 = 2.0;
 /// The figures of one row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
-    /// The row.
+    /// Row of the table: nuisance and strength.
     pub row: Row,
-    /// What the robot knows of the places of its contacts.
+    /// Kind of place that the robot states with its contacts.
     pub place: Place,
     /// Reports about healthy whiskers.
     pub healthy: Healthy,
@@ -25,14 +25,14 @@ pub struct Figures {
 pub struct Share {
     /// Cases that have the property.
     pub count: usize,
-    /// All cases.
+    /// Number of all cases.
     pub of: usize,
 }
 
 /// Median and 90 % quantile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// Median.
+    /// Median of the values.
     pub median: f64,
     /// 90 % quantile.
     pub most: f64,

@@ -36,7 +36,7 @@ pub use nuisances::Nuisances;
 pub use row::{Incident, Nuisance, Row};
 pub use whisker::{Circumstances, Habit, Touch, Whisker};
 
-/// What a robot knows of the place of a contact.
+/// Kind of place that a robot states with its contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Place {
     /// The contact ratio to the present length.
@@ -45,7 +45,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// All kinds.
+    /// All kinds of places.
     pub const ALL: [Self; 1] = [Self::Ratio];
 
     /// Name in tables, JSON and on the command line.
@@ -62,9 +62,9 @@ impl Place {
 pub struct Plan {
     /// Seed of all randomness.
     pub seed: u64,
-    /// The rows.
+    /// Rows to evaluate.
     pub rows: Vec<Row>,
-    /// What the robots know of the places of their contacts.
+    /// Kind of place that the robots state with their contacts.
     pub place: Place,
     /// Number of contacts of healthy whiskers in each row.
     pub contacts: u64,

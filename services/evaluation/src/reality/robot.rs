@@ -66,7 +66,7 @@ pub(super) struct Robot {
     pub(super) whiskers: Vec<Whisker>,
     /// Their chambers.
     pub(super) air: Vec<Air>,
-    /// What they share.
+    /// Circumstances that its whiskers share.
     pub(super) course: Course,
     /// State of the robot in the core.
     pub(super) core: Core,

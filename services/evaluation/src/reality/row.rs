@@ -156,7 +156,7 @@ impl Row {
         Nuisances::of(self)
     }
 
-    /// What happens to the whiskers that are not healthy.
+    /// Incident of the whiskers that are not healthy.
     #[must_use]
     pub fn incident(self) -> Incident {
         let strength = self.strength;

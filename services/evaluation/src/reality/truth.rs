@@ -5,7 +5,7 @@ use vibrissa_core::units::{Megapascal, Millimetre};
 
 use super::whisker::{NOMINAL_MPA, Whisker};
 
-/// What a compensation is measured against: responses at the time of the cut.
+/// True responses at the time of the cut, against which a compensation is measured.
 ///
 /// A whisker's own lasting change of gain counts, because its readings show it. Temperature and scale of the whole
 /// robot do not, because they change the target's reading in the same way.

@@ -182,7 +182,7 @@ impl Whisker {
         })
     }
 
-    /// What a contact leaves behind: noise that goes on, a gain that walks.
+    /// Advances correlated noise and walking gain by one contact.
     fn live(&mut self, correlated: f64, walk: f64) {
         self.contacts += 1;
         self.walked += self.nuisances.walk * walk;

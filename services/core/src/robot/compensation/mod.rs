@@ -401,7 +401,7 @@ impl Whisker {
     }
 
     /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber. A cut whisker
-    /// that serves itself is cut still, whatever else becomes of it.
+    /// that compensates for itself goes on when it erodes or loses sensitivity: it is still cut.
     fn is_unfit_to_go_on(&self, case: Case) -> bool {
         let broken = match self.condition {
             Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => case != Case::SelfCompensation,
