@@ -92,7 +92,9 @@ impl Shape {
             return Self::Choice(words.iter().map(|word| Self::Constant(word.to_string())).collect());
         }
         let list = |key: &str| schema[key].as_array();
-        if let Some(one_of) = list("anyOf").or_else(|| list("oneOf")).or_else(|| list("allOf")) {
+        // Rules about several fields say nothing about the shape of each.
+        let all_of = list("allOf").filter(|parts| parts.iter().all(|part| part.get("if").is_none()));
+        if let Some(one_of) = list("anyOf").or_else(|| list("oneOf")).or(all_of) {
             // The limits of a number stand beside its type, so both parts are merged.
             let merged = |part: &Value| {
                 let mut whole = schema.clone();
