@@ -302,16 +302,20 @@ impl Whisker {
         }
         let eroding = self.condition == Condition::Eroding;
         let learning = self.condition == Condition::Learning;
-        let mut verdict = Verdict::Quiet;
-        let length_read = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm));
-        for seen in [Some(*seen), length_read].into_iter().flatten() {
-            // A verdict ends what the detector compares: the second reading would be judged by the state before it.
-            if !learning && matches!(verdict, Verdict::Quiet | Verdict::Looking) {
-                verdict = self.detector.update(&params.detection, &seen, eroding, others);
+        let mut verdict =
+            if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
+        if !self.filter.learn(seen, self.wander(params)) {
+            return ContactResult::unused(ContactUse::Implausible);
+        }
+        // After another verdict the detector starts anew, and its caller moves the state first.
+        if matches!(verdict, Verdict::Quiet | Verdict::Looking)
+            && let Some(length) = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm))
+        {
+            if !learning {
+                verdict = self.detector.update(&params.detection, &length, eroding, others);
             }
-            if !self.filter.learn(&seen, self.wander(params)) {
-                return ContactResult::unused(ContactUse::Implausible);
-            }
+            // The random walk of this contact is in the state already. An implausible length changes nothing.
+            let _ = self.filter.learn(&length, Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 });
         }
         if let Some(rare) = self.rare.get_mut() {
             rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
