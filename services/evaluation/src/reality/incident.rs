@@ -85,7 +85,7 @@ struct Case {
     wrong: u64,
 }
 
-/// A decision.
+/// Predicted error of a compensation, at the decision of the core.
 #[derive(Clone, Copy)]
 struct Prediction {
     compensator: usize,

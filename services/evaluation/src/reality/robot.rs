@@ -64,7 +64,7 @@ pub(super) struct Robot {
     layout: Layout,
     /// The true whiskers.
     pub(super) whiskers: Vec<Whisker>,
-    /// Their chambers.
+    /// Chambers of the whiskers, in the same order.
     pub(super) air: Vec<Air>,
     /// Circumstances that its whiskers share.
     pub(super) course: Course,
@@ -76,7 +76,7 @@ pub(super) struct Robot {
     pub(super) told: Vec<Effect>,
     /// Setpoints that are on their way.
     moving: Vec<(usize, CommandKey)>,
-    /// Reusable buffers.
+    /// Buffers for effects and for the next message, reused to save allocations.
     effects: Vec<Effect>,
     message: Vec<Contact<'static>>,
     seq: u64,
