@@ -156,8 +156,9 @@ mod tests {
             strain: 0.009_671,
             pressure_mpa: 0.1002,
             temperature_c: 24.1,
+            test_id: None,
         };
-        Contacts { boot_id: BootId::new("b").unwrap(), seq, contacts: vec![contact(0), contact(1)] }
+        Contacts { boot_id: BootId::new("b").unwrap(), seq, contacts: vec![contact(0), contact(1)], missed: Vec::new() }
     }
 
     fn rows() -> Vec<Recorded> {

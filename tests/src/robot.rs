@@ -69,8 +69,9 @@ pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
         pressure_mpa: 0.1,
         pressure_max_mpa: 0.2,
         neighbours: beside(whisker).into_iter().flatten().collect(),
+        place: None,
     });
-    ArrayFacts { array: Name::new(ARRAY).expect("a name"), array_type, whiskers: whiskers.collect() }
+    ArrayFacts { array: Name::new(ARRAY).expect("a name"), array_type, task: None, whiskers: whiskers.collect() }
 }
 
 impl HandRobot {
@@ -153,6 +154,7 @@ impl HandRobot {
             model: "by-hand".to_owned(),
             on_supervisor_loss: OnSupervisorLoss::Hold,
             arrays: vec![self.array.clone()],
+            touch_tests: Vec::new(),
         }
     }
 
@@ -214,12 +216,18 @@ impl HandRobot {
             strain: per_mm * deflection_mm * (1.0 + 0.02 * error),
             pressure_mpa,
             temperature_c: 24.0,
+            test_id: None,
         }
     }
 
     /// A contacts message with the next sequence number.
     pub fn message(&mut self, contacts: Vec<Contact>) -> Contacts {
-        Contacts { boot_id: self.boot_id.clone(), seq: self.next_seq(RobotTopic::Contacts), contacts }
+        Contacts {
+            boot_id: self.boot_id.clone(),
+            seq: self.next_seq(RobotTopic::Contacts),
+            contacts,
+            missed: Vec::new(),
+        }
     }
 
     /// Sends a contacts message and returns it.

@@ -30,13 +30,15 @@ pub enum ActionKind {
     Replaced,
     /// Relearns the baseline of a whisker.
     Rebaseline,
+    /// Has the robot measure the length of a whisker by touches.
+    TouchTest,
     /// Changes the policy of the fleet.
     Policy,
 }
 
 impl ActionKind {
     /// All kinds of actions.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Approve,
         Self::Refuse,
         Self::Setpoint,
@@ -44,6 +46,7 @@ impl ActionKind {
         Self::Release,
         Self::Replaced,
         Self::Rebaseline,
+        Self::TouchTest,
         Self::Policy,
     ];
 }
@@ -207,7 +210,8 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
         | ActionKind::Hold
         | ActionKind::Release
         | ActionKind::Replaced
-        | ActionKind::Rebaseline => {
+        | ActionKind::Rebaseline
+        | ActionKind::TouchTest => {
             let Nothing {} = parsed(kind, parameters)?;
             match known {
                 ActionKind::Approve => OperatorAction::Approve { compensation: compensation(kind, subject)? },
@@ -215,6 +219,7 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
                 ActionKind::Hold => OperatorAction::Hold(scope(kind, subject)?),
                 ActionKind::Release => OperatorAction::Release(scope(kind, subject)?),
                 ActionKind::Replaced => OperatorAction::Replaced(place(kind, subject)?),
+                ActionKind::TouchTest => OperatorAction::TouchTest(place(kind, subject)?),
                 ActionKind::Rebaseline | ActionKind::Setpoint | ActionKind::Policy => {
                     OperatorAction::Rebaseline(place(kind, subject)?)
                 }
@@ -273,6 +278,7 @@ mod tests {
             ("RELEASE", "{}", Subject::default(), OperatorAction::Release(Scope::Robot)),
             ("REPLACED", "{}", WHISKER, OperatorAction::Replaced(whisker)),
             ("REBASELINE", "{}", WHISKER, OperatorAction::Rebaseline(whisker)),
+            ("TOUCH_TEST", "{}", WHISKER, OperatorAction::TouchTest(whisker)),
         ];
         for (kind, parameters, subject, action) in expected {
             let asked = request(kind, parameters, subject).unwrap_or_else(|problem| panic!("{kind}: {problem}"));

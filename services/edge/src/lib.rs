@@ -5,11 +5,12 @@
 pub mod actions;
 pub mod clock;
 pub mod ids;
+pub mod touch_tests;
 pub mod words;
 
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, RegulatorState, Rejection,
-    SetpointReport, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
+    Rejection, SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, OutOfUnitRange, Strain};
 use vibrissa_protocol as protocol;
@@ -57,7 +58,9 @@ pub fn link(state: protocol::ConnectionState) -> Link {
 /// A value is out of range, or a model is not loaded.
 pub fn factsheet(sheet: &protocol::Factsheet, known: &[&str]) -> Result<Factsheet, EdgeError> {
     let arrays = sheet.arrays.iter().map(|array| array_sheet(array, known)).collect::<Result<_, _>>()?;
-    Ok(Factsheet { arrays })
+    let can = |kind| sheet.touch_tests.contains(&kind);
+    let touch_tests = TouchTests { tip: can(protocol::TouchTestKind::Tip), wall: can(protocol::TouchTestKind::Wall) };
+    Ok(Factsheet { arrays, touch_tests })
 }
 
 fn array_sheet(array: &protocol::ArrayFacts, known: &[&str]) -> Result<ArraySheet, EdgeError> {
@@ -66,7 +69,11 @@ fn array_sheet(array: &protocol::ArrayFacts, known: &[&str]) -> Result<ArrayShee
         protocol::ArrayType::Type1 => ArrayKind::Type1,
         protocol::ArrayType::Type2 => ArrayKind::Type2,
     };
-    Ok(ArraySheet { name: array.array.to_string(), kind, whiskers })
+    let task = match array.task {
+        Some(protocol::Task::Ratio) | None => Task::Ratio,
+        Some(protocol::Task::Distance) => Task::Distance,
+    };
+    Ok(ArraySheet { name: array.array.to_string(), kind, task, whiskers })
 }
 
 fn whisker_sheet(whisker: &protocol::WhiskerFacts, known: &[&str]) -> Result<WhiskerSheet, EdgeError> {
@@ -98,7 +105,25 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         deflection: Millimetre::new(contact.deflection_mm)?,
         strain: Strain::new(contact.strain)?,
         pressure: Megapascal::new(contact.pressure_mpa)?,
+        is_test: contact.test_id.is_some(),
     })
+}
+
+/// A touch that was expected and did not come.
+///
+/// # Errors
+/// A value is out of range.
+pub fn missed(missed: &protocol::MissedTouch) -> Result<MissedTouch<'_>, EdgeError> {
+    Ok(MissedTouch {
+        array: missed.array.as_str(),
+        whisker: missed.whisker,
+        robot_time: Micros(missed.t_us),
+        at: distance(protocol::Distance { mm: missed.distance_mm, sd_mm: missed.distance_sd_mm })?,
+    })
+}
+
+fn distance(distance: protocol::Distance) -> Result<Distance, EdgeError> {
+    Ok(Distance { at: Millimetre::new(distance.mm)?, sd_mm: distance.sd_mm.unwrap_or(DISTANCE_SD_MM) })
 }
 
 /// Standard deviation of a contact's distance from the base if the robot states none, mm.
@@ -109,9 +134,6 @@ const DISTANCE_SD_MM: f64 = 1.0;
 /// # Errors
 /// A value is out of range.
 pub fn place(place: protocol::ContactPlace) -> Result<ContactPlace, EdgeError> {
-    let distance = |distance: protocol::Distance| -> Result<Distance, EdgeError> {
-        Ok(Distance { at: Millimetre::new(distance.mm)?, sd_mm: distance.sd_mm.unwrap_or(DISTANCE_SD_MM) })
-    };
     Ok(match place {
         protocol::ContactPlace::Ratio { ratio, sd } => ContactPlace::Ratio { ratio: ContactRatio::new(ratio)?, sd },
         protocol::ContactPlace::Distance(at) => ContactPlace::Distance(distance(at)?),

@@ -11,10 +11,11 @@ use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, Ineligible, LongerForShorter, Mode, Refused};
 use vibrissa_core::robot::ActionProblem;
 use vibrissa_core::robot::effect::{
-    AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Origin, Reason, RefinementOutcome,
+    AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Origin, Reason, RefinementOutcome, TestKind,
+    TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
-use vibrissa_protocol::{SetpointError, SetpointReason};
+use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason};
 
 use crate::actions::ActionKind;
 
@@ -220,7 +221,8 @@ words! {
         Eroding => "ERODING" "eroding",
         ArrayShift => "ARRAY_SHIFT" "shift shared by the whole array",
         BaselineDrift => "BASELINE_DRIFT" "baseline drift of the gauge",
-        Proposed => "PROPOSED" "a compensation waits for approval";
+        Proposed => "PROPOSED" "a compensation waits for approval",
+        ReachLost => "REACH_LOST" "no contacts near the tip any more";
         Fault(Fault)
     }
     Mode {
@@ -244,6 +246,7 @@ words! {
         Release => "RELEASE" "release",
         Replaced => "REPLACED" "whisker replaced",
         Rebaseline => "REBASELINE" "relearn baseline",
+        TouchTest => "TOUCH_TEST" "touch test",
         Policy => "POLICY" "change the policy",
     }
     ArrayKind {
@@ -260,6 +263,25 @@ words! {
         Refinement => "REFINEMENT" "refined from measured contacts",
         Operator => "OPERATOR" "set by an operator";
         Compensation(Case)
+    }
+    TestState {
+        Pending => "PENDING" "not answered yet" (Info),
+        Accepted => "ACCEPTED" "accepted" (Info),
+        Running => "RUNNING" "running" (Info),
+        Done => "DONE" "done" (Good),
+        Rejected => "REJECTED" "rejected by the robot" (Bad),
+        Failed => "FAILED" "failed" (Bad),
+        Expired => "EXPIRED" "no answer in time" (Warn),
+        Abandoned => "ABANDONED" "abandoned: the robot restarted" (Off),
+    }
+    TestKind {
+        Tip => "TIP" "sweep over the tip",
+        Wall => "WALL" "touches at given distances",
+    }
+    TestReason {
+        Suspicion => "SUSPICION" "the whisker may be cut",
+        Setpoint => "SETPOINT" "measure the error of a compensation",
+        Operator => "OPERATOR" "requested by an operator",
     }
     Rejection {
         Stale => "STALE",
@@ -278,6 +300,9 @@ impl Word for ActionProblem {
             ActionProblem::NotProposed => "NOT_PROPOSED",
             ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
             ActionProblem::RobotOffline => "ROBOT_OFFLINE",
+            ActionProblem::NoTouchTests => "NO_TOUCH_TESTS",
+            ActionProblem::TestUnderWay => "TEST_UNDER_WAY",
+            ActionProblem::TestOfHeld => "TEST_OF_HELD",
             ActionProblem::Held => "HELD",
             ActionProblem::RobotHeld => "ROBOT_HELD",
         }
@@ -294,6 +319,25 @@ pub fn setpoint_reason(reason: Reason) -> SetpointReason {
         Reason::Release => SetpointReason::Release,
         Reason::Refinement => SetpointReason::Refinement,
         Reason::Operator => SetpointReason::Operator,
+    }
+}
+
+/// The contract's word for the kind of a touch test.
+#[must_use]
+pub fn touch_test_kind(kind: TestKind) -> TouchTestKind {
+    match kind {
+        TestKind::Tip => TouchTestKind::Tip,
+        TestKind::Wall => TouchTestKind::Wall,
+    }
+}
+
+/// The contract's word for the reason of a touch test.
+#[must_use]
+pub fn touch_test_reason(reason: TestReason) -> TouchTestReason {
+    match reason {
+        TestReason::Suspicion => TouchTestReason::Suspicion,
+        TestReason::Setpoint => TouchTestReason::Setpoint,
+        TestReason::Operator => TouchTestReason::Operator,
     }
 }
 

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -185,9 +185,10 @@ impl Member {
                 deflection,
                 strain,
                 pressure,
+                is_test: false,
             });
         }
-        let event = Event::Contacts { boot_id: BOOT, seq: self.seq, contacts: message };
+        let event = Event::Contacts { boot_id: BOOT, seq: self.seq, contacts: message, missed: &[] };
         self.seq += 1;
         effects.clear();
         self.robot.step(params, Micros(self.now_us), &event, effects)
@@ -222,9 +223,13 @@ fn factsheet(whiskers: u16) -> Factsheet {
         pressure_max: Megapascal::EXAMINED_MAX,
         neighbours: (0..whiskers).filter(|other| [1, 6].contains(&other.abs_diff(number))).collect(),
     };
-    let array =
-        ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, whiskers: (0..whiskers).map(sheet).collect() };
-    Factsheet { arrays: vec![array] }
+    let array = ArraySheet {
+        name: ARRAY.to_owned(),
+        kind: ArrayKind::Type1,
+        task: Task::Ratio,
+        whiskers: (0..whiskers).map(sheet).collect(),
+    };
+    Factsheet { arrays: vec![array], touch_tests: TouchTests::default() }
 }
 
 fn readings(params: &Params) -> Vec<Reading> {

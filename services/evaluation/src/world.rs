@@ -1,7 +1,7 @@
 //! A simulated robot connected directly to the core, in simulated time: real messages, no network, no waiting.
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
-use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
+use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
@@ -107,8 +107,14 @@ impl World {
                 self.step(&Event::Factsheet { boot_id: told.boot_id.as_str(), factsheet: &factsheet });
             }
             Message::Contacts(told) => {
+                let missed: Vec<_> = told.missed.iter().map(|one| edge::missed(one).expect("in range")).collect();
                 let contacts: Vec<_> = told.contacts.iter().map(|one| edge::contact(one).expect("in range")).collect();
-                self.step(&Event::Contacts { boot_id: told.boot_id.as_str(), seq: told.seq, contacts: &contacts });
+                self.step(&Event::Contacts {
+                    boot_id: told.boot_id.as_str(),
+                    seq: told.seq,
+                    contacts: &contacts,
+                    missed: &missed,
+                });
                 self.receipt(&told.boot_id);
             }
             Message::Status(told) => {
@@ -117,6 +123,7 @@ impl World {
                 self.step(&Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers });
             }
             Message::SetpointState(told) => self.setpoint_state(&told),
+            Message::TestState(told) => self.test_state(&told),
             other => panic!("a robot does not send {other:?}"),
         }
     }
@@ -135,6 +142,14 @@ impl World {
         self.step(&Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time });
     }
 
+    fn test_state(&mut self, told: &protocol::TestState) {
+        let mut tests = self.core.tests_under_way().map(|(test, _)| test);
+        let Some(test) = tests.find(|test| name_of(*test) == told.test_id) else { return };
+        drop(tests);
+        let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+        self.step(&Event::TouchTest { boot_id, test, report: edge::touch_tests::report(told), robot_time });
+    }
+
     /// Steps the core and executes its effects.
     pub fn step(&mut self, event: &Event<'_>) -> Outcome {
         let mut effects = Vec::new();
@@ -151,6 +166,7 @@ impl World {
                 }
                 Effect::Response(_) => continue,
                 Effect::Command(command) | Effect::Resend(command) => self.send(command),
+                Effect::Test(test) => self.request(test),
                 _ => {}
             }
             self.effects.push((Micros(self.now_us), effect));
@@ -192,6 +208,13 @@ impl World {
         };
         self.next_seq();
         let answers = self.robot.receive(RobotTopic::Setpoint, &encode(&setpoint), self.now_us);
+        self.deliver(answers);
+    }
+
+    fn request(&mut self, test: &TouchTest) {
+        let sender = (BootId::new("s").expect("a boot id"), self.next_seq());
+        let request = edge::touch_tests::request(&self.core, test, name_of(test.key), sender).expect("there");
+        let answers = self.robot.receive(RobotTopic::Request, &encode(&request), self.now_us);
         self.deliver(answers);
     }
 

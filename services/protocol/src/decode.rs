@@ -11,7 +11,7 @@ use serde_json::error::Category;
 use crate::messages::Checked;
 use crate::{
     BootId, Connection, Contact, Contacts, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal, Request,
-    RobotTopic, Setpoint, SetpointState, Status, SupervisorState, Topic,
+    RobotTopic, Setpoint, SetpointState, Status, SupervisorState, TestState, Topic,
 };
 
 /// A message that satisfies the contract.
@@ -32,8 +32,10 @@ pub enum Message {
     Receipt(Receipt),
     /// From the supervisor: a pressure to hold.
     Setpoint(Setpoint),
-    /// From the supervisor: asks for a message again.
+    /// From the supervisor: asks for a message again, or for a touch test.
     Request(Request),
+    /// From a robot: progress or result of a touch test.
+    TestState(TestState),
     /// From the supervisor: whether it owns the fleet.
     SupervisorState(SupervisorState),
 }
@@ -55,6 +57,7 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
             RobotTopic::Setpoint => read(payload).map(Message::Setpoint),
             RobotTopic::SetpointState => read(payload).map(Message::SetpointState),
             RobotTopic::Request => read(payload).map(Message::Request),
+            RobotTopic::TestState => read(payload).map(Message::TestState),
         },
     }
 }

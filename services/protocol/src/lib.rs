@@ -22,8 +22,8 @@ pub mod words;
 
 pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
 pub use messages::{
-    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Factsheet, Receipt, Request, Setpoint,
-    SetpointState, Status, SupervisorState, WhiskerFacts, WhiskerStatus,
+    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Factsheet, MissedTouch, Receipt, Request,
+    Setpoint, SetpointState, Status, SupervisorState, TestState, TouchTest, WhiskerFacts, WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;
@@ -31,8 +31,9 @@ pub use rules::Rule;
 pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
-    ArrayType, ConnectionState, Gauge, OnSupervisorLoss, Regulator, RequestKind, SetpointError, SetpointOutcome,
-    SetpointReason, SupervisorPresence,
+    ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
+    SetpointOutcome, SetpointReason, SupervisorPresence, Task, TouchTestError, TouchTestKind, TouchTestOutcome,
+    TouchTestReason,
 };
 
 /// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers
@@ -48,5 +49,7 @@ pub const ARRAYS_MAX: usize = 64;
 pub const WHISKERS_MAX: usize = 1024;
 /// Largest number of `held` ranges in one `receipt`.
 pub const HELD_MAX: usize = 1000;
+/// Largest number of distances, and of deflections, in one touch test.
+pub const TEST_POINTS_MAX: usize = 100;
 /// Largest number of points in the `gain` of one `setpoint`.
 pub const GAIN_POINTS_MAX: usize = 64;

@@ -115,6 +115,19 @@ impl Refusal {
         }
     }
 
+    /// Puts the name of a field before the path, since checks only know the path below the field.
+    pub(crate) fn in_field(mut self, field: &str) -> Self {
+        match &mut self {
+            Self::Malformed { path, .. }
+            | Self::OutOfRange { path, .. }
+            | Self::TooMany { path, .. }
+            | Self::Duplicate { path, .. }
+            | Self::WrongNeighbour { path, .. } => *path = format!("{field}.{path}"),
+            Self::UnknownTopic { .. } | Self::BadName { .. } | Self::TooLarge { .. } | Self::NotJson { .. } => {}
+        }
+        self
+    }
+
     /// Puts the element's position before the path, since checks only know the path below the element.
     pub(crate) fn within(mut self, list: &str, index: usize) -> Self {
         match &mut self {

@@ -3,8 +3,8 @@
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use crate::check::{GAIN, RATIO, Range, TEXT_MAX_CHARS};
-use crate::{GAIN_POINTS_MAX, HELD_MAX, INTEGER_LIMIT, SetpointOutcome};
+use crate::check::{DEFLECTION_MM, DISTANCE_MM, GAIN, RATIO, Range, TEXT_MAX_CHARS};
+use crate::{GAIN_POINTS_MAX, HELD_MAX, INTEGER_LIMIT, SetpointOutcome, TEST_POINTS_MAX};
 
 impl Range {
     /// Adds the range to the schema of a number, or of a nullable number.
@@ -52,6 +52,13 @@ pub(crate) fn identifier_field(_: &mut SchemaGenerator) -> Schema {
     identifier()
 }
 
+/// [`identifier`], or nothing.
+pub(crate) fn optional_identifier(_: &mut SchemaGenerator) -> Schema {
+    let mut schema = identifier();
+    schema.insert("type".to_owned(), json!(["string", "null"]));
+    schema
+}
+
 /// Schema of the pairs of contact ratio and factor.
 pub(crate) fn gain(_: &mut SchemaGenerator) -> Schema {
     let number = |range: Range, description: &str| {
@@ -81,6 +88,46 @@ fn list_of_pairs(most: usize, pair: &Value) -> Schema {
 pub(crate) fn error_where_due(schema: &mut Schema) {
     let due: Vec<&str> = SetpointOutcome::ALL.iter().filter(|one| one.needs_error()).map(|one| one.as_str()).collect();
     schema.insert("if".to_owned(), json!({ "properties": { "state": { "enum": due } }, "required": ["state"] }));
+    schema.insert("then".to_owned(), json!({ "properties": { "error": { "type": "string" } }, "required": ["error"] }));
+}
+
+/// Schema of a touch test's distances.
+pub(crate) fn test_distances(_: &mut SchemaGenerator) -> Schema {
+    list_of_numbers(TEST_POINTS_MAX, DISTANCE_MM)
+}
+
+/// Schema of a touch test's deflections.
+pub(crate) fn test_deflections(_: &mut SchemaGenerator) -> Schema {
+    list_of_numbers(TEST_POINTS_MAX, DEFLECTION_MM)
+}
+
+fn list_of_numbers(most: usize, range: Range) -> Schema {
+    let mut number = json_schema!({ "type": "number" });
+    range.in_schema()(&mut number);
+    json_schema!({ "type": "array", "maxItems": most, "items": number })
+}
+
+/// Adds that a test of kind WALL has distances and deflections.
+pub(crate) fn points_of_wall(schema: &mut Schema) {
+    let wall = json!({ "properties": { "kind": { "const": "WALL" } }, "required": ["kind"] });
+    let points = json!({ "properties": { "distances_mm": { "minItems": 1 }, "deflections_mm": { "minItems": 1 } } });
+    schema.insert("if".to_owned(), wall);
+    schema.insert("then".to_owned(), points);
+}
+
+/// Adds that a request of a touch test has one, and that others have none.
+pub(crate) fn touch_test_where_due(schema: &mut Schema) {
+    let of_test = json!({ "properties": { "request": { "const": "TOUCH_TEST" } }, "required": ["request"] });
+    let has_test = json!({ "properties": { "touch_test": { "type": "object" } }, "required": ["touch_test"] });
+    schema.insert("if".to_owned(), of_test);
+    schema.insert("then".to_owned(), has_test);
+    schema.insert("else".to_owned(), json!({ "properties": { "touch_test": { "type": "null" } } }));
+}
+
+/// Adds that a rejected touch test requires `error`.
+pub(crate) fn error_of_rejected(schema: &mut Schema) {
+    let rejected = json!({ "properties": { "state": { "const": "REJECTED" } }, "required": ["state"] });
+    schema.insert("if".to_owned(), rejected);
     schema.insert("then".to_owned(), json!({ "properties": { "error": { "type": "string" } }, "required": ["error"] }));
 }
 

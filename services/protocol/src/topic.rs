@@ -33,13 +33,15 @@ pub enum RobotTopic {
     Setpoint,
     /// From the robot: progress or result of a setpoint.
     SetpointState,
-    /// From the supervisor: asks for a message again.
+    /// From the supervisor: asks for a message again, or for a touch test.
     Request,
+    /// From the robot: progress or result of a touch test.
+    TestState,
 }
 
 impl RobotTopic {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Connection,
         Self::Factsheet,
         Self::Contacts,
@@ -48,6 +50,7 @@ impl RobotTopic {
         Self::Setpoint,
         Self::SetpointState,
         Self::Request,
+        Self::TestState,
     ];
 
     /// Text of the topic level.
@@ -62,6 +65,7 @@ impl RobotTopic {
             Self::Setpoint => "setpoint",
             Self::SetpointState => "setpoint_state",
             Self::Request => "request",
+            Self::TestState => "test_state",
         }
     }
 
@@ -69,7 +73,12 @@ impl RobotTopic {
     #[must_use]
     pub const fn is_from_robot(self) -> bool {
         match self {
-            Self::Connection | Self::Factsheet | Self::Contacts | Self::Status | Self::SetpointState => true,
+            Self::Connection
+            | Self::Factsheet
+            | Self::Contacts
+            | Self::Status
+            | Self::SetpointState
+            | Self::TestState => true,
             Self::Receipt | Self::Setpoint | Self::Request => false,
         }
     }
@@ -79,9 +88,12 @@ impl RobotTopic {
     pub const fn quality_of_service(self) -> QualityOfService {
         match self {
             Self::Contacts | Self::Status | Self::Receipt => QualityOfService::AtMostOnce,
-            Self::Connection | Self::Factsheet | Self::Setpoint | Self::SetpointState | Self::Request => {
-                QualityOfService::AtLeastOnce
-            }
+            Self::Connection
+            | Self::Factsheet
+            | Self::Setpoint
+            | Self::SetpointState
+            | Self::Request
+            | Self::TestState => QualityOfService::AtLeastOnce,
         }
     }
 
@@ -90,9 +102,13 @@ impl RobotTopic {
     pub const fn is_retained(self) -> bool {
         match self {
             Self::Connection | Self::Factsheet => true,
-            Self::Contacts | Self::Status | Self::Receipt | Self::Setpoint | Self::SetpointState | Self::Request => {
-                false
-            }
+            Self::Contacts
+            | Self::Status
+            | Self::Receipt
+            | Self::Setpoint
+            | Self::SetpointState
+            | Self::Request
+            | Self::TestState => false,
         }
     }
 

@@ -176,6 +176,82 @@ words!(
         Factsheet = "FACTSHEET",
         /// The robot's status.
         Status = "STATUS",
+        /// No message, but the touch test in `touch_test`.
+        TouchTest = "TOUCH_TEST",
+    }
+);
+words!(
+    /// Place of a contact on the whisker, as far as a robot can know it.
+    PlaceKind {
+        /// Contact distance / present length.
+        Ratio = "RATIO",
+        /// Distance from the base.
+        Distance = "DISTANCE",
+        /// The tip, with or without its distance from the base.
+        Tip = "TIP",
+        /// Somewhere on the whisker.
+        Unknown = "UNKNOWN",
+    }
+);
+words!(
+    /// Use of an array's readings.
+    Task {
+        /// Readings are compared at equal contact ratio: a cut whisker needs another pressure.
+        Ratio = "RATIO",
+        /// Readings are compared at equal distance from the base: a cut whisker reads as before and has lost reach.
+        Distance = "DISTANCE",
+    }
+);
+words!(
+    /// Kind of a touch test.
+    TouchTestKind {
+        /// Sweep an object so that the contact leaves over the tip. The contacts have `tip`, and `distance_mm` if the robot
+        /// can measure it.
+        Tip = "TIP",
+        /// Press against a known surface at the given distances and deflections. The contacts have `distance_mm`; touches
+        /// that do not come are listed in `missed`.
+        Wall = "WALL",
+    }
+);
+words!(
+    /// Reason of a touch test.
+    TouchTestReason {
+        /// Contacts near the tip have failed to come, or a touch was missed.
+        Suspicion = "SUSPICION",
+        /// A setpoint of a compensation was applied: its error is to be measured.
+        Setpoint = "SETPOINT",
+        /// An operator requested it.
+        Operator = "OPERATOR",
+    }
+);
+words!(
+    /// Progress or result of a touch test.
+    TouchTestOutcome {
+        /// The robot will do it.
+        Accepted = "ACCEPTED",
+        /// The robot is at it.
+        Running = "RUNNING",
+        /// All contacts and missed touches are sent.
+        Done = "DONE",
+        /// Not accepted, for the reason in `error`.
+        Rejected = "REJECTED",
+        /// Accepted and not finished.
+        Failed = "FAILED",
+    }
+);
+words!(
+    /// Reason why a touch test was rejected.
+    TouchTestError {
+        /// The robot cannot test now.
+        NotReady = "NOT_READY",
+        /// (`epoch`, `version`) is not higher than all seen for that whisker.
+        Stale = "STALE",
+        /// `expires_us` has passed on the robot's clock.
+        Expired = "EXPIRED",
+        /// The robot has no such whisker.
+        UnknownWhisker = "UNKNOWN_WHISKER",
+        /// It is for another boot of the robot.
+        WrongBoot = "WRONG_BOOT",
     }
 );
 

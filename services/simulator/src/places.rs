@@ -1,7 +1,7 @@
 //! Places of contacts as a robot knows them: the ratio to the present length, which few robots can know, or less.
 
 use serde::Deserialize;
-use vibrissa_protocol::Contact;
+use vibrissa_protocol::{Contact, PlaceKind};
 
 /// Place that a robot states with each contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -32,6 +32,16 @@ impl Places {
             Self::Tip | Self::TipDistance => 1.0,
         };
         (ratio <= 1.0).then_some(ratio)
+    }
+
+    /// Kind of the place, as the factsheet states it.
+    pub(crate) fn kind(self) -> PlaceKind {
+        match self {
+            Self::Ratio | Self::FactoryRatio => PlaceKind::Ratio,
+            Self::Distance => PlaceKind::Distance,
+            Self::Tip | Self::TipDistance => PlaceKind::Tip,
+            Self::Unknown => PlaceKind::Unknown,
+        }
     }
 
     /// States the place of a touch in its contact.

@@ -43,6 +43,7 @@ pub struct Plant {
     noise: Noise,
     contact_stream: ChaCha8Rng,
     noise_stream: ChaCha8Rng,
+    test_stream: ChaCha8Rng,
 }
 
 /// A change of a whisker's length, or the start of a gradual one.
@@ -112,6 +113,7 @@ pub(crate) struct Streams {
     pub(crate) calibration: ChaCha8Rng,
     pub(crate) contact: ChaCha8Rng,
     pub(crate) noise: ChaCha8Rng,
+    pub(crate) test: ChaCha8Rng,
 }
 
 impl Plant {
@@ -147,6 +149,7 @@ impl Plant {
             noise,
             contact_stream: streams.contact,
             noise_stream: streams.noise,
+            test_stream: streams.test,
         })
     }
 
@@ -197,6 +200,54 @@ impl Plant {
             temperature_c: self.temperature_c,
         };
         Ok(Some((reading, touch)))
+    }
+
+    /// One contact on request, at a distance from the base or at the tip, and at a deflection in mm or a random one. `None`
+    /// if the whisker does not reach so far.
+    ///
+    /// # Errors
+    /// The contact would lie on the chamber, where the model is invalid.
+    pub(crate) fn touch_on_request(
+        &mut self,
+        distance_mm: Option<f64>,
+        deflection_mm: Option<f64>,
+        pressure_mpa: f64,
+    ) -> Result<Option<(Reading, Touch)>, ContactOnChamber> {
+        let drawn_mm = self.test_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
+        let errors: [f64; 5] = std::array::from_fn(|_| normal(&mut self.test_stream, 1.0));
+        // The robot misses its distance by as much as it measures it wrong.
+        let missed_by_mm = self.distance_sd_mm() * errors[4];
+        let ratio = distance_mm.map_or(1.0, |mm| (mm + missed_by_mm) / self.length_mm);
+        if ratio > 1.0 {
+            return Ok(None);
+        }
+        let error = if distance_mm.is_some() { -missed_by_mm / self.length_mm } else { self.noise.ratio * errors[3] };
+        let touch = Touch {
+            ratio,
+            ratio_error: error,
+            ratio_sd: self.noise.ratio,
+            length_mm: self.length_mm,
+            whole_length_mm: self.whole_length_mm,
+        };
+        let deflection_mm = deflection_mm.unwrap_or(drawn_mm);
+        let strain = self.sensitivity_per_mm(ratio, pressure_mpa)?
+            * deflection_mm
+            * (1.0 + self.noise.strain_relative * errors[0])
+            + self.noise.strain_floor * errors[1]
+            + self.baseline.strain;
+        let deflection_mm = self.deflection_factor * deflection_mm * (1.0 + self.noise.deflection_relative * errors[2]);
+        let reading = Reading {
+            ratio: rounded(ratio, 1e4).clamp(0.01, 1.0),
+            deflection_mm: rounded(deflection_mm, 1e4).clamp(0.01, 1000.0),
+            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
+            temperature_c: self.temperature_c,
+        };
+        Ok(Some((reading, touch)))
+    }
+
+    /// Standard deviation of the robot's distances, mm.
+    pub(crate) fn distance_sd_mm(&self) -> f64 {
+        (self.noise.ratio * self.whole_length_mm).max(0.01)
     }
 
     fn wear(&mut self) {

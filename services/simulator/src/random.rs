@@ -20,6 +20,8 @@ pub(crate) enum Purpose {
     Regulator,
     /// Faults of the link.
     Link,
+    /// Noise of touches on request.
+    Test,
 }
 
 /// Independent stream for a seed, robot, array, whisker and purpose.

@@ -3,8 +3,8 @@
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Command, CommandState, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Place, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -50,8 +50,9 @@ impl ByHand {
             pressure_max: Megapascal::EXAMINED_MAX,
             neighbours: Vec::new(),
         };
-        let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, whiskers: vec![sheet] };
-        let factsheet = Factsheet { arrays: vec![array] };
+        let array =
+            ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
+        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default() };
         let born = self.step(&Event::Connection { boot_id, link: Link::Online });
         let told = self.step(&Event::Factsheet { boot_id, factsheet: &factsheet });
         if born == Outcome::Taken {
@@ -106,11 +107,12 @@ impl ByHand {
             deflection: Millimetre::new(deflection_mm).unwrap(),
             strain: Strain::new(strain).unwrap(),
             pressure: Megapascal::known(0.1),
+            is_test: false,
         };
         let contacts: Vec<Contact<'_>> = contacts.iter().map(contact).collect();
         let (boot_id, seq) = (self.boot_id.clone(), self.seq);
         self.seq += 1;
-        self.step(&Event::Contacts { boot_id: &boot_id, seq, contacts: &contacts })
+        self.step(&Event::Contacts { boot_id: &boot_id, seq, contacts: &contacts, missed: &[] })
     }
 
     /// An operator asks for a pressure; the setpoint that goes out at once, if one does.

@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, Task, TouchTests, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 
@@ -19,7 +19,15 @@ fn factsheet() -> Factsheet {
         pressure_max: Megapascal::known(0.2),
         neighbours: Vec::new(),
     };
-    Factsheet { arrays: vec![ArraySheet { name: "a".to_owned(), kind: ArrayKind::Type1, whiskers: vec![whisker] }] }
+    Factsheet {
+        arrays: vec![ArraySheet {
+            name: "a".to_owned(),
+            kind: ArrayKind::Type1,
+            task: Task::Ratio,
+            whiskers: vec![whisker],
+        }],
+        touch_tests: TouchTests::default(),
+    }
 }
 
 struct World {
@@ -43,7 +51,7 @@ impl World {
 #[test]
 fn a_factsheet_is_asked_for_when_it_does_not_follow_its_birth() {
     let mut world = World::new();
-    let contacts = Event::Contacts { boot_id: BOOT, seq: 0, contacts: &[] };
+    let contacts = Event::Contacts { boot_id: BOOT, seq: 0, contacts: &[], missed: &[] };
     assert!(!world.asks(10.0, &Event::Connection { boot_id: BOOT, link: Link::Online }), "it is on its way");
     assert!(!world.asks(10.1, &contacts));
     assert!(!world.asks(11.9, &Event::Tick));

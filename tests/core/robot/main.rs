@@ -23,6 +23,7 @@ mod reality;
 mod replaced;
 mod stored;
 mod taken_up;
+mod touch_tests;
 mod trend;
 mod trims;
 mod what_if;

@@ -65,14 +65,14 @@ fn property_a_measured_distance_of_the_tip_tells_a_length_that_the_sensitivity_d
 }
 
 #[test]
-fn property_distances_alone_show_no_cut_and_cause_none() {
+fn property_distances_alone_call_no_cut() {
     for seed in 0..3 {
         let world = cut_world(seed, Places::Distance);
         assert!(world.used > world.contacts / 2, "{} of {}", world.used, world.contacts);
         assert_eq!(trims(&world), []);
         for whisker in 0..LENGTHS_MM.len() {
             let view = world.core.whisker(whisker).unwrap();
-            assert_eq!(view.condition, Condition::Healthy, "seed {seed}, {whisker}");
+            assert!(matches!(view.condition, Condition::Healthy | Condition::Suspected), "seed {seed}: {view:?}");
             assert!((view.length.length.mm() - 70.0).abs() < 0.5, "seed {seed}: {view:?}");
         }
     }
@@ -100,8 +100,9 @@ fn a_distance_beyond_the_estimated_length_is_not_used() {
             deflection: Millimetre::known(3.0),
             strain: Strain::known(0.01),
             pressure: world.core.whisker(5).unwrap().setpoint,
+            is_test: false,
         };
-        let event = Event::Contacts { boot_id: &boot_id, seq, contacts: &[contact] };
+        let event = Event::Contacts { boot_id: &boot_id, seq, contacts: &[contact], missed: &[] };
         let mut effects = Vec::new();
         world.core.step(&world.params, contact.robot_time, &event, &mut effects);
         uses.extend(effects.iter().filter_map(|effect| match effect {

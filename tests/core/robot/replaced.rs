@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, EndReason, Fault, Reason};
-use vibrissa_core::robot::event::{ArraySheet, Factsheet, Link};
+use vibrissa_core::robot::event::{ArraySheet, Factsheet, Link, Task, TouchTests};
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::units::Millimetre;
 use vibrissa_evaluation::World;
@@ -53,9 +53,9 @@ fn condition(world: &World, index: usize) -> Condition {
 fn told(world: &World, change: impl FnOnce(&mut ArraySheet)) -> Factsheet {
     let whiskers = (0..world.core.whisker_count()).map(|index| world.core.whisker(index).unwrap().sheet.into());
     let kind = world.core.whisker(0).unwrap().kind;
-    let mut array = ArraySheet { name: "left".to_owned(), kind, whiskers: whiskers.collect() };
+    let mut array = ArraySheet { name: "left".to_owned(), kind, task: Task::Ratio, whiskers: whiskers.collect() };
     change(&mut array);
-    Factsheet { arrays: vec![array] }
+    Factsheet { arrays: vec![array], touch_tests: TouchTests::default() }
 }
 
 fn tell(world: &mut World, factsheet: &Factsheet) {

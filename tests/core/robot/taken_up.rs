@@ -3,8 +3,8 @@
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Reason};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Factsheet, GaugeState, Link, RegulatorState, Rejection, SetpointReport, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place, Robot, Scope};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
@@ -33,8 +33,9 @@ impl Taken {
             pressure_max: Megapascal::known(0.2),
             neighbours: Vec::new(),
         };
-        let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, whiskers: vec![sheet] };
-        let factsheet = Factsheet { arrays: vec![array] };
+        let array =
+            ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
+        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default() };
         let params = Params::nguyen_2021(Formulation::Published);
         let mut met = Self { robot: Robot::new(1, Numbers::default()), params, now: Micros::from_s(1000.0) };
         met.step(&Event::Connection { boot_id: "b1", link: Link::Online });

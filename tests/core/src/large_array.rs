@@ -4,8 +4,8 @@
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::effect::{Condition, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -98,7 +98,10 @@ impl LargeArray {
             neighbours: around(index, self.lengths_mm.len()),
         };
         let whiskers = self.lengths_mm.iter().enumerate().map(sheet).collect();
-        Factsheet { arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, whiskers }] }
+        Factsheet {
+            arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
+            touch_tests: TouchTests::default(),
+        }
     }
 
     /// Sends contacts of a whisker of that length at every contact ratio and deflection.
@@ -121,11 +124,12 @@ impl LargeArray {
                 deflection: Millimetre::known(deflection_mm),
                 strain: Strain::known(per_mm * deflection_mm * (1.0 + error)),
                 pressure,
+                is_test: false,
             }
         };
         let contacts: Vec<_> = (0..CONTACTS).map(contact).collect();
         let seq = self.robot.sequence(BOOT).map_or(0, |sequence| sequence.next());
-        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts });
+        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &[] });
     }
 }
 

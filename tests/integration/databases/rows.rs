@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, Task, TouchTests, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 use vibrissa_store::batch::{ContactRow, Interval, LayoutRow, RobotRow, WhiskerRow};
@@ -29,8 +29,13 @@ fn known(epoch: u64) -> Robot {
         pressure_max: Megapascal::new(0.2).unwrap(),
         neighbours: vec![1 - number],
     };
-    let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type1, whiskers: vec![whisker(0), whisker(1)] };
-    let factsheet = Factsheet { arrays: vec![array] };
+    let array = ArraySheet {
+        name: "left".to_owned(),
+        kind: ArrayKind::Type1,
+        task: Task::Ratio,
+        whiskers: vec![whisker(0), whisker(1)],
+    };
+    let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default() };
     let params = Params::nguyen_2021(Formulation::Published);
     let mut robot = Robot::new(epoch, Numbers::default());
     let mut effects = Vec::new();

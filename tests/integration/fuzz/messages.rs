@@ -47,6 +47,17 @@ static GOOD: LazyLock<Vec<(Topic, Value)>> = LazyLock::new(|| {
                 "pressure_mpa": 0.0481}),
         ),
         ("r/request", json!({"request": "FACTSHEET"})),
+        (
+            "r/request",
+            json!({"request": "TOUCH_TEST", "touch_test": {"test_id": command, "epoch": 12, "version": 58,
+                "robot_boot_id": "b7", "array": "left", "whisker": 0, "kind": "WALL", "distances_mm": [58.5, 62.25],
+                "deflections_mm": [1.5, 2.5], "contacts": 8, "issued": "2026-11-21T08:00:01.000Z",
+                "expires_us": 1_795_248_031_000_000_u64, "reason": "SUSPICION"}}),
+        ),
+        (
+            "r/test_state",
+            json!({"test_id": command, "state": "REJECTED", "error": "NOT_READY", "t_us": 1_795_248_002_123_456_u64}),
+        ),
         ("supervisor/state", json!({"state": "ONLINE", "epoch": 12})),
     ];
     let whole = messages.into_iter().map(|(topic, mut message)| {

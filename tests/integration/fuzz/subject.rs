@@ -2,6 +2,7 @@
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
+use vibrissa_core::robot::event::{Contact, MissedTouch};
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
@@ -77,7 +78,7 @@ impl<'a> Subject<'a> {
                 if kind == RobotTopic::Contacts
                     && let Some(envelope) = envelope(payload)
                 {
-                    self.contacts(now, &envelope.boot_id, envelope.seq, &[])?;
+                    self.contacts(now, &envelope.boot_id, envelope.seq, (&[], &[]))?;
                 }
                 Ok(Fate::Refused(refusal.label()))
             }
@@ -99,7 +100,8 @@ impl<'a> Subject<'a> {
             },
             Message::Contacts(message) => {
                 let contacts: Vec<_> = message.contacts.iter().filter_map(|one| edge::contact(one).ok()).collect();
-                self.contacts(now, &message.boot_id, message.seq, &contacts)?;
+                let missed: Vec<_> = message.missed.iter().filter_map(|one| edge::missed(one).ok()).collect();
+                self.contacts(now, &message.boot_id, message.seq, (&contacts, &missed))?;
             }
             Message::Status(message) => {
                 let whiskers: Result<Vec<_>, _> = message.whiskers.iter().map(edge::status).collect();
@@ -112,6 +114,15 @@ impl<'a> Subject<'a> {
                 }
             }
             Message::SetpointState(message) => return self.setpoint_state(now, message),
+            Message::TestState(message) => {
+                // Whatever the id says, it is taken for an answer to the first test under way.
+                let test = self.robot.tests_under_way().next().map(|(test, _)| test);
+                if let Some(test) = test {
+                    let report = edge::touch_tests::report(message);
+                    let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
+                    self.step(now, &Event::TouchTest { boot_id, test, report, robot_time })?;
+                }
+            }
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {
                 unreachable!("robots do not say this")
             }
@@ -124,9 +135,9 @@ impl<'a> Subject<'a> {
         now: Micros,
         boot_id: &protocol::BootId,
         seq: u64,
-        contacts: &[vibrissa_core::robot::event::Contact<'_>],
+        (contacts, missed): (&[Contact<'_>], &[MissedTouch<'_>]),
     ) -> Result<(), String> {
-        let outcome = self.step(now, &Event::Contacts { boot_id: boot_id.as_str(), seq, contacts })?;
+        let outcome = self.step(now, &Event::Contacts { boot_id: boot_id.as_str(), seq, contacts, missed })?;
         let is_covered = || {
             self.robot.sequence(boot_id.as_str()).is_some_and(|sequence| {
                 seq < sequence.next() || sequence.held().iter().any(|&(first, last)| (first..=last).contains(&seq))

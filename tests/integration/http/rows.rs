@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
-use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Factsheet, Link, Task, TouchTests, WhiskerSheet};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 use vibrissa_protocol::Name;
@@ -79,8 +79,8 @@ fn known(epoch: u64) -> Robot {
         neighbours: (0..3).filter(|other| *other != number).collect(),
     };
     let whiskers = (0..3).map(whisker).collect();
-    let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type1, whiskers };
-    let factsheet = Factsheet { arrays: vec![array] };
+    let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers };
+    let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default() };
     let params = Params::nguyen_2021(Formulation::Published);
     let mut robot = Robot::new(epoch, Numbers::default());
     let mut effects = Vec::new();

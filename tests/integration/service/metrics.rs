@@ -33,7 +33,7 @@ fn came(metrics: &Metrics) -> f64 {
 async fn invent(broker: Arc<Observer>, sender: usize) {
     for number in (sender..INVENTED).step_by(SENDERS) {
         let boot_id = vibrissa_protocol::BootId::new("b").unwrap();
-        let contacts = Contacts { boot_id: boot_id.clone(), seq: 0, contacts: Vec::new() };
+        let contacts = Contacts { boot_id: boot_id.clone(), seq: 0, contacts: Vec::new(), missed: Vec::new() };
         let topic = |kind: RobotTopic| format!("whisker/v1/f/invented-{number}/{kind}");
         if number % BORN_EVERY == 0 {
             let birth = Connection { boot_id, seq: 0, timestamp: Timestamp(0), state: ConnectionState::Online };

@@ -110,7 +110,7 @@ fn ordinary_whiskers_of_a_load_stay_ordinary() {
     for seq in 0..2000 {
         let (message, _) = contacts(&plan, &texts, seq);
         let touches: Vec<_> = message.contacts.iter().map(|contact| edge::contact(contact).unwrap()).collect();
-        let event = Event::Contacts { boot_id: BOOT, seq, contacts: &touches };
+        let event = Event::Contacts { boot_id: BOOT, seq, contacts: &touches, missed: &[] };
         assert_eq!(robot.step(&params, Micros(NOW_US + seq), &event, &mut effects), Outcome::Taken);
     }
     let is_called = |effect: &&Effect| matches!(effect, Effect::Trim(_) | Effect::Alarm { .. } | Effect::Command(_));

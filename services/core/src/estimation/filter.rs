@@ -394,6 +394,18 @@ impl LengthFilter {
         self.become_if_sound(after)
     }
 
+    /// The length was measured otherwise, with this standard deviation. The other states stay: they were learned from
+    /// contacts that say nothing about the length.
+    ///
+    /// Returns false and changes nothing if the state would leave its bounds.
+    pub fn measured_length(&mut self, length: Millimetre, sd_mm: f64) -> bool {
+        let mut after = self.clone();
+        after.mean[LENGTH] = (length.mm() / self.whole_length_mm).ln() as f32;
+        after.covariance.scale(&std::array::from_fn(|state| if state == LENGTH { 0.0 } else { 1.0 }));
+        after.covariance.widen(LENGTH, (sd_mm / length.mm()).powi(2));
+        self.become_if_sound(after)
+    }
+
     /// The pressure has changed permanently: the offset becomes more uncertain, the length does not.
     pub fn pressure_moved(&mut self, by_mpa: f64, params: &FilterParams) {
         let sd = params.offset_per_mpa * by_mpa;

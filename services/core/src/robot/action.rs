@@ -32,6 +32,8 @@ pub enum OperatorAction<'a> {
     Release(Scope<'a>),
     /// A new whisker, as the factsheet describes it, is in the place of an old one. A hold goes on.
     Replaced(Place<'a>),
+    /// The robot shall measure the length of a whisker by touches.
+    TouchTest(Place<'a>),
     /// The whisker is the same, but its readings must be learned anew, because its gauge was replaced, for example. See
     /// the module `rebaseline` for the state that stays.
     Rebaseline(Place<'a>),
@@ -77,6 +79,15 @@ pub enum ActionProblem {
         "the robot is offline or silent, or has not said its time yet: a manual setpoint is sent now or not at all"
     )]
     RobotOffline,
+    /// The robot's factsheet names no touch test.
+    #[error("the robot can do no touch test: its factsheet names none")]
+    NoTouchTests,
+    /// A touch test of this whisker is under way.
+    #[error("a touch test of this whisker is under way")]
+    TestUnderWay,
+    /// Held whiskers are not tested.
+    #[error("the whisker is held, and held whiskers are not tested: release it first")]
+    TestOfHeld,
     /// The compensator of the proposed compensation is held.
     #[error("the whisker that would serve is held: release it first")]
     Held,

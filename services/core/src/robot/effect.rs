@@ -21,6 +21,11 @@ pub enum Effect {
         /// Position in the message.
         position: usize,
     },
+    /// A touch that was expected and did not come is evidence of the whisker's length.
+    MissedTouch {
+        /// The whisker concerned.
+        whisker: WhiskerIndex,
+    },
     /// This contact of the message has an implausible time and is ignored.
     BadTime {
         /// Position in the message.
@@ -105,6 +110,19 @@ pub enum Effect {
         number: u16,
         /// The alarms that stood.
         alarms: Vec<AlarmKind>,
+    },
+    /// Publish this touch test.
+    Test(Box<TouchTest>),
+    /// A touch test has a new state.
+    TestState {
+        /// Key of the test.
+        test: CommandKey,
+        /// The whisker concerned.
+        whisker: WhiskerIndex,
+        /// New state of the test.
+        state: TestState,
+        /// Reason of the robot, if it rejected the test.
+        rejection: Option<Rejection>,
     },
     /// Ask the robot for its factsheet.
     AskForFactsheet,
@@ -300,6 +318,72 @@ pub struct Command {
     pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
 }
 
+/// A request for touches that measure a whisker's length or response.
+#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+pub struct TouchTest {
+    /// Epoch and version, which identify the test; the version is of the same series as those of setpoints.
+    pub key: CommandKey,
+    /// Whisker to be touched.
+    pub whisker: WhiskerIndex,
+    /// The only boot that may take it.
+    pub robot_boot_id: String,
+    /// Kind of test.
+    pub kind: TestKind,
+    /// Distances from the base at which to touch, mm, for [`TestKind::Wall`].
+    pub distances_mm: Vec<f64>,
+    /// Deflections at which to touch, mm, for [`TestKind::Wall`].
+    pub deflections_mm: Vec<f64>,
+    /// Number of contacts.
+    pub contacts: u16,
+    /// Time of issue by the supervisor's clock.
+    pub issued: Micros,
+    /// Time by the robot's clock after which the robot rejects the test.
+    pub expires: Micros,
+    /// Reason for the test.
+    pub reason: TestReason,
+}
+
+/// Kind of touch test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub enum TestKind {
+    /// Sweeps an object so that the contact leaves over the tip.
+    Tip,
+    /// Presses against a known surface at given distances and deflections.
+    Wall,
+}
+
+/// Reason for a touch test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub enum TestReason {
+    /// The reach of the whisker has changed.
+    Suspicion,
+    /// A setpoint of a compensation was applied: its error is to be measured.
+    Setpoint,
+    /// An operator asked for it.
+    Operator,
+}
+
+/// State of a touch test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub enum TestState {
+    /// Requested; not answered yet.
+    Pending,
+    /// The robot will do it.
+    Accepted,
+    /// The robot is at it.
+    Running,
+    /// All contacts are sent.
+    Done,
+    /// The robot will not do it.
+    Rejected,
+    /// The robot could not do it.
+    Failed,
+    /// No answer or no end in time.
+    Expired,
+    /// The robot started anew before the end.
+    Abandoned,
+}
+
 /// Reason for a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Reason {
@@ -477,4 +561,8 @@ pub enum AlarmKind {
     Fault(Fault),
     /// A compensation for this whisker waits for approval: until it is approved, refused or over.
     Proposed,
+    /// Contacts near the tip have failed to come for suspiciously long: the whisker is cut and the robot divides distances
+    /// by an old length or knows only distances, or the robot has changed its habits. Until such contacts come again, a
+    /// touch test decides, or a trim is called.
+    ReachLost,
 }

@@ -31,6 +31,8 @@ pub enum Event<'a> {
         seq: u64,
         /// The contacts; empty for a message that was refused as a whole: its number is accounted for all the same.
         contacts: &'a [Contact<'a>],
+        /// Touches that were expected and did not come.
+        missed: &'a [MissedTouch<'a>],
     },
     /// Condition of chambers and gauges.
     Status {
@@ -49,6 +51,17 @@ pub enum Event<'a> {
         command: CommandKey,
         /// Report of the robot.
         report: SetpointReport,
+        /// Time of sending by the robot's clock; 0 if it is unknown.
+        robot_time: Micros,
+    },
+    /// A robot's report on a touch test.
+    TouchTest {
+        /// Boot that sent the message.
+        boot_id: &'a str,
+        /// Key of the test.
+        test: CommandKey,
+        /// Report of the robot.
+        report: TestReport,
         /// Time of sending by the robot's clock; 0 if it is unknown.
         robot_time: Micros,
     },
@@ -78,6 +91,17 @@ pub enum Link {
 pub struct Factsheet {
     /// Its arrays; names are unique.
     pub arrays: Vec<ArraySheet>,
+    /// Touch tests that it can do by itself.
+    pub touch_tests: TouchTests,
+}
+
+/// Touch tests that a robot can do by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+pub struct TouchTests {
+    /// It sweeps an object so that the contact leaves over the tip.
+    pub tip: bool,
+    /// It presses the whisker against a known surface at given distances.
+    pub wall: bool,
 }
 
 /// An array and its whiskers.
@@ -87,6 +111,8 @@ pub struct ArraySheet {
     pub name: String,
     /// Kind of array.
     pub kind: ArrayKind,
+    /// Use of its readings.
+    pub task: Task,
     /// Its whiskers; numbers are unique and neighbours exist.
     pub whiskers: Vec<WhiskerSheet>,
 }
@@ -98,6 +124,17 @@ pub enum ArrayKind {
     Type1,
     /// Single whiskers, which compensate for themselves.
     Type2,
+}
+
+/// Use of an array's readings. It decides which loss a cut means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+pub enum Task {
+    /// Readings are compared at equal contact ratio, as in the paper: a cut changes the sensitivity there, and a change of
+    /// pressure restores it.
+    #[default]
+    Ratio,
+    /// Readings are compared at equal distance from the base: a cut whisker reads there as before, and has lost reach.
+    Distance,
 }
 
 /// Data of a whisker in the factsheet.
@@ -138,6 +175,8 @@ pub struct Contact<'a> {
     pub strain: Strain,
     /// Pressure in the chamber.
     pub pressure: Megapascal,
+    /// Whether the robot touched on request: then its place says nothing about the robot's habits.
+    pub is_test: bool,
 }
 
 /// Place of a contact on the whisker.
@@ -166,6 +205,19 @@ pub struct Distance {
     pub at: Millimetre,
     /// Its standard deviation, mm.
     pub sd_mm: f64,
+}
+
+/// A touch that was expected at a place and did not come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MissedTouch<'a> {
+    /// Name of the array.
+    pub array: &'a str,
+    /// Number of the whisker.
+    pub whisker: u16,
+    /// Time by the robot's clock.
+    pub robot_time: Micros,
+    /// Distance from the base at which the whisker would have touched.
+    pub at: Distance,
 }
 
 /// Condition of one chamber and gauge, as the robot sees it.
@@ -249,4 +301,19 @@ pub enum Rejection {
     WrongBoot,
     /// The robot cannot take it at the moment.
     NotReady,
+}
+
+/// Report of a robot on a touch test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TestReport {
+    /// The robot will do it.
+    Accepted,
+    /// The robot is at it.
+    Running,
+    /// All contacts are sent.
+    Done,
+    /// The robot refuses it.
+    Rejected(Rejection),
+    /// The robot could not do it.
+    Failed,
 }

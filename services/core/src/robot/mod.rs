@@ -10,6 +10,7 @@
 //! - [`health`]: contacts and the detector's verdicts, faults, gauges, changes common to an array, alarms.
 //! - [`compensation`]: who serves whom, the error of Eq. 35, the closed loop.
 //! - `setpoints`: commands to the robot, and operators' actions.
+//! - `touch_tests`: the reach of whiskers, and requests to measure their length by touches.
 //! - `codec`: the stored bytes.
 
 pub mod action;
@@ -21,6 +22,7 @@ pub mod health;
 pub mod params;
 mod setpoints;
 pub mod state;
+mod touch_tests;
 mod view;
 mod what_if;
 
@@ -148,7 +150,9 @@ impl Robot {
         match *event {
             Event::Connection { boot_id, link } => self.connection(params, now, boot_id, link, effects),
             Event::Factsheet { boot_id, factsheet } => self.factsheet(params, now, boot_id, factsheet, effects),
-            Event::Contacts { boot_id, seq, contacts } => self.contacts(params, now, boot_id, seq, contacts, effects),
+            Event::Contacts { boot_id, seq, contacts, missed } => {
+                self.contacts(params, now, (boot_id, seq), contacts, missed, effects)
+            }
             Event::Status { boot_id, robot_time, whiskers } => {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
@@ -171,6 +175,14 @@ impl Robot {
                 // Nothing but the clock's estimate rests on the time of an answer.
                 self.head.clock.hear(now, robot_time, TimeKind::Live);
                 self.setpoint_reported(params, now, command, report, effects);
+                Outcome::Taken
+            }
+            Event::TouchTest { boot_id, test, report, robot_time } => {
+                if self.is_old(boot_id) {
+                    return Outcome::OldBoot;
+                }
+                self.head.clock.hear(now, robot_time, TimeKind::Live);
+                self.test_reported(params, now, test, report, effects);
                 Outcome::Taken
             }
             Event::Operator(action) => self.operate(params, now, action, effects),
@@ -203,6 +215,7 @@ impl Robot {
                 return Outcome::OldBoot;
             }
             self.abandon_commands(effects);
+            self.abandon_tests(effects);
             // Those who were given up may serve again.
             self.head.undecided = true;
             self.head.boot_id = Some(boot_id.into());
@@ -283,9 +296,9 @@ impl Robot {
         &mut self,
         params: &Params,
         now: Micros,
-        boot_id: &str,
-        seq: u64,
+        (boot_id, seq): (&str, u64),
         contacts: &[event::Contact<'_>],
+        missed: &[event::MissedTouch<'_>],
         effects: &mut Vec<Effect>,
     ) -> Outcome {
         let Some(sequence) = self.head.sequences.of(boot_id) else {
@@ -309,7 +322,8 @@ impl Robot {
             if is_newest { self.head.clock.plausible(now) } else { self.head.clock.plausible_of_older_boot(now) };
         if is_newest {
             // One sample for each message, however many contacts it has; an implausible time if it has no other.
-            let mut times = contacts.iter().map(|contact| contact.robot_time);
+            let touched = contacts.iter().map(|contact| contact.robot_time);
+            let mut times = touched.chain(missed.iter().map(|one| one.robot_time));
             let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
             self.head.clock.hear(now, newest.unwrap_or_default(), TimeKind::Recorded);
         }
@@ -321,6 +335,9 @@ impl Robot {
                 // for.
                 effects.push(Effect::BadTime { position });
             }
+        }
+        for one in missed.iter().filter(|one| plausible.contains(&one.robot_time)) {
+            self.missed_touch(params, now, one, effects);
         }
         Outcome::Taken
     }
@@ -335,6 +352,7 @@ fn is_for_policy(event: &Event<'_>) -> bool {
         | Event::Contacts { .. }
         | Event::Status { .. }
         | Event::Setpoint { .. }
+        | Event::TouchTest { .. }
         | Event::Tick => false,
     }
 }

@@ -31,6 +31,8 @@ pub struct Params {
     pub measurement: MeasurementParams,
     /// Refinement of setpoints.
     pub refinement: RefinementParams,
+    /// Touch tests and the suspicion of a lost reach.
+    pub touch_tests: TouchTestParams,
     /// Cases over which the uncertainty of an error is evaluated.
     pub cubature: CubatureCases,
 }
@@ -69,6 +71,30 @@ pub struct HealthParams {
     pub length_contacts_max: u32,
 }
 
+/// Touch tests and the suspicion of a lost reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchTestParams {
+    /// Requested tests per hour and robot; 0 for none.
+    pub per_hour: u16,
+    /// Contacts between two suspicions of a lost reach of a sound whisker with steady habits, on average at least.
+    pub contacts_between_false_alarms: f64,
+    /// Longest time that a robot may take for a contact of a test.
+    pub contact_time: Micros,
+    /// Pause after a test that the robot could not do, or that decided nothing.
+    pub pause: Micros,
+}
+
+impl Default for TouchTestParams {
+    fn default() -> Self {
+        Self {
+            per_hour: 30,
+            contacts_between_false_alarms: 1e5,
+            contact_time: Micros::from_s(10.0),
+            pause: Micros::from_s(600.0),
+        }
+    }
+}
+
 /// Measurement of the compensation error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasurementParams {
@@ -92,6 +118,7 @@ impl Params {
             health: HealthParams::default(),
             measurement: MeasurementParams::default(),
             refinement: RefinementParams::default(),
+            touch_tests: TouchTestParams::default(),
             cubature: CubatureCases::default(),
         }
     }

@@ -1,6 +1,6 @@
 //! Read access to a robot's state.
 
-use super::effect::{Command, Condition, Fault, WhiskerIndex};
+use super::effect::{Command, CommandKey, Condition, Fault, TestKind, TestState, WhiskerIndex};
 use super::event::{ArrayKind, Link};
 use super::health::alarms::Standing;
 use super::{Compensation, Robot, Sequence, Sheet};
@@ -39,6 +39,12 @@ impl Robot {
             heard: whisker.heard,
             held: whisker.held,
             standing: whisker.standing,
+            touch_test: whisker
+                .rare
+                .length_test
+                .as_ref()
+                .and_then(|test| test.in_flight())
+                .map(|(_, kind, state)| (kind, state)),
         })
     }
 
@@ -83,6 +89,14 @@ impl Robot {
         self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
     }
 
+    /// Touch tests that are requested and not over, each with its whisker.
+    pub fn tests_under_way(&self) -> impl Iterator<Item = (CommandKey, WhiskerIndex)> {
+        self.whiskers
+            .iter()
+            .enumerate()
+            .filter_map(|(index, one)| Some((one.rare.length_test.as_ref()?.in_flight()?.0, index)))
+    }
+
     /// Compensations in force, and those that wait for approval.
     #[must_use]
     pub fn compensations(&self) -> &[Compensation] {
@@ -125,4 +139,6 @@ pub struct WhiskerView<'a> {
     pub held: bool,
     /// Alarms that stand for the whisker.
     pub standing: Standing,
+    /// Kind and state of the touch test that is requested and not over.
+    pub touch_test: Option<(TestKind, TestState)>,
 }

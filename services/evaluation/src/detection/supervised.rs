@@ -2,7 +2,9 @@
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Condition, Effect};
-use vibrissa_core::robot::event::{ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, Link, WhiskerSheet};
+use vibrissa_core::robot::event::{
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, Link, Task, TouchTests, WhiskerSheet,
+};
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre, Strain};
 
@@ -56,8 +58,12 @@ impl Supervised {
             pressure_max: Megapascal::EXAMINED_MAX,
             neighbours: Vec::new(),
         };
-        let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, whiskers: vec![sheet] };
-        one.step(&Event::Factsheet { boot_id: BOOT, factsheet: &Factsheet { arrays: vec![array] } });
+        let array =
+            ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
+        one.step(&Event::Factsheet {
+            boot_id: BOOT,
+            factsheet: &Factsheet { arrays: vec![array], touch_tests: TouchTests::default() },
+        });
         one
     }
 
@@ -75,10 +81,11 @@ impl Supervised {
             deflection: Millimetre::known(touch.deflection_mm),
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(PRESSURE_MPA),
+            is_test: false,
         };
         let seq = self.contacts;
         self.contacts += 1;
-        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &[contact] });
+        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &[contact], missed: &[] });
         self.heard()
     }
 

@@ -3,8 +3,8 @@
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, SetpointReport, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, SetpointReport, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place as At, Robot as Core};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -140,7 +140,7 @@ impl Robot {
         }
         let seq = self.seq;
         self.seq += 1;
-        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &message });
+        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &message, missed: &[] });
         self.message = message;
     }
 
@@ -158,6 +158,7 @@ impl Robot {
             deflection: Millimetre::known(touch.deflection_mm),
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(pressure_mpa),
+            is_test: false,
         }
     }
 
@@ -274,11 +275,12 @@ fn factsheet(layout: Layout) -> Factsheet {
     let array = |(name, numbers): (&str, std::ops::Range<usize>)| ArraySheet {
         name: name.to_owned(),
         kind: if layout == Layout::Neighbours { ArrayKind::Type1 } else { ArrayKind::Type2 },
+        task: Task::Ratio,
         whiskers: numbers.map(sheet).collect(),
     };
     let arrays = match layout {
         Layout::Neighbours | Layout::Together => vec![array((ARRAYS[0], 0..WHISKERS))],
         Layout::Single => (0..WHISKERS).map(|number| array((ARRAYS[number], number..number + 1))).collect(),
     };
-    Factsheet { arrays }
+    Factsheet { arrays, touch_tests: TouchTests::default() }
 }

@@ -18,7 +18,7 @@ pub(super) fn contacts(text: &str, list: &mut Vec<Contact>) -> Option<Contacts> 
     let seq = reader.field(b',', "\"seq\"")?.integer()?;
     reader.field(b',', "\"contacts\"")?.list(list)?;
     reader.take(b'}')?;
-    reader.next().is_none().then(|| Contacts { boot_id, seq, contacts: std::mem::take(list) })
+    reader.next().is_none().then(|| Contacts { boot_id, seq, contacts: std::mem::take(list), missed: Vec::new() })
 }
 
 /// A position in a text.
@@ -56,6 +56,7 @@ impl<'a> Reader<'a> {
             strain: self.field(b',', "\"strain\"")?.number()?,
             pressure_mpa: self.field(b',', "\"pressure_mpa\"")?.number()?,
             temperature_c: self.field(b',', "\"temperature_c\"")?.number()?,
+            test_id: None,
         };
         self.take(b'}')?;
         Some(contact)

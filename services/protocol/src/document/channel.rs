@@ -15,7 +15,7 @@ pub enum Channel {
 
 impl Channel {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Robot(RobotTopic::Connection),
         Self::Robot(RobotTopic::Factsheet),
         Self::Robot(RobotTopic::Contacts),
@@ -24,6 +24,7 @@ impl Channel {
         Self::Robot(RobotTopic::Setpoint),
         Self::Robot(RobotTopic::SetpointState),
         Self::Robot(RobotTopic::Request),
+        Self::Robot(RobotTopic::TestState),
         Self::SupervisorState,
     ];
 
@@ -104,7 +105,14 @@ impl Channel {
             Self::Robot(RobotTopic::SetpointState) => {
                 "Progress of a setpoint: RECEIVED, APPLYING, then one of APPLIED, REJECTED, FAILED or SUPERSEDED."
             }
-            Self::Robot(RobotTopic::Request) => "Asks the robot to send its factsheet or its status again.",
+            Self::Robot(RobotTopic::Request) => {
+                "Asks the robot to send its factsheet or its status again, or to do a touch test. The robot accepts a touch \
+                 test under the rules of a setpoint, and answers on test_state."
+            }
+            Self::Robot(RobotTopic::TestState) => {
+                "Progress of a touch test: ACCEPTED or REJECTED, RUNNING, then DONE or FAILED. The contacts and missed \
+                 touches of the test carry its test_id, and are sent before DONE."
+            }
             Self::SupervisorState => {
                 "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. For tools: robots \
                  do not need it, and the shipped access lists do not let them read it."
@@ -120,7 +128,9 @@ impl Channel {
                 &[("birth", examples::CONNECTION), ("last_will", examples::CONNECTION_WILL)]
             }
             Self::Robot(RobotTopic::Factsheet) => &[("two_whiskers", examples::FACTSHEET)],
-            Self::Robot(RobotTopic::Contacts) => &[("one_contact", examples::CONTACTS)],
+            Self::Robot(RobotTopic::Contacts) => {
+                &[("one_contact", examples::CONTACTS), ("touch_test", examples::CONTACTS_TOUCH_TEST)]
+            }
             Self::Robot(RobotTopic::Status) => {
                 &[("all_is_well", examples::STATUS), ("contacts_were_dropped", examples::STATUS_DROPPED)]
             }
@@ -129,7 +139,12 @@ impl Channel {
             Self::Robot(RobotTopic::SetpointState) => {
                 &[("applied", examples::SETPOINT_STATE), ("rejected", examples::SETPOINT_STATE_REJECTED)]
             }
-            Self::Robot(RobotTopic::Request) => &[("factsheet", examples::REQUEST)],
+            Self::Robot(RobotTopic::Request) => {
+                &[("factsheet", examples::REQUEST), ("touch_test", examples::REQUEST_TOUCH_TEST)]
+            }
+            Self::Robot(RobotTopic::TestState) => {
+                &[("done", examples::TEST_STATE), ("rejected", examples::TEST_STATE_REJECTED)]
+            }
             Self::SupervisorState => &[("online", examples::SUPERVISOR_STATE)],
         }
     }

@@ -25,3 +25,11 @@ pub const SETPOINT_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":32,"command_i
 pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;
+/// Asks for touches near the tip of a whisker that feels nothing there any more.
+pub const REQUEST_TOUCH_TEST: &str = r#"{"boot_id":"s3","seq":3,"request":"TOUCH_TEST","touch_test":{"test_id":"0198c5d2-9b3c-7e21-a4f0-6b7c8d9e0f12","epoch":1795248000000,"version":58,"robot_boot_id":"b7","array":"left","whisker":0,"kind":"WALL","distances_mm":[58.0,62.0,66.0,70.0],"deflections_mm":[1.0,2.0],"contacts":8,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SUSPICION"}}"#;
+/// Two touches of the test: one came, one did not.
+pub const CONTACTS_TOUCH_TEST: &str = r#"{"boot_id":"b7","seq":1813,"contacts":[{"array":"left","whisker":0,"t_us":1795248004123456,"distance_mm":62.0,"distance_sd_mm":0.5,"deflection_mm":2.0,"strain":0.008121,"pressure_mpa":0.1002,"temperature_c":24.1,"test_id":"0198c5d2-9b3c-7e21-a4f0-6b7c8d9e0f12"}],"missed":[{"array":"left","whisker":0,"t_us":1795248006123456,"distance_mm":66.0,"distance_sd_mm":0.5,"test_id":"0198c5d2-9b3c-7e21-a4f0-6b7c8d9e0f12"}]}"#;
+/// All touches of the test are sent.
+pub const TEST_STATE: &str = r#"{"boot_id":"b7","seq":2,"test_id":"0198c5d2-9b3c-7e21-a4f0-6b7c8d9e0f12","state":"DONE","t_us":1795248012123456}"#;
+/// The robot cannot test now.
+pub const TEST_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":3,"test_id":"0198c5d2-a1b2-7c3d-8e4f-5a6b7c8d9e0f","state":"REJECTED","t_us":1795248013123456,"error":"NOT_READY"}"#;

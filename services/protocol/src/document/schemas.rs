@@ -8,7 +8,7 @@ use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 
 use super::Channel;
-use crate::messages::{Connection, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status};
+use crate::messages::{Connection, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status, TestState};
 use crate::{RobotTopic, SupervisorState, schema};
 
 /// The JSON Schema 2020-12 of a channel's message, with examples.
@@ -36,6 +36,7 @@ fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
         Channel::Robot(RobotTopic::Setpoint) => generator.into_root_schema_for::<Setpoint>(),
         Channel::Robot(RobotTopic::SetpointState) => generator.into_root_schema_for::<SetpointState>(),
         Channel::Robot(RobotTopic::Request) => generator.into_root_schema_for::<Request>(),
+        Channel::Robot(RobotTopic::TestState) => generator.into_root_schema_for::<TestState>(),
         Channel::SupervisorState => generator.into_root_schema_for::<SupervisorState>(),
     }
 }

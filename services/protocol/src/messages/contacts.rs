@@ -16,6 +16,10 @@ pub struct Contacts {
     /// The contacts in the order of their measurement.
     #[cfg_attr(feature = "documents", schemars(length(max = CONTACTS_MAX)))]
     pub contacts: Vec<Contact>,
+    /// Touches that were expected and did not come, because the whisker no longer reaches that far.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "documents", schemars(length(max = CONTACTS_MAX)))]
+    pub missed: Vec<MissedTouch>,
 }
 
 /// Measurements of one contact of one whisker.
@@ -64,6 +68,35 @@ pub struct Contact {
     /// The whisker's temperature in degrees Celsius.
     #[cfg_attr(feature = "documents", schemars(transform = TEMPERATURE_C.in_schema()))]
     pub temperature_c: f64,
+    /// Id of the touch test that the contact belongs to; absent for others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::optional_identifier"))]
+    pub test_id: Option<String>,
+}
+
+/// A touch that was expected at a known distance and did not come.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+pub struct MissedTouch {
+    /// The whisker's array.
+    pub array: Name,
+    /// The whisker's number in its array.
+    pub whisker: u16,
+    /// Time at which the touch should have come, in microseconds since 1970 UTC by the robot's clock.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub t_us: u64,
+    /// Distance from the whisker's base along the whisker at which it should have touched, in mm, without the chamber's
+    /// elongation.
+    #[cfg_attr(feature = "documents", schemars(transform = DISTANCE_MM.in_schema()))]
+    pub distance_mm: f64,
+    /// Standard deviation of `distance_mm`, up to 100 mm; without it the supervisor assumes 1 mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = DISTANCE_SD_MM.in_schema()))]
+    pub distance_sd_mm: Option<f64>,
+    /// Id of the touch test that the touch belongs to; absent for others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::optional_identifier"))]
+    pub test_id: Option<String>,
 }
 
 /// Place of a contact on the whisker, as far as the robot knows it. Standard deviations are those that the robot states.
@@ -151,7 +184,17 @@ impl Contact {
         DEFLECTION_MM.check("deflection_mm", self.deflection_mm)?;
         STRAIN.check("strain", self.strain)?;
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
-        TEMPERATURE_C.check("temperature_c", self.temperature_c)
+        TEMPERATURE_C.check("temperature_c", self.temperature_c)?;
+        self.test_id.as_deref().map_or(Ok(()), |id| check::identifier("test_id", id))
+    }
+}
+
+impl MissedTouch {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("t_us", self.t_us)?;
+        DISTANCE_MM.check("distance_mm", self.distance_mm)?;
+        self.distance_sd_mm.map_or(Ok(()), |sd_mm| DISTANCE_SD_MM.check("distance_sd_mm", sd_mm))?;
+        self.test_id.as_deref().map_or(Ok(()), |id| check::identifier("test_id", id))
     }
 }
 
@@ -159,6 +202,8 @@ impl Checked for Contacts {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("seq", self.seq)?;
         check::count("contacts", self.contacts.len(), CONTACTS_MAX)?;
-        check::each("contacts", &self.contacts, Contact::check)
+        check::each("contacts", &self.contacts, Contact::check)?;
+        check::count("missed", self.missed.len(), CONTACTS_MAX)?;
+        check::each("missed", &self.missed, MissedTouch::check)
     }
 }

@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Checked;
 use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
 use crate::name::short_text;
-use crate::{ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, Refusal, Timestamp, WHISKERS_MAX, check};
+use crate::{
+    ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, Task, Timestamp, TouchTestKind,
+    WHISKERS_MAX, check,
+};
 
 /// `factsheet`: arrays and whiskers of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +30,10 @@ pub struct Factsheet {
     /// Arrays of the robot, with distinct names.
     #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX)))]
     pub arrays: Vec<ArrayFacts>,
+    /// Touch tests that the robot can do by itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "documents", schemars(length(max = 2)))]
+    pub touch_tests: Vec<TouchTestKind>,
 }
 
 /// One array of whiskers.
@@ -38,6 +45,9 @@ pub struct ArrayFacts {
     /// Ways in which the array can compensate for a shortened whisker.
     #[serde(rename = "type")]
     pub array_type: ArrayType,
+    /// Use of the array's readings; `RATIO` if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task: Option<Task>,
     /// Whiskers of the array, with distinct numbers.
     #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
     pub whiskers: Vec<WhiskerFacts>,
@@ -71,11 +81,15 @@ pub struct WhiskerFacts {
     /// Numbers of other whiskers of the same array that can compensate for this one.
     #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
     pub neighbours: Vec<u16>,
+    /// Place of contacts that the robot can provide for this whisker; `RATIO` if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<PlaceKind>,
 }
 
 impl Checked for Factsheet {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("seq", self.seq)?;
+        check::count("touch_tests", self.touch_tests.len(), TouchTestKind::ALL.len())?;
         check::count("arrays", self.arrays.len(), ARRAYS_MAX)?;
         check::each("arrays", &self.arrays, ArrayFacts::check)?;
         let mut names = BTreeSet::new();

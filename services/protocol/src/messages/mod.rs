@@ -11,15 +11,17 @@ mod request;
 mod setpoint;
 mod status;
 mod supervisor;
+mod touch_test;
 
 pub use connection::Connection;
-pub use contacts::{Contact, ContactPlace, Contacts, Distance};
+pub use contacts::{Contact, ContactPlace, Contacts, Distance, MissedTouch};
 pub use factsheet::{ArrayFacts, Factsheet, WhiskerFacts};
 pub use receipt::Receipt;
 pub use request::Request;
 pub use setpoint::{Setpoint, SetpointState};
 pub use status::{Status, WhiskerStatus};
 pub use supervisor::SupervisorState;
+pub use touch_test::{TestState, TouchTest};
 
 use crate::Refusal;
 

@@ -70,7 +70,7 @@ impl Robot {
             // A whisker without neighbours can only compensate for itself.
             let array_type = if count > 1 { ArrayType::Type1 } else { ArrayType::Type2 };
             let whiskers = (0..count).map(|number| whisker_facts(number as u16, count as u16)).collect();
-            ArrayFacts { array: array.clone(), array_type, whiskers }
+            ArrayFacts { array: array.clone(), array_type, task: None, whiskers }
         };
         encode(&Factsheet {
             boot_id: self.boot_id.clone(),
@@ -79,6 +79,7 @@ impl Robot {
             model: "load".to_owned(),
             on_supervisor_loss: OnSupervisorLoss::Hold,
             arrays: self.arrays.iter().enumerate().map(array).collect(),
+            touch_tests: Vec::new(),
         })
     }
 
@@ -139,6 +140,7 @@ fn whisker_facts(number: u16, count: u16) -> WhiskerFacts {
         pressure_mpa,
         pressure_max_mpa,
         neighbours: neighbours.into_iter().flatten().collect(),
+        place: None,
     }
 }
 

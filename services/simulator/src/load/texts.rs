@@ -106,6 +106,7 @@ impl Touching {
             calibration: stream(Purpose::Calibration),
             contact: stream(Purpose::Contact),
             noise: stream(Purpose::Noise),
+            test: stream(Purpose::Test),
         };
         let WhiskerScenario { length_mm, pressure_mpa, .. } = WhiskerScenario::default();
         let truth = Truth::Known(Rubber::default());

@@ -8,6 +8,7 @@ fn plant(seed: u64, calibration_error: f64, noise: Noise) -> Plant {
         calibration: stream(seed, "r", "a", 0, Purpose::Calibration),
         contact: stream(seed, "r", "a", 0, Purpose::Contact),
         noise: stream(seed, "r", "a", 0, Purpose::Noise),
+        test: stream(seed, "r", "a", 0, Purpose::Test),
     };
     Plant::new(70.0, 0.1, Truth::Within(calibration_error), noise, streams).unwrap()
 }

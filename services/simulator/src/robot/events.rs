@@ -134,6 +134,8 @@ impl Robot {
         self.commands = Commands::default();
         self.outbox.restart();
         self.batch.clear();
+        self.missed.clear();
+        self.touch_tests = super::TouchTests::default();
         self.batch_until_us = None;
         self.supervisor_heard_us = None;
         self.whiskers.iter_mut().for_each(super::Whisker::restart);

@@ -114,9 +114,9 @@ impl Robot {
 
     fn altered(&self, payload: Vec<u8>) -> Vec<u8> {
         match decode(&RobotTopic::Contacts.of(self.fleet(), self.name()), &payload) {
-            Ok(Message::Contacts(Contacts { boot_id, seq, mut contacts })) => {
+            Ok(Message::Contacts(Contacts { boot_id, seq, mut contacts, missed })) => {
                 contacts.iter_mut().for_each(|contact| contact.strain *= 0.9);
-                encode(&Contacts { boot_id, seq, contacts })
+                encode(&Contacts { boot_id, seq, contacts, missed })
             }
             Ok(_) | Err(_) => payload,
         }

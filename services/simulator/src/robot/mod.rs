@@ -11,16 +11,21 @@ mod outgoing;
 mod resume;
 mod setpoints;
 mod timers;
+mod touch_tests;
 mod whisker;
 
 use std::collections::{BTreeMap, VecDeque};
 
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_protocol::{BootId, Contact, Message, Name, Receipt, RequestKind, RobotTopic, decode};
+use vibrissa_protocol::{
+    self as protocol, BootId, Contact, Message, MissedTouch, Name, Receipt, RequestKind, RobotTopic, decode,
+};
 
 pub use outgoing::Outgoing;
 pub(crate) use resume::RobotState;
 pub use whisker::Whisker;
+
+use touch_tests::TouchTests;
 
 use crate::commands::Commands;
 use crate::journal::{Journal, JournalEntry};
@@ -81,6 +86,9 @@ pub struct Robot {
     link: Link,
     /// Contacts of the incomplete message, and the time at which it is sent.
     batch: Vec<Contact>,
+    /// Touches of tests that did not come, of the incomplete message.
+    missed: Vec<MissedTouch>,
+    touch_tests: TouchTests,
     batch_until_us: Option<u64>,
     contacts: Contacts,
     tick_at_us: u64,
@@ -125,6 +133,8 @@ impl Robot {
             outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
+            missed: Vec::new(),
+            touch_tests: TouchTests::default(),
             batch_until_us: None,
             contacts: Contacts::new(now_us, config.behaviour.contacts_per_second),
             tick_at_us: now_us + TICK_US,
@@ -195,11 +205,16 @@ impl Robot {
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
+            Message::Request(protocol::Request { touch_test: Some(test), .. }) => {
+                self.touch_test(test, now_us, &mut out)
+            }
             Message::Request(request) => match request.request {
                 RequestKind::Factsheet if self.breaks(Misbehaviour::IgnoresFactsheetRequest) => {}
                 RequestKind::Factsheet => self.factsheet(now_us, &mut out),
                 RequestKind::Status if self.breaks(Misbehaviour::IgnoresStatusRequest) => {}
                 RequestKind::Status => self.status(now_us, &mut out),
+                // It carries its test, handled above.
+                RequestKind::TouchTest => {}
             },
             // A robot does not subscribe to robots' topics.
             Message::Connection(_)
@@ -207,6 +222,7 @@ impl Robot {
             | Message::Contacts(_)
             | Message::Status(_)
             | Message::SetpointState(_)
+            | Message::TestState(_)
             | Message::SupervisorState(_) => self.refused += 1,
         }
         out

@@ -1,7 +1,8 @@
 //! Messages that a robot sends.
 
 use vibrissa_protocol::{
-    ArrayFacts, Connection, ConnectionState, Contacts, Factsheet, RobotTopic, Status, Timestamp, WhiskerFacts, encode,
+    ArrayFacts, Connection, ConnectionState, Contacts, Factsheet, PlaceKind, RobotTopic, Status, Timestamp,
+    WhiskerFacts, encode,
 };
 
 use super::Robot;
@@ -34,6 +35,7 @@ pub(super) struct Sequences {
     contacts: u64,
     status: u64,
     setpoint_state: u64,
+    test_state: u64,
 }
 
 impl Sequences {
@@ -45,6 +47,10 @@ impl Sequences {
 
     pub(super) fn setpoint_state(&mut self) -> u64 {
         Self::take(&mut self.setpoint_state)
+    }
+
+    pub(super) fn test_state(&mut self) -> u64 {
+        Self::take(&mut self.test_state)
     }
 }
 
@@ -89,7 +95,8 @@ impl Robot {
             timestamp: Timestamp(now_us),
             model: self.config.robot.model.clone(),
             on_supervisor_loss: self.config.robot.on_supervisor_loss,
-            arrays: self.config.robot.arrays.iter().map(array_facts).collect(),
+            arrays: self.config.robot.arrays.iter().map(|array| self.array_facts(array)).collect(),
+            touch_tests: self.config.behaviour.touch_tests.clone(),
         };
         self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
     }
@@ -120,12 +127,12 @@ impl Robot {
     /// Sends the waiting contacts as one message, which is stored until it is receipted.
     pub(super) fn flush(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
         self.batch_until_us = None;
-        if self.batch.is_empty() {
+        if self.batch.is_empty() && self.missed.is_empty() {
             return;
         }
         let seq = Sequences::take(&mut self.sequences.contacts);
-        let contacts = std::mem::take(&mut self.batch);
-        let message = Contacts { boot_id: self.boot_id.clone(), seq, contacts };
+        let (contacts, missed) = (std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let message = Contacts { boot_id: self.boot_id.clone(), seq, contacts, missed };
         let payload = encode(&message);
         self.journal.write(|| JournalEntry::Felt(message));
         if !self.breaks(Misbehaviour::SendsOnce) {
@@ -150,13 +157,17 @@ impl Robot {
             out.push(Outgoing::Publish { topic, payload });
         }
     }
-}
 
-fn array_facts(array: &ArrayScenario) -> ArrayFacts {
-    ArrayFacts {
-        array: array.array.clone(),
-        array_type: array.array_type,
-        whiskers: array.whiskers.iter().map(whisker_facts).collect(),
+    fn array_facts(&self, array: &ArrayScenario) -> ArrayFacts {
+        let behaviour = &self.config.behaviour;
+        let place = Some(behaviour.places.kind()).filter(|kind| *kind != PlaceKind::Ratio);
+        let whiskers = array.whiskers.iter().map(|whisker| WhiskerFacts { place, ..whisker_facts(whisker) });
+        ArrayFacts {
+            array: array.array.clone(),
+            array_type: array.array_type,
+            task: behaviour.task,
+            whiskers: whiskers.collect(),
+        }
     }
 }
 
@@ -170,5 +181,6 @@ fn whisker_facts(whisker: &WhiskerScenario) -> WhiskerFacts {
         pressure_mpa: whisker.pressure_mpa,
         pressure_max_mpa: whisker.pressure_max_mpa,
         neighbours: whisker.neighbours.clone(),
+        place: None,
     }
 }

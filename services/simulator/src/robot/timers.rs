@@ -7,7 +7,8 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vibrissa_protocol::Contact;
 
-use super::{Outgoing, Robot};
+use super::{Outgoing, Robot, Whisker};
+use crate::plant::Reading;
 use crate::random::{Purpose, stream};
 use crate::regulator::TICK_US;
 
@@ -117,6 +118,7 @@ impl Robot {
             whisker.regulator.tick(whisker.leak_mpa_per_s, self.supply_mpa);
         }
         self.follow_setpoints(at_us, out);
+        self.follow_tests(at_us, out);
         self.miss_supervisor(at_us, out);
         self.report_change(at_us);
     }
@@ -143,20 +145,7 @@ impl Robot {
             return;
         }
         let number = whisker.plant.contacts();
-        let mut contact = Contact {
-            array: whisker.array().clone(),
-            whisker: whisker.number(),
-            t_us: at_us,
-            ratio: None,
-            ratio_sd: None,
-            distance_mm: None,
-            distance_sd_mm: None,
-            tip: false,
-            deflection_mm: reading.deflection_mm,
-            strain: reading.strain,
-            pressure_mpa: whisker.regulator.reading_mpa(),
-            temperature_c: reading.temperature_c,
-        };
+        let mut contact = contact_of(whisker, &reading, at_us);
         places.state(&mut contact, &touch);
         self.batch.push(self.contact_as_sent(contact, number));
         if self.batch.len() >= self.config.behaviour.contacts_per_message {
@@ -164,5 +153,24 @@ impl Robot {
         } else if self.batch_until_us.is_none() {
             self.batch_until_us = Some(at_us + (self.config.behaviour.message_after_s * 1e6) as u64);
         }
+    }
+}
+
+/// A contact without its place.
+pub(super) fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Contact {
+    Contact {
+        array: whisker.array().clone(),
+        whisker: whisker.number(),
+        t_us: at_us,
+        ratio: None,
+        ratio_sd: None,
+        distance_mm: None,
+        distance_sd_mm: None,
+        tip: false,
+        deflection_mm: reading.deflection_mm,
+        strain: reading.strain,
+        pressure_mpa: whisker.regulator.reading_mpa(),
+        temperature_c: reading.temperature_c,
+        test_id: None,
     }
 }

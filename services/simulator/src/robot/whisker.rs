@@ -52,6 +52,7 @@ impl Whisker {
             calibration: stream(Purpose::Calibration),
             contact: stream(Purpose::Contact),
             noise: stream(Purpose::Noise),
+            test: stream(Purpose::Test),
         };
         Ok(Self {
             array: array.array.clone(),

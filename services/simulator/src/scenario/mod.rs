@@ -5,7 +5,7 @@ mod event;
 mod misbehaviour;
 
 use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss};
+use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind};
 
 pub use check::BadScenario;
 pub use event::{Change, Event};
@@ -55,6 +55,10 @@ pub struct Behaviour {
     pub supervisor_lost_after_s: f64,
     /// Place that robots state with each contact.
     pub places: Places,
+    /// Touch tests that robots can do.
+    pub touch_tests: Vec<TouchTestKind>,
+    /// Use of the readings of all arrays, as factsheets state it.
+    pub task: Option<Task>,
     /// Whether robots detect leaks and broken gauges; otherwise they report both as OK.
     pub notices_faults: bool,
     /// Whether robots keep a journal; the caller must then empty it regularly with [`crate::Robot::take_journal`].
@@ -74,6 +78,8 @@ impl Default for Behaviour {
             kept_messages: 2000,
             supervisor_lost_after_s: 60.0,
             places: Places::Ratio,
+            touch_tests: Vec::new(),
+            task: None,
             notices_faults: true,
             journal: false,
             misbehaviour: None,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, WhiskerSheet,
-    WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Task, TouchTests,
+    WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -115,7 +115,10 @@ fn factsheet() -> Factsheet {
             .collect(),
     };
     let whiskers = (0..WHISKERS).map(sheet).collect();
-    Factsheet { arrays: vec![ArraySheet { name: "a".to_owned(), kind: ArrayKind::Type1, whiskers }] }
+    Factsheet {
+        arrays: vec![ArraySheet { name: "a".to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
+        touch_tests: TouchTests::default(),
+    }
 }
 
 fn shard(robots: i64) -> Shard {
@@ -179,11 +182,12 @@ impl World {
             _ => *seq,
         };
         *seq = (*seq).max(sent + 1);
-        let event = Event::Contacts { boot_id: "b", seq: sent, contacts: &contacts };
+        let event = Event::Contacts { boot_id: "b", seq: sent, contacts: &contacts, missed: &[] };
         let message = protocol::Contacts {
             boot_id: BootId::new("b").unwrap(),
             seq: sent,
             contacts: contacts.iter().map(|one| as_sent(one, 20.0 + self.random.unit())).collect(),
+            missed: Vec::new(),
         };
         stepper.step(known, self.now, &event, Some(Source { message: &message, boot: robot_id }));
     }
@@ -204,6 +208,7 @@ impl World {
             deflection: Millimetre::known(deflection_mm),
             strain: Strain::known(strain),
             pressure,
+            is_test: false,
         }
     }
 
@@ -237,6 +242,7 @@ fn as_sent(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
         strain: contact.strain.ratio(),
         pressure_mpa: contact.pressure.mpa(),
         temperature_c,
+        test_id: None,
     }
 }
 
@@ -412,6 +418,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
             model: "m".to_owned(),
             on_supervisor_loss: protocol::OnSupervisorLoss::Hold,
             arrays: Vec::new(),
+            touch_tests: Vec::new(),
         };
         raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };

@@ -159,6 +159,13 @@ of_fleet! {
         "Time from the receipt of the message that caused a setpoint to the robot's answer that it is applied.",
         (labels::SETPOINT_REASON, SETPOINT_SECONDS);
 
+    /// Touch tests, by state. A test counts in each state that it enters.
+    touch_tests: Counters = "vibrissa_touch_tests_total",
+        "Touch tests, by each state that they entered.", labels::TEST_STATE;
+    /// Touches that robots expected and that did not come.
+    missed_touches: IntCounter = "vibrissa_missed_touches_total",
+        "Touches that robots expected at a known distance and that did not come.";
+
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
     /// Standing alarms, by kind.

@@ -91,6 +91,7 @@ pub(super) fn processing(step: &Step<'_>, action: Option<&TracedAction>) -> Draf
     let (what, boot_id, seq) = match *step.event {
         Event::Contacts { boot_id, seq, .. } => (Some(RobotTopic::Contacts), Some(boot_id), Some(seq)),
         Event::Setpoint { boot_id, .. } => (Some(RobotTopic::SetpointState), Some(boot_id), None),
+        Event::TouchTest { boot_id, .. } => (Some(RobotTopic::TestState), Some(boot_id), None),
         Event::Status { boot_id, .. } => (Some(RobotTopic::Status), Some(boot_id), None),
         Event::Connection { boot_id, .. } => (Some(RobotTopic::Connection), Some(boot_id), None),
         Event::Factsheet { boot_id, .. } => (Some(RobotTopic::Factsheet), Some(boot_id), None),

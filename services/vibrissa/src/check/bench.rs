@@ -122,7 +122,7 @@ impl Bench {
     }
 
     pub(super) async fn request(&mut self, request: RequestKind) -> anyhow::Result<()> {
-        let request = Request { boot_id: self.boot_id.clone(), seq: self.seq(0), request };
+        let request = Request { boot_id: self.boot_id.clone(), seq: self.seq(0), request, touch_test: None };
         self.tell(RobotTopic::Request, &request).await
     }
 

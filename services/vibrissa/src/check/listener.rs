@@ -100,7 +100,9 @@ impl Listener {
     fn judge_delivery(&mut self, kind: RobotTopic, received: &ReceivedMessage) {
         let (qos, retained) = (received.qos, received.retained);
         let is_right = match kind {
-            RobotTopic::Connection | RobotTopic::Factsheet | RobotTopic::SetpointState => qos == 1,
+            RobotTopic::Connection | RobotTopic::Factsheet | RobotTopic::SetpointState | RobotTopic::TestState => {
+                qos == 1
+            }
             RobotTopic::Status => qos == 0,
             RobotTopic::Contacts => qos <= 1,
             RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => true,
@@ -108,7 +110,7 @@ impl Listener {
         let seen = if is_right { "as the contract requires on every topic".into() } else { format!("{qos} on {kind}") };
         self.findings.judge(Rule::QualityOfService, is_right, seen);
         match kind {
-            RobotTopic::Contacts | RobotTopic::Status | RobotTopic::SetpointState => {
+            RobotTopic::Contacts | RobotTopic::Status | RobotTopic::SetpointState | RobotTopic::TestState => {
                 let seen = if retained { format!("{kind} is retained") } else { "none is retained".to_owned() };
                 self.findings.judge(Rule::NotRetained, !retained, seen);
             }
@@ -197,6 +199,7 @@ impl Listener {
                 self.judge_status(status);
             }
             Message::SetpointState(state) => self.judge_clock("setpoint_state", state.t_us, received),
+            Message::TestState(state) => self.judge_clock("test_state", state.t_us, received),
             Message::Contacts(contacts) => self.judge_contacts(contacts, received),
             Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
         }
@@ -260,6 +263,7 @@ fn time_us(message: &Message) -> Option<u64> {
         Message::Factsheet(factsheet) => Some(factsheet.timestamp.0),
         Message::Status(status) => Some(status.t_us),
         Message::SetpointState(state) => Some(state.t_us),
+        Message::TestState(state) => Some(state.t_us),
         Message::Connection(_)
         | Message::Contacts(_)
         | Message::Receipt(_)

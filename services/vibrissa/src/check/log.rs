@@ -29,6 +29,7 @@ impl Listener {
             | Message::Factsheet(_)
             | Message::Contacts(_)
             | Message::SetpointState(_)
+            | Message::TestState(_)
             | Message::Receipt(_)
             | Message::Setpoint(_)
             | Message::Request(_)

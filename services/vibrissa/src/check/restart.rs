@@ -101,6 +101,7 @@ fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(
         | Message::Contacts(_)
         | Message::Status(_)
         | Message::SetpointState(_)
+        | Message::TestState(_)
         | Message::Receipt(_)
         | Message::Setpoint(_)
         | Message::Request(_)

@@ -9,6 +9,7 @@ pub mod line;
 pub mod lines;
 
 mod answers;
+mod recorded_tests;
 pub mod replayer;
 mod status;
 

@@ -13,6 +13,7 @@ use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
 use super::answers::{Answer, Answers};
 use super::line::Recorded;
+use super::recorded_tests::RecordedTests;
 use super::status;
 
 /// Interval of the core's ticks, as in the service.
@@ -70,6 +71,7 @@ pub struct Replayer {
 struct Known {
     robot: Robot,
     answers: Answers,
+    tests: RecordedTests,
 }
 
 /// A message that is being processed.
@@ -124,7 +126,7 @@ impl Replayer {
                     // As in the service, the number is accounted for; otherwise the robot would send the message again
                     // without end.
                     let (boot_id, seq) = (envelope.boot_id, envelope.seq);
-                    let contacts = protocol::Contacts { boot_id, seq, contacts: Vec::new() };
+                    let contacts = protocol::Contacts { boot_id, seq, contacts: Vec::new(), missed: Vec::new() };
                     return self.message(&step, &Message::Contacts(contacts), sink);
                 }
                 Ok(())
@@ -191,17 +193,14 @@ impl Replayer {
                 Message::Setpoint(_) | Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {
                     return Ok(());
                 }
-                Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) => {
+                Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) | Message::TestState(_) => {
                     let problem = "the recording has neither a birth nor a factsheet of this robot";
                     return self.refuse(step, "unknown_robot", &problem, sink);
                 }
             }
         }
         let params = self.params.clone();
-        let known = self
-            .robots
-            .entry(key)
-            .or_insert_with(|| Known { robot: Robot::new(EPOCH, Numbers::default()), answers: Answers::default() });
+        let known = self.robots.entry(key).or_insert_with(Known::new);
         let refused = known.message(&params, step, message, sink)?;
         for (reason, problem) in refused {
             self.refuse(step, reason, &problem, sink)?;
@@ -214,6 +213,11 @@ impl Replayer {
 type Refused = (&'static str, String);
 
 impl Known {
+    fn new() -> Self {
+        let robot = Robot::new(EPOCH, Numbers::default());
+        Self { robot, answers: Answers::default(), tests: RecordedTests::default() }
+    }
+
     /// Passes a message to the core; returns the refused parts.
     fn message(
         &mut self,
@@ -259,6 +263,14 @@ impl Known {
             }
             Message::SetpointState(told) => return self.setpoint_state(params, step, told, sink),
             Message::Setpoint(told) => self.answers.recorded(told, &self.robot),
+            Message::Request(protocol::Request { touch_test: Some(test), .. }) => self.tests.recorded(test),
+            Message::TestState(told) => {
+                if let Some(test) = self.tests.answered(told, &self.robot) {
+                    let (report, robot_time) = (edge::touch_tests::report(told), Micros(told.t_us));
+                    let event = Event::TouchTest { boot_id: told.boot_id.as_str(), test, report, robot_time };
+                    self.step(params, step, &event, (None, false), sink)?;
+                }
+            }
             Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {}
         }
         Ok(Vec::new())
@@ -279,7 +291,15 @@ impl Known {
                 Err(problem) => refused.push((problem.label(), problem.to_string())),
             }
         }
-        let event = Event::Contacts { boot_id: told.boot_id.as_str(), seq: told.seq, contacts: &contacts };
+        let mut missed = Vec::with_capacity(told.missed.len());
+        for one in &told.missed {
+            match edge::missed(one) {
+                Ok(one) => missed.push(one),
+                Err(problem) => refused.push((problem.label(), problem.to_string())),
+            }
+        }
+        let (boot_id, seq) = (told.boot_id.as_str(), told.seq);
+        let event = Event::Contacts { boot_id, seq, contacts: &contacts, missed: &missed };
         match self.step(params, step, &event, (Some(told), false), sink)? {
             Outcome::NotYet(Admission::TooManyGaps) => {
                 refused.push(("too_many_gaps", "contacts cannot be accepted yet".to_owned()));

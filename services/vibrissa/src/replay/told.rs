@@ -85,6 +85,25 @@ enum Told<'a> {
         error: Option<&'static str>,
         pressure_mpa: Option<f64>,
     },
+    MissedTouch {
+        #[serde(flatten)]
+        place: Place<'a>,
+    },
+    TouchTest {
+        #[serde(flatten)]
+        place: Place<'a>,
+        epoch: u64,
+        version: u64,
+        kind: &'static str,
+        reason: &'static str,
+        contacts: u16,
+    },
+    TestState {
+        epoch: u64,
+        version: u64,
+        state: &'static str,
+        error: Option<&'static str>,
+    },
     Response(ResponseLine),
     Error(ErrorLine),
     Refinement(RefinementLine),
@@ -287,6 +306,18 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
             place: Place { array, whisker: *number },
             alarms: alarms.iter().map(|kind| kind.word()).collect(),
         },
+        Effect::MissedTouch { whisker } => Told::MissedTouch { place: place(*whisker)? },
+        Effect::Test(test) => Told::TouchTest {
+            place: place(test.whisker)?,
+            epoch: test.key.epoch,
+            version: test.key.version,
+            kind: test.kind.word(),
+            reason: test.reason.word(),
+            contacts: test.contacts,
+        },
+        Effect::TestState { test: CommandKey { epoch, version }, state, rejection, .. } => {
+            Told::TestState { epoch: *epoch, version: *version, state: state.word(), error: rejection.map(Word::word) }
+        }
         Effect::AskForFactsheet => Told::Request { request: protocol::RequestKind::Factsheet.as_str() },
     })
 }

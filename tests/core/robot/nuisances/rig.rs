@@ -9,8 +9,8 @@ use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model};
 use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Trim};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport,
-    WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, Task,
+    TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, Params, Robot, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -106,8 +106,11 @@ impl Rig {
             neighbours: Vec::new(),
         };
         let whiskers = (0..rig.whiskers.len() as u16).map(sheet).collect();
-        let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, whiskers };
-        rig.step(&Event::Factsheet { boot_id: BOOT, factsheet: &Factsheet { arrays: vec![array] } });
+        let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers };
+        rig.step(&Event::Factsheet {
+            boot_id: BOOT,
+            factsheet: &Factsheet { arrays: vec![array], touch_tests: TouchTests::default() },
+        });
         rig.status();
         rig
     }
@@ -150,7 +153,7 @@ impl Rig {
             let contacts: Vec<Contact<'static>> = (0..self.whiskers.len()).map(|index| self.contact(index)).collect();
             let seq = self.rounds;
             self.rounds += 1;
-            self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts });
+            self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &[] });
             for command in std::mem::take(&mut self.under_way) {
                 self.whiskers[command.whisker].pressure = command.pressure;
                 let (command, report) = (command.key, SetpointReport::Applied(command.pressure));
@@ -192,6 +195,7 @@ impl Rig {
             deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
             strain: Strain::known(per_mm * deflection_mm * one.gain * log_noise.exp()),
             pressure: one.pressure,
+            is_test: false,
         }
     }
 

@@ -84,6 +84,7 @@ impl Watch {
             }
             OperatorAction::Approve { .. }
             | OperatorAction::Refuse { .. }
+            | OperatorAction::TouchTest(_)
             | OperatorAction::Replaced(_)
             | OperatorAction::Rebaseline(_) => {}
         }

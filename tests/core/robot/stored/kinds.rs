@@ -1,7 +1,7 @@
 //! Closed lists of the kinds of events and effects.
 
 use vibrissa_core::robot::effect::Effect;
-use vibrissa_core::robot::event::{Link, Rejection, SetpointReport};
+use vibrissa_core::robot::event::{Link, Rejection, SetpointReport, TestReport};
 use vibrissa_core::robot::{Event, OperatorAction, Scope};
 
 /// Lists patterns that cover a type, each with a name: a pattern that is missing does not compile.
@@ -36,6 +36,12 @@ closed_list! {
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::UnknownWhisker), .. } => "rejected: unknown whisker",
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::WrongBoot), .. } => "rejected: wrong boot",
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::NotReady), .. } => "rejected: not ready",
+    Event::TouchTest { report: TestReport::Accepted, .. } => "test accepted",
+    Event::TouchTest { report: TestReport::Running, .. } => "test running",
+    Event::TouchTest { report: TestReport::Done, .. } => "test done",
+    Event::TouchTest { report: TestReport::Failed, .. } => "test failed",
+    Event::TouchTest { report: TestReport::Rejected(_), .. } => "test rejected",
+    Event::Operator(OperatorAction::TouchTest(_)) => "touch test by hand",
     Event::Operator(OperatorAction::Approve { .. }) => "approve",
     Event::Operator(OperatorAction::Refuse { .. }) => "refuse",
     Event::Operator(OperatorAction::Setpoint { .. }) => "setpoint by hand",
@@ -69,5 +75,8 @@ closed_list! {
     Effect::Alarm { .. } => "alarm",
     Effect::AlarmCleared { .. } => "alarm cleared",
     Effect::Gone { .. } => "gone",
+    Effect::MissedTouch { .. } => "missed touch",
+    Effect::Test(_) => "test",
+    Effect::TestState { .. } => "test state",
     Effect::AskForFactsheet => "ask for factsheet",
 }

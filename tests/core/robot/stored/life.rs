@@ -41,7 +41,13 @@ pub(super) fn step(
         Said::Factsheet(boot, layout) => {
             tell(&Event::Factsheet { boot_id: BOOTS[*boot], factsheet: &factsheet(*layout) })
         }
-        Said::Contacts(boot, seq, contacts) => tell(&Event::Contacts { boot_id: BOOTS[*boot], seq: *seq, contacts }),
+        Said::Contacts(boot, seq, contacts, missed) => {
+            tell(&Event::Contacts { boot_id: BOOTS[*boot], seq: *seq, contacts, missed })
+        }
+        Said::TouchTest(test, report, robot_time) => {
+            let (boot_id, test, report, robot_time) = (BOOTS[test.0], test.1, *report, *robot_time);
+            tell(&Event::TouchTest { boot_id, test, report, robot_time })
+        }
         Said::Status(boot, robot_time, whiskers) => {
             tell(&Event::Status { boot_id: BOOTS[*boot], robot_time: *robot_time, whiskers })
         }

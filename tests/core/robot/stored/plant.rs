@@ -4,10 +4,10 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::Mode;
-use vibrissa_core::robot::effect::Command;
+use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, Rejection,
-    SetpointReport, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
+    Rejection, SetpointReport, Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{OperatorAction, Params, Place, Robot, Scope};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -20,7 +20,8 @@ pub(super) enum Said {
     Connection(usize, Link),
     /// With the layout of this number.
     Factsheet(usize, usize),
-    Contacts(usize, u64, Vec<Contact<'static>>),
+    Contacts(usize, u64, Vec<Contact<'static>>, Vec<MissedTouch<'static>>),
+    TouchTest((usize, CommandKey), TestReport, Micros),
     Status(usize, Micros, Vec<WhiskerStatus<'static>>),
     Setpoint(usize, Command, SetpointReport, Micros),
     Operator(OperatorAction<'static>),
@@ -74,7 +75,8 @@ impl Plant {
                 self.passes(250_000);
                 Said::Tick
             }
-            952..970 => self.answer(),
+            952..964 => self.answer(),
+            964..970 => self.test_answer(robot),
             970..976 => {
                 let whisker = self.random.random_range(0..usize::from(WHISKERS));
                 self.lengths_mm[whisker] = (self.lengths_mm[whisker] - 6.0).max(40.0);
@@ -122,7 +124,8 @@ impl Plant {
             (_, 4..6) => OperatorAction::Hold(Scope::Whisker(whisker)),
             (_, 6..10) => OperatorAction::Release(Scope::Whisker(whisker)),
             (_, 10..12) => OperatorAction::Setpoint { whisker, pressure_mpa: self.random.random_range(0.0..0.2) },
-            (_, 12..14) => OperatorAction::Replaced(whisker),
+            (_, 12) => OperatorAction::Replaced(whisker),
+            (_, 13) => OperatorAction::TouchTest(whisker),
             (_, _) => OperatorAction::Rebaseline(whisker),
         }
     }
@@ -139,7 +142,8 @@ impl Plant {
             _ => self.next[boot],
         };
         self.next[boot] = self.next[boot].max(seq + 1);
-        Said::Contacts(boot, seq, contacts)
+        let missed = if self.random.random_bool(0.02) { vec![self.missed()] } else { Vec::new() };
+        Said::Contacts(boot, seq, contacts, missed)
     }
 
     pub(super) fn contact(&mut self) -> Contact<'static> {
@@ -147,6 +151,7 @@ impl Plant {
         let whisker = self.random.random_range(0..WHISKERS);
         let at = usize::from(whisker);
         let ratio = ContactRatio::known(self.random.random_range(0.5..=1.0));
+        let is_test = self.random.random_bool(0.02);
         let deflection_mm: f64 = self.random.random_range(0.5..5.0);
         let pressure = self.pressures[at];
         let length = Millimetre::known(self.lengths_mm[at]);
@@ -157,11 +162,38 @@ impl Plant {
             array: ARRAY,
             whisker: if self.random.random_bool(0.002) { 99 } else { whisker },
             robot_time: self.time(),
-            place: ContactPlace::Ratio { ratio, sd: None },
+            place: if is_test {
+                ContactPlace::Distance(Distance { at: Millimetre::known(ratio.a() * length.mm()), sd_mm: 0.5 })
+            } else {
+                ContactPlace::Ratio { ratio, sd: None }
+            },
             deflection: Millimetre::known(deflection_mm),
             strain: Strain::known(strain),
             pressure,
+            is_test,
         }
+    }
+
+    /// A touch beyond the tip, or where the robot was wrong.
+    fn missed(&mut self) -> MissedTouch<'static> {
+        let whisker = self.random.random_range(0..WHISKERS);
+        let length_mm = self.lengths_mm[usize::from(whisker)];
+        let at_mm = if self.random.random_bool(0.9) { length_mm + 2.0 } else { 0.7 * length_mm };
+        let at = Distance { at: Millimetre::known(at_mm), sd_mm: 0.5 };
+        MissedTouch { array: ARRAY, whisker, robot_time: self.time(), at }
+    }
+
+    /// An answer to a touch test under way.
+    fn test_answer(&mut self, robot: &Robot) -> Said {
+        let Some((test, _)) = robot.tests_under_way().next() else { return Said::Tick };
+        let report = match self.random.random_range(0..8) {
+            0..2 => TestReport::Accepted,
+            2..4 => TestReport::Running,
+            4..6 => TestReport::Done,
+            6 => TestReport::Failed,
+            _ => TestReport::Rejected(Rejection::NotReady),
+        };
+        Said::TouchTest((self.boot, test), report, self.now)
     }
 
     pub(super) fn status(&mut self) -> Said {
@@ -252,5 +284,8 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
             .collect(),
     };
     let whiskers = (0..whiskers).map(whisker).collect();
-    Factsheet { arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, whiskers }] }
+    Factsheet {
+        arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
+        touch_tests: TouchTests { tip: false, wall: layout != 1 },
+    }
 }

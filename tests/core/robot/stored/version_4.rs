@@ -33,7 +33,11 @@ fn told_of(robot: &Robot) -> String {
     BOOTS[..3].iter().for_each(|boot| told += &format!("{:?}\n", robot.sequence(boot)));
     told += &format!("{:?}\n{:#?}\n", robot.arrays().collect::<Vec<_>>(), robot.compensations());
     told += &format!("{:#?}\n", robot.commands_under_way().collect::<Vec<_>>());
-    (0..robot.whisker_count()).for_each(|index| told += &format!("{:#?}\n", robot.whisker(index).unwrap()));
+    (0..robot.whisker_count()).for_each(|index| {
+        let view = format!("{:#?}\n", robot.whisker(index).unwrap());
+        // No touch tests were known then.
+        told += &view.replace("    touch_test: None,\n", "");
+    });
     told
 }
 
@@ -47,7 +51,7 @@ fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
         let Store { head: now, whiskers: same } = Store::all_of(&robot);
         let is_only_marked = same.iter().zip(whiskers).all(|(now, then)| now[2..] == then[..]);
         assert!(is_only_marked, "whiskers are stored as they were, with the version in two bytes before them");
-        assert_eq!((head[0], now[0]), (4, 5));
+        assert_eq!((head[0], now[0]), (4, 6));
         assert_eq!(Robot::restore(&now, &same).unwrap(), robot);
     }
     let expected = include_str!("../../../data/state-4/robots.txt");

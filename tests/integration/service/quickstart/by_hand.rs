@@ -83,7 +83,8 @@ impl Scene {
 
     /// Waits until the robot has received all earlier messages.
     async fn heard_all(&mut self) {
-        let request = Request { boot_id: BootId::new("s1").unwrap(), seq: 0, request: RequestKind::Factsheet };
+        let request =
+            Request { boot_id: BootId::new("s1").unwrap(), seq: 0, request: RequestKind::Factsheet, touch_test: None };
         self.supervisor.send(RobotTopic::Request, &request).await;
         let factsheet = |heard: Heard| matches!(heard.message, Message::Factsheet(_)).then_some(());
         self.supervisor.expect("a factsheet again", factsheet).await;
@@ -116,7 +117,7 @@ async fn it_is_born_tells_what_is_on_it_and_leaves_a_will() {
     let mut seqs = Vec::new();
     for kind in [None, Some(RequestKind::Factsheet)] {
         if let Some(request) = kind {
-            let request = Request { boot_id: BootId::new("s1").unwrap(), seq: 0, request };
+            let request = Request { boot_id: BootId::new("s1").unwrap(), seq: 0, request, touch_test: None };
             scene.supervisor.send(RobotTopic::Request, &request).await;
         }
         let factsheet = |heard: Heard| match heard.message {

@@ -5,7 +5,7 @@ use borsh::BorshDeserialize;
 
 use crate::robot::compensation::Compensation;
 use crate::robot::effect::WhiskerIndex;
-use crate::robot::event::Link;
+use crate::robot::event::{ArrayKind, Link, Task};
 use crate::robot::params::Params;
 use crate::robot::state::clock::Clock;
 use crate::robot::state::factsheet::share_models;
@@ -13,13 +13,65 @@ use crate::robot::state::head::Head;
 use crate::robot::state::sequence::SequencesOfVersion4;
 use crate::robot::state::tracked::{Tracked, Whiskers};
 use crate::robot::state::whisker::{Holds, Whisker};
-use crate::robot::{Array, Numbers, Robot};
+use crate::robot::{Array, Numbers, Robot, Sequences};
 use crate::text::ShortText;
 use crate::units::Micros;
 
 /// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
 /// length.
-const STATE_VERSION: u16 = 5;
+const STATE_VERSION: u16 = 6;
+
+/// An array up to version 5: all arrays compared readings at equal contact ratio.
+#[derive(BorshDeserialize)]
+struct ArrayOfVersion5 {
+    name: ShortText,
+    kind: ArrayKind,
+}
+
+impl From<ArrayOfVersion5> for Array {
+    fn from(ArrayOfVersion5 { name, kind }: ArrayOfVersion5) -> Self {
+        Self { name, kind, task: Task::Ratio }
+    }
+}
+
+/// The head of version 5. Robots did no touch tests.
+#[derive(BorshDeserialize)]
+struct HeadOfVersion5 {
+    epoch: u64,
+    link: Link,
+    boot_id: Option<ShortText>,
+    clock: Clock,
+    sequences: Sequences,
+    arrays: Vec<ArrayOfVersion5>,
+    compensations: Vec<Compensation>,
+    next_version: u64,
+    next_trim: u32,
+    next_compensation: u32,
+    undecided: bool,
+    held: bool,
+    listening_since: Micros,
+    is_taken_up: bool,
+}
+
+impl From<HeadOfVersion5> for Head {
+    fn from(stored: HeadOfVersion5) -> Self {
+        let HeadOfVersion5 { next_trim, next_compensation, .. } = stored;
+        Self {
+            link: stored.link,
+            boot_id: stored.boot_id,
+            clock: stored.clock,
+            sequences: stored.sequences,
+            arrays: stored.arrays.into_iter().map(Array::from).collect(),
+            compensations: stored.compensations,
+            next_version: stored.next_version,
+            undecided: stored.undecided,
+            held: stored.held,
+            listening_since: stored.listening_since,
+            is_taken_up: stored.is_taken_up,
+            ..Self::new(stored.epoch, Numbers { next_trim, next_compensation })
+        }
+    }
+}
 
 /// The head of version 4. It had the newest robot time instead of a clock, and remembered boots only as long as their
 /// message numbers.
@@ -30,7 +82,7 @@ struct HeadOfVersion4 {
     boot_id: Option<ShortText>,
     _robot_time: Option<Micros>,
     sequences: SequencesOfVersion4,
-    arrays: Vec<Array>,
+    arrays: Vec<ArrayOfVersion5>,
     compensations: Vec<Compensation>,
     next_version: u64,
     next_trim: u32,
@@ -50,7 +102,7 @@ impl From<HeadOfVersion4> for Head {
             boot_id: stored.boot_id,
             clock: Clock::default(),
             sequences: stored.sequences.into(),
-            arrays: stored.arrays,
+            arrays: stored.arrays.into_iter().map(Array::from).collect(),
             compensations: stored.compensations,
             next_version: stored.next_version,
             undecided: stored.undecided,
@@ -62,11 +114,12 @@ impl From<HeadOfVersion4> for Head {
     }
 }
 
-/// Reads the head of this version or of version 4.
+/// Reads the head of this version or of version 4 or 5.
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
         STATE_VERSION => borsh::from_slice::<Head>(bytes),
+        5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
         4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(Head::from),
         _ => return Err(RestoreError::Head),
     };

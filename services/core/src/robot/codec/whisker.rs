@@ -35,7 +35,7 @@ impl Whisker {
     }
 
     /// Presence of the parts that few whiskers have, in stored order.
-    fn has(&self) -> [bool; 9] {
+    fn has(&self) -> [bool; 11] {
         [
             self.rare.pending_trim.is_some(),
             self.rare.whole_offset.is_some(),
@@ -46,6 +46,8 @@ impl Whisker {
             self.rare.unsteady.is_some(),
             !self.refused_servers.is_empty(),
             self.rare.attempts != 0 || self.rare.not_before != Micros::default(),
+            self.rare.reach.is_some(),
+            self.rare.length_test.is_some(),
         ]
     }
 }
@@ -73,11 +75,15 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits] = self.has();
+        let [.., refused, waits, _, _] = self.has();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
-        if waits { (self.rare.attempts, self.rare.not_before).serialize(writer) } else { Ok(()) }
+        if waits {
+            (self.rare.attempts, self.rare.not_before).serialize(writer)?;
+        }
+        self.rare.reach.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.length_test.iter().try_for_each(|one| one.serialize(writer))
     }
 }
 
@@ -90,10 +96,12 @@ impl BorshDeserialize for Whisker {
             Some(VERSION) => encoding::read_u32(reader)?,
             Some(_) => return Err(encoding::invalid("a whisker of a later version")),
         };
-        let flags_of = |bits: u32| encoding::unpack_flags(bits.min(u16::MAX.into()) as u16);
-        let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] = flags_of(flags)?;
-        let has = flags_of(encoding::read_u32(reader)?)?;
-        let [pending_trim, whole_offset, own, erosion, desired, command, unsteady, refused, waits] = has;
+        let bits_of = |flags: u32| flags.min(u16::MAX.into()) as u16;
+        let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] =
+            encoding::unpack_flags(bits_of(flags))?;
+        let has = encoding::unpack_flags(bits_of(encoding::read_u32(reader)?))?;
+        let [pending_trim, whole_offset, own, erosion, desired, command, unsteady, refused, waits, reach, length_test] =
+            has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -136,6 +144,8 @@ impl BorshDeserialize for Whisker {
                 own: of(own, reader)?,
                 erosion: of(erosion, reader)?,
                 unsteady: of(unsteady, reader)?,
+                reach: None,
+                length_test: None,
                 attempts: 0,
                 not_before: Micros::default(),
             }),
@@ -146,6 +156,10 @@ impl BorshDeserialize for Whisker {
         if waits {
             let rare = read.rare.get_or_insert();
             (rare.attempts, rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        if reach || length_test {
+            let rare = read.rare.get_or_insert();
+            (rare.reach, rare.length_test) = (of(reach, reader)?, of(length_test, reader)?);
         }
         Ok(read)
     }

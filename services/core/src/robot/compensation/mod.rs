@@ -15,10 +15,13 @@ use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
 use crate::robot::compensation::refinement::Refining;
 use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
-use crate::robot::event::ArrayKind;
+use crate::robot::event::{ArrayKind, Task};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
+
+/// A whisker covers the reach of one that was longer by no more than this, mm.
+const REACH_TOLERANCE_MM: f64 = 1.0;
 
 /// A compensation in force.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -167,6 +170,9 @@ impl Robot {
         if targets.is_empty() {
             return;
         }
+        if self.head.arrays[usize::from(array)].task == Task::Distance {
+            return self.cover_reach(&targets);
+        }
         let asked: Vec<CandidateProposal<'_>> = targets.iter().flat_map(|&target| self.ask(params, target)).collect();
         let chosen = choose(params, &targets, &asked);
         let chosen_for = |target: usize| chosen.get(&target).copied();
@@ -179,6 +185,21 @@ impl Robot {
         }
         for target in news {
             self.follow(params, target, chosen_for(target), &asked, effects);
+        }
+    }
+
+    /// A cut whisker of an array that reads distances reads as before within its reach, so no pressure is changed. Its
+    /// lost reach is covered if a sound neighbour is as long as it was.
+    fn cover_reach(&mut self, targets: &[WhiskerIndex]) {
+        for &target in targets {
+            let whisker = &self.whiskers[target];
+            let whole_mm = whisker.sheet.length.mm();
+            let neighbours = whisker.sheet.neighbours.iter().filter_map(|&number| self.place(whisker.array, number));
+            let is_covered = neighbours.map(|index| &self.whiskers[index]).any(|one| {
+                one.ineligible(false).is_none() && one.filter.length().length.mm() >= whole_mm - REACH_TOLERANCE_MM
+            });
+            let whisker = &mut self.whiskers[target];
+            (whisker.undecided, whisker.unserved) = (false, !is_covered);
         }
     }
 

@@ -43,7 +43,10 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
         neighbours: neighbours(index),
     };
     let whiskers = lengths_mm.iter().enumerate().map(sheet).collect();
-    let factsheet = Factsheet { arrays: vec![ArraySheet { name: "a".to_owned(), kind, whiskers }] };
+    let factsheet = Factsheet {
+        arrays: vec![ArraySheet { name: "a".to_owned(), kind, task: Task::Ratio, whiskers }],
+        touch_tests: TouchTests::default(),
+    };
     let mut robot = Robot::new(1, Numbers::default());
     robot.lay_out(params, &factsheet, &mut Vec::new());
     for whisker in robot.whiskers.without_mark() {

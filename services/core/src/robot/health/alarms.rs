@@ -10,7 +10,7 @@ use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::state::whisker::Whisker;
 
 /// All kinds except faults, of which there are several. A cause comes before its consequences.
-const KINDS: [AlarmKind; 7] = [
+const KINDS: [AlarmKind; 8] = [
     AlarmKind::SensitivityLoss,
     AlarmKind::Eroding,
     AlarmKind::ArrayShift,
@@ -18,22 +18,24 @@ const KINDS: [AlarmKind; 7] = [
     AlarmKind::SetpointFailed,
     AlarmKind::Uncompensated,
     AlarmKind::Proposed,
+    AlarmKind::ReachLost,
 ];
 
-// A stored state has one byte for these kinds and the bit that says whether a fault follows.
-const _: () = assert!(KINDS.len() < 8, "an eighth kind needs a second byte: see Standing");
+/// The first kinds, which fill a stored byte together with the bit for a fault.
+const IN_ONE_BYTE: u32 = 7;
+/// Two alarms that never stand together, because a condition is either SENSITIVITY_LOSS or ERODING. A stored byte with
+/// both announces another one with the kinds from the eighth on.
+const ANNOUNCES_ANOTHER: u8 = 0b11;
+
+// A second byte has room for as many.
+const _: () = assert!(KINDS.len() <= IN_ONE_BYTE as usize + 8, "stored alarms need a third byte: see Standing");
 
 /// The alarms that stand for a whisker: of its faults only the worst.
-///
-/// The seven kinds and the bit for a fault fill the stored byte. An eighth kind can be stored without a new format
-/// version as follows: a condition is either SENSITIVITY_LOSS or ERODING, so no stored byte has both lowest bits set.
-/// Let such a byte announce two bytes with all kinds, and write it only if a kind from the eighth on stands. States
-/// without such an alarm keep their bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Standing {
     fault: Option<Fault>,
     /// One bit for each of [`KINDS`], the first in the lowest bit.
-    kinds: u8,
+    kinds: u16,
 }
 
 impl Standing {
@@ -50,19 +52,32 @@ impl Standing {
     }
 }
 
-/// The bit after those of the kinds is set if a fault follows.
+/// One byte with the first seven kinds and a bit for a fault that follows. If a further kind stands, a byte that announces
+/// them and the bit for a fault comes first, then one with the first seven kinds and one with the further ones.
 impl BorshSerialize for Standing {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        (self.kinds | u8::from(self.fault.is_some()) << KINDS.len()).serialize(writer)?;
+        let [first, further] = [self.kinds & 0x7f, self.kinds >> IN_ONE_BYTE].map(|bits| bits as u8);
+        let fault = u8::from(self.fault.is_some()) << IN_ONE_BYTE;
+        if further == 0 {
+            (first | fault).serialize(writer)?;
+        } else {
+            (ANNOUNCES_ANOTHER | fault, first, further).serialize(writer)?;
+        }
         self.fault.iter().try_for_each(|fault| fault.serialize(writer))
     }
 }
 
 impl BorshDeserialize for Standing {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let (bits, fault) = (u8::deserialize_reader(reader)?, 1 << KINDS.len());
+        let (bits, fault) = (u8::deserialize_reader(reader)?, 1 << IN_ONE_BYTE);
+        let kinds = if bits & !fault == ANNOUNCES_ANOTHER {
+            let [first, further] = <[u8; 2]>::deserialize_reader(reader)?;
+            u16::from(first) | u16::from(further) << IN_ONE_BYTE
+        } else {
+            u16::from(bits & !fault)
+        };
         let has_fault = (bits & fault != 0).then(|| Fault::deserialize_reader(reader));
-        Ok(Self { fault: has_fault.transpose()?, kinds: bits & !fault })
+        Ok(Self { fault: has_fault.transpose()?, kinds })
     }
 }
 
@@ -98,7 +113,8 @@ impl Whisker {
             self.given_up,
             self.unserved,
             proposed,
+            self.rare.reach.as_ref().is_some_and(|reach| reach.is_silent()),
         ];
-        Standing { fault: self.fault, kinds: encoding::pack_flags(is) as u8 }
+        Standing { fault: self.fault, kinds: encoding::pack_flags(is) }
     }
 }

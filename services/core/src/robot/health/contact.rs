@@ -45,6 +45,8 @@ impl Robot {
             self.conclude(params, index, felt.verdict, effects);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
         }
+        self.follow_reach(params, index, contact, effects);
+        self.request_test(params, now, index, effects);
     }
 
     /// Turns a verdict into a condition.
@@ -63,7 +65,7 @@ impl Robot {
                 }
             }
             Verdict::Dismissed => {
-                if whisker.condition == Condition::Suspected {
+                if whisker.condition == Condition::Suspected && !whisker.is_reach_lost() {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
             }
@@ -169,6 +171,7 @@ impl Robot {
         let length: LengthEstimate = whisker.filter.length();
         whisker.undecided = true;
         whisker.refused_servers.clear();
+        whisker.forget_reach();
         let id = self.head.next_trim;
         self.head.next_trim += 1;
         effects.push(Effect::Trim(Trim {

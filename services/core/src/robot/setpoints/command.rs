@@ -264,6 +264,7 @@ impl Robot {
             self.head.compensations.iter_mut().find(|one| Some(one.id) == flight.command.compensation)
         {
             compensation.settled = true;
+            self.test_after_setpoint(index);
         }
         effects.push(Effect::CommandState {
             command: key,

@@ -24,13 +24,14 @@ impl Robot {
             }
             OperatorAction::Hold(scope) => self.hold(scope),
             OperatorAction::Release(scope) => self.end_hold(scope),
+            OperatorAction::TouchTest(place) => self.test_by_hand(place),
             OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
             OperatorAction::Rebaseline(place) => self.at(place).map(|index| self.rebaseline(params, index, effects)),
         };
         done.map_or_else(Outcome::Refused, |()| Outcome::Taken)
     }
 
-    fn at(&self, place: Place<'_>) -> Result<WhiskerIndex, ActionProblem> {
+    pub(in crate::robot) fn at(&self, place: Place<'_>) -> Result<WhiskerIndex, ActionProblem> {
         self.find(place.array, place.whisker).ok_or(ActionProblem::UnknownWhisker)
     }
 

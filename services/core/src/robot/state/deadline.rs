@@ -48,6 +48,8 @@ impl Robot {
         for index in 0..self.whiskers.len() {
             self.refresh_fault(params, now, index, effects);
             self.reconcile(params, now, index, effects);
+            self.follow_test(now, index, effects);
+            self.request_test(params, now, index, effects);
         }
         let each = |index: WhiskerIndex| self.quiet_until(params, now, index);
         let until = (0..self.whiskers.len()).map(each).try_fold(Micros(u64::MAX), |least, one| Some(least.min(one?)));
@@ -70,7 +72,7 @@ impl Robot {
 impl Whisker {
     /// Until when nothing comes about by time alone; none if something is under way.
     fn quiet_until(&self, params: &Params, now: Micros, listening_since: Micros) -> Option<Micros> {
-        if self.desired.is_some() || self.command.is_some() {
+        if self.desired.is_some() || self.command.is_some() || self.rare.length_test.is_some() {
             return None;
         }
         let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));

@@ -2,8 +2,9 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::robot::event::{ArrayKind, Link};
+use crate::robot::event::{ArrayKind, Link, Task, TouchTests};
 use crate::robot::state::clock::Clock;
+use crate::robot::touch_tests::TestBudget;
 use crate::robot::{Compensation, Numbers, Sequences};
 use crate::text::ShortText;
 use crate::units::Micros;
@@ -32,6 +33,10 @@ pub(in crate::robot) struct Head {
     /// The robot was restored, not met for the first time: the pressures of its whiskers may have been set by commands
     /// that are not known here, because the database was restored or the state could not be read.
     pub is_taken_up: bool,
+    /// Touch tests that the robot can do.
+    pub touch_tests: TouchTests,
+    /// Touch tests requested in the present hour.
+    pub tests: TestBudget,
 }
 
 /// An array of the factsheet.
@@ -41,6 +46,8 @@ pub struct Array {
     pub name: ShortText,
     /// Type 1 or Type 2 of the paper.
     pub kind: ArrayKind,
+    /// Use of its readings.
+    pub task: Task,
 }
 
 impl Head {
@@ -61,6 +68,8 @@ impl Head {
             held: false,
             listening_since: Micros::default(),
             is_taken_up: false,
+            touch_tests: TouchTests::default(),
+            tests: TestBudget::default(),
         }
     }
 }

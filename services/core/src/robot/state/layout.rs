@@ -36,8 +36,9 @@ impl Robot {
     #[must_use]
     pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
         let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
-        let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind));
-        arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind)))
+        let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task));
+        self.head.touch_tests == factsheet.touch_tests
+            && arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task)))
             && self.whiskers.len() == told().count()
             && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
                 self.head.arrays[usize::from(one.array)].name == **array && one.sheet.is_as_told(sheet)
@@ -66,6 +67,7 @@ impl Robot {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
         }
+        self.head.touch_tests = factsheet.touch_tests;
         self.head.undecided = true;
     }
 
@@ -155,7 +157,7 @@ impl Robot {
             }
             new.push(whisker);
         }
-        self.head.arrays.push(Array { name: array.name.as_str().into(), kind: array.kind });
+        self.head.arrays.push(Array { name: array.name.as_str().into(), kind: array.kind, task: array.task });
     }
 
     /// A new whisker in the place of an old one: it is learned anew, and whoever served for it, or whom it

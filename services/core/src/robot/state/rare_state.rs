@@ -2,12 +2,14 @@
 
 use std::ops::Deref;
 
-use crate::estimation::{ErosionWatch, OwnCalibration};
+use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
 use crate::robot::state::whisker::{PendingTrim, Unsteady};
+use crate::robot::touch_tests::LengthTest;
 use crate::units::Micros;
 
-/// State of a whisker that was cut, erodes, serves, is sent setpoints, or is in an array that shifts.
+/// State of a whisker that was cut, erodes, serves, is sent setpoints, is in an array that shifts, or is touched at
+/// known distances.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::robot) struct RareState {
     /// A confirmed cut whose length is not certain enough yet to act on.
@@ -20,6 +22,10 @@ pub(in crate::robot) struct RareState {
     pub erosion: Option<Box<ErosionWatch>>,
     /// The whole array has shifted, and may go on doing so.
     pub unsteady: Option<Unsteady>,
+    /// Distances at which it is touched, once a contact told one.
+    pub reach: Option<Box<Reach>>,
+    /// Measurement of its length by touches, while it goes on.
+    pub length_test: Option<Box<LengthTest>>,
     /// Setpoints that it was sent for the same pressure.
     pub attempts: u8,
     /// No new setpoint before this, by the supervisor's clock.
@@ -32,6 +38,8 @@ static NONE: RareState = RareState {
     own: None,
     erosion: None,
     unsteady: None,
+    reach: None,
+    length_test: None,
     attempts: 0,
     not_before: Micros(0),
 };

@@ -97,13 +97,20 @@ fn any_contact() -> impl Strategy<Value = Contact> {
             strain: numbers[2],
             pressure_mpa: numbers[3],
             temperature_c: numbers[4],
+            test_id: None,
         },
     )
 }
 
 fn any_message() -> impl Strategy<Value = Contacts> {
-    ("[^\\x00-\\x1f\\x7f-\\x9f]{1,64}", 0..10_u64.pow(18), prop::collection::vec(any_contact(), 0..5))
-        .prop_map(|(boot_id, seq, contacts)| Contacts { boot_id: BootId::new(&boot_id).unwrap(), seq, contacts })
+    ("[^\\x00-\\x1f\\x7f-\\x9f]{1,64}", 0..10_u64.pow(18), prop::collection::vec(any_contact(), 0..5)).prop_map(
+        |(boot_id, seq, contacts)| Contacts {
+            boot_id: BootId::new(&boot_id).unwrap(),
+            seq,
+            contacts,
+            missed: Vec::new(),
+        },
+    )
 }
 
 proptest! {

@@ -72,6 +72,8 @@ impl Line {
                     self.publish(at, RobotTopic::Factsheet, &factsheet);
                 }
                 RequestKind::Status => self.publish_status(at, now_us),
+                // Its factsheet names no touch test.
+                RequestKind::TouchTest => {}
             }
         }
     }

@@ -43,7 +43,7 @@ fn a_request_is_answered() {
     let mut bench = Bench::connected(|_| {});
     bench.sent();
     for request in [RequestKind::Factsheet, RequestKind::Status] {
-        bench.send(RobotTopic::Request, &encode(&Request { boot_id: supervisor(), seq: 0, request }));
+        bench.send(RobotTopic::Request, &encode(&Request { boot_id: supervisor(), seq: 0, request, touch_test: None }));
     }
     let sent = bench.sent();
     assert!(matches!(&sent[0], Message::Factsheet(Factsheet { seq: 1, .. })));

@@ -165,7 +165,7 @@ impl ReplayedRobot {
             JournalEvent::Tick => stepper.replay(known, entry, &Event::Tick),
             JournalEvent::Contacts { boot, seq, contacts } => {
                 let contacts: Vec<Contact<'_>> = contacts.iter().filter_map(|one| one.contact(&self.arrays)).collect();
-                let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts };
+                let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts, missed: &[] };
                 stepper.replay(known, entry, &event);
             }
             JournalEvent::Status { boot, robot_time, whiskers } => {

@@ -39,6 +39,12 @@ pub(crate) fn of_content(hashers: &impl BuildHasher, message: &Contacts) -> u32 
         }
         hasher.write_u8(contact.tip.into());
     }
+    for missed in &message.missed {
+        hasher.write(missed.array.as_str().as_bytes());
+        hasher.write_u64(u64::from(missed.whisker));
+        hasher.write_u64(missed.t_us);
+        hasher.write_u64(missed.distance_mm.to_bits());
+    }
     (hasher.finish() as u32).max(2)
 }
 
@@ -88,8 +94,9 @@ mod tests {
             strain,
             pressure_mpa: 0.1,
             temperature_c: 24.0,
+            test_id: None,
         };
-        Contacts { boot_id: BootId::new("b").unwrap(), seq: 0, contacts: vec![contact; 3] }
+        Contacts { boot_id: BootId::new("b").unwrap(), seq: 0, contacts: vec![contact; 3], missed: Vec::new() }
     }
 
     #[test]

@@ -35,6 +35,7 @@ impl Shard {
             Message::Contacts(_) => {}
             Message::Status(message) => stepper.take_status(known, message, now),
             Message::SetpointState(message) => stepper.take_setpoint_state(known, message, now),
+            Message::TestState(message) => stepper.take_test_state(known, message, now),
             // Handled by [`Self::take_connection`] and [`Self::handle_factsheet`].
             Message::Connection(_) | Message::Factsheet(_) => {}
             // Not published by robots: the subscriptions exclude them.
@@ -78,7 +79,7 @@ impl Shard {
         let (reason, problem) = match (self.announced.has(name), contacts) {
             (true, None) => return,
             (true, Some((boot_id, seq))) => {
-                let event = Event::Contacts { boot_id, seq, contacts: &[] };
+                let event = Event::Contacts { boot_id, seq, contacts: &[], missed: &[] };
                 self.announced.early(stepper, name, raw.received, &event);
                 ("unknown_boot", "no factsheet was received from this robot")
             }
@@ -194,7 +195,12 @@ impl Shard {
         let (Some(envelope), Some(known)) = (protocol::envelope(&raw.payload), self.robots.get_mut(&raw.robot)) else {
             return;
         };
-        let contacts = protocol::Contacts { boot_id: envelope.boot_id, seq: envelope.seq, contacts: Vec::new() };
+        let contacts = protocol::Contacts {
+            boot_id: envelope.boot_id,
+            seq: envelope.seq,
+            contacts: Vec::new(),
+            missed: Vec::new(),
+        };
         self.stepper.take_contacts(known, &contacts, None, raw.received);
     }
 

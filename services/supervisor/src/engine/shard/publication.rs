@@ -1,8 +1,8 @@
 //! Publications: setpoints, receipts, requests.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use vibrissa_core::robot::effect::Command;
+use vibrissa_core::robot::effect::{Command, TouchTest};
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
 
 use super::rows::gain;
@@ -10,8 +10,9 @@ use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::seqs::Seqs;
 use crate::outbox::{Publication, Stopwatch};
+use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::ids::command_uuid;
+use vibrissa_edge::ids::{command_id, command_uuid};
 use vibrissa_edge::words::{Word, setpoint_reason};
 
 /// Limit of `held` ranges in a receipt; the core keeps no more.
@@ -82,9 +83,20 @@ impl Stepper {
     }
 
     pub(super) fn publish_request(&mut self, robot: &Name, seqs: &mut Seqs, request: RequestKind) {
-        let request = protocol::Request { boot_id: self.boot_id.clone(), seq: seqs.next_request(), request };
+        let (boot_id, seq) = (self.boot_id.clone(), seqs.next_request());
+        let request = protocol::Request { boot_id, seq, request, touch_test: None };
         let publication = self.publication(robot, RobotTopic::Request, encode(&request));
         self.batch.publish(publication);
+    }
+
+    /// Requests a touch test. The broker forgets it when the robot would reject it as expired.
+    pub(super) fn publish_test(&mut self, known: &mut KnownRobot, test: &TouchTest) {
+        let test_id = command_id(&self.fleet, &known.name, test.key);
+        let sender = (self.boot_id.clone(), known.seqs.next_request());
+        let Some(request) = edge::touch_tests::request(&known.robot, test, test_id, sender) else { return };
+        let valid_for = Duration::from_micros(self.params.command.time_to_live.0);
+        let publication = self.publication(&known.name, RobotTopic::Request, encode(&request));
+        self.batch.publish(Publication { until: Some(Instant::now() + valid_for), ..publication });
     }
 
     fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {

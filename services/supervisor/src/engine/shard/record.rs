@@ -1,7 +1,7 @@
 //! Conversion of the core's effects into rows and publications.
 
 use tracing::{info, warn};
-use vibrissa_core::robot::effect::{CommandState, Effect};
+use vibrissa_core::robot::effect::{CommandState, Effect, TestState};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol as protocol;
 
@@ -207,6 +207,18 @@ impl Stepper {
             Effect::Gone { array, number, .. } => {
                 let whisker = i64::from(number);
                 self.batch.rows_mut().records.push(Record::Gone { robot_id, array, whisker, cleared_us: recorded_us });
+            }
+            Effect::MissedTouch { .. } => self.metrics.missed_touches.inc(),
+            Effect::Test(test) => {
+                self.metrics.touch_tests.count([TestState::Pending.word()]);
+                let (kind, reason) = (test.kind.word(), test.reason.word());
+                info!(robot = %name, whisker = test.whisker, kind, reason, "touch test requested");
+                self.publish_test(known, &test);
+            }
+            Effect::TestState { whisker, state, rejection, .. } => {
+                self.metrics.touch_tests.count([state.word()]);
+                let error = rejection.map(Word::word);
+                info!(robot = %name, whisker, state = state.word(), error, "touch test");
             }
             Effect::AskForFactsheet => {
                 self.publish_request(&known.name, &mut known.seqs, protocol::RequestKind::Factsheet);

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use tracing::{debug, warn};
-use vibrissa_core::robot::event::{Contact, Factsheet, WhiskerStatus};
+use vibrissa_core::robot::effect::CommandKey;
+use vibrissa_core::robot::event::{Contact, Factsheet, MissedTouch, WhiskerStatus};
 use vibrissa_core::robot::{Admission, Event, Outcome, Sequence};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name};
@@ -119,7 +120,14 @@ impl Stepper {
             }
         }
         let boot_id = message.boot_id.as_str();
-        let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts };
+        let mut missed: Vec<MissedTouch<'_>> = Vec::with_capacity(message.missed.len());
+        for one in &message.missed {
+            match edge::missed(one) {
+                Ok(one) => missed.push(one),
+                Err(problem) => self.metrics.refuse(problem.label(), problem, "contacts"),
+            }
+        }
+        let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
         let source = Source { message, boot: known.boot(boot_id) };
         match self.step(known, now, &event, Some(source)) {
@@ -159,6 +167,23 @@ impl Stepper {
             self.metrics.messages_given_up.inc_by(given_up);
         }
         self.receipt(known, boot_id);
+    }
+
+    /// Handles the state of a touch test. One of a test that is over, or of an earlier supervisor, changes nothing.
+    pub(super) fn take_test_state(&mut self, known: &mut KnownRobot, message: &protocol::TestState, now: Micros) {
+        let boot_id = message.boot_id.as_str();
+        if known.robot.connection_state().0 != Some(boot_id) {
+            let reason = if known.boots.get(boot_id).is_some() { "old_boot" } else { "unknown_boot" };
+            return self.violation(reason, "a test state from a boot that is not the newest", &known.name);
+        }
+        let is_of = |test: &CommandKey| command_id(&self.fleet, &known.name, *test) == message.test_id;
+        let found = known.robot.tests_under_way().map(|(test, _)| test).find(is_of);
+        let Some(test) = found else {
+            debug!(robot = %known.name, test_id = message.test_id, "state of a touch test that is over");
+            return;
+        };
+        let (report, robot_time) = (edge::touch_tests::report(message), Micros(message.t_us));
+        self.step(known, now, &Event::TouchTest { boot_id, test, report, robot_time }, None);
     }
 
     pub(super) fn take_setpoint_state(

@@ -25,6 +25,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(release_whisker))
         .routes(routes!(whisker_replaced))
         .routes(routes!(rebaseline_whisker))
+        .routes(routes!(test_whisker))
         .routes(routes!(hold_robot))
         .routes(routes!(release_robot))
         .routes(routes!(approve))
@@ -142,6 +143,9 @@ whisker_actions! {
     /// Relearn a whisker's baseline at its currently estimated length, for example after work on its gauge.
     rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline",
         "REBASELINE", "The baseline is being relearned";
+    /// Have the robot measure the length of a whisker by touches. The robot must name a touch test in its factsheet.
+    test_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/touch_test",
+        "TOUCH_TEST", "The touch test is requested";
 }
 
 /// Defines the actions on a robot.

@@ -124,7 +124,7 @@ impl Journal {
         event: &Event<'_>,
         accepted: Option<&protocol::Contacts>,
     ) {
-        let Event::Contacts { boot_id, seq, contacts } = event else { return };
+        let Event::Contacts { boot_id, seq, contacts, .. } = event else { return };
         let temperatures = accepted.map_or(&[][..], |message| &message.contacts);
         let contacts = if accepted.is_some() { contacts } else { &[][..] };
         self.contacts += contacts.len();
@@ -280,6 +280,7 @@ impl JournalContact {
             deflection: Millimetre::new(self.deflection_mm).ok()?,
             strain: Strain::new(self.strain).ok()?,
             pressure: Megapascal::new(self.pressure_mpa).ok()?,
+            is_test: false,
         })
     }
 }

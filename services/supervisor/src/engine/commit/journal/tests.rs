@@ -41,10 +41,11 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         deflection: Millimetre::known(3.0),
         strain: Strain::known(0.001),
         pressure: Megapascal::known(0.1),
+        is_test: false,
     };
     let mut journal = Journal::default();
     let contacts = [contact; 2];
-    let event = Event::Contacts { boot_id: "b", seq: 9, contacts: &contacts };
+    let event = Event::Contacts { boot_id: "b", seq: 9, contacts: &contacts, missed: &[] };
     let sent = |temperature_c| protocol::Contact {
         array: Name::new("nowhere").unwrap(),
         whisker: 5,
@@ -58,9 +59,10 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         strain: 0.001,
         pressure_mpa: 0.1,
         temperature_c,
+        test_id: None,
     };
     let boot_id = BootId::new("b").unwrap();
-    let message = protocol::Contacts { boot_id, seq: 9, contacts: vec![sent(21.0), sent(22.0)] };
+    let message = protocol::Contacts { boot_id, seq: 9, contacts: vec![sent(21.0), sent(22.0)], missed: Vec::new() };
     journal.contacts(&known, Micros(100), &event, Some(&message));
     journal.tick(&known, Micros(200));
     journal.contacts(&known, Micros(300), &event, None);

@@ -1,0 +1,224 @@
+//! Contacts as evidence of a whisker's length.
+
+use crate::estimation::Reach;
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, Effect, TestReason, WhiskerIndex};
+use crate::robot::event::{Contact, ContactPlace, MissedTouch};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::{PendingTrim, Whisker};
+use crate::robot::touch_tests::LengthTest;
+use crate::units::{Micros, Millimetre};
+
+/// A cut is called when its posterior probability leaves less than this for the length before: five missed touches.
+const UNCHANGED_MAX: f64 = 1e-6;
+/// A suspicion is refuted when the length before has at least this posterior probability.
+const UNCHANGED_MIN: f64 = 0.99;
+/// Touches that a called cut needs: a robot whose wall is away feels nothing at any distance.
+const TOUCHES_MIN: u16 = 3;
+/// Touches and missed touches that a refutation needs.
+const CONTACTS_MIN: u16 = 5;
+/// Standard deviation of a length that is certain enough to be called at once, mm, ...
+const CERTAIN_SD_MM: f64 = 0.5;
+/// ... and after so many tests, mm.
+const USABLE_SD_MM: f64 = 1.5;
+pub(super) const TESTS_MAX: u8 = 3;
+/// Errors of a robot's distances that all contacts share, mm: the length's standard deviation is not smaller.
+const SHARED_SD_MM: f64 = 0.2;
+/// Losses below this are not called, mm: the factory length is not better known.
+const LOSS_MIN_MM: f64 = 0.4;
+
+impl Robot {
+    /// Takes a contact's place in as evidence of the whisker's reach and length.
+    pub(in crate::robot) fn follow_reach(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        contact: &Contact<'_>,
+        effects: &mut Vec<Effect>,
+    ) {
+        let whisker = &mut self.whiskers[index];
+        let is_evidence = match contact.place {
+            ContactPlace::Distance(at) => {
+                whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
+                whisker.add_touch(at.sd_mm, |evidence| evidence.touched(at.at.mm(), at.sd_mm))
+            }
+            ContactPlace::Tip(Some(at)) => {
+                whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
+                whisker.add_touch(at.sd_mm, |evidence| evidence.tip(at.at.mm(), at.sd_mm))
+            }
+            // A ratio to the present length reaches 1 whatever that length is; one to an old length does not.
+            ContactPlace::Ratio { ratio, sd } => {
+                let whole_mm = whisker.sheet.length.mm();
+                let sd_mm = sd.unwrap_or(params.noise.ratio) * whole_mm;
+                whisker.touched_at(params, contact.is_test, ratio.a() * whole_mm, sd_mm);
+                false
+            }
+            ContactPlace::Tip(None) | ContactPlace::Unknown => false,
+        };
+        let is_distance = !matches!(contact.place, ContactPlace::Ratio { .. });
+        self.judge_reach(index, is_distance, effects);
+        if is_evidence {
+            self.judge_length(index, effects);
+        }
+    }
+
+    /// Takes a touch that did not come in as evidence of the whisker's length. The first one begins a measurement.
+    pub(in crate::robot) fn missed_touch(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        missed: &MissedTouch<'_>,
+        effects: &mut Vec<Effect>,
+    ) {
+        let Some(index) = self.find(missed.array, missed.whisker) else { return };
+        let whisker = &mut self.whiskers[index];
+        whisker.heard = Some(now);
+        let length_mm = whisker.filter.length().length.mm();
+        let rare = whisker.rare.get_or_insert();
+        let test = rare.length_test.get_or_insert_with(|| Box::new(LengthTest::new(length_mm)));
+        test.evidence.missed(missed.at.at.mm(), missed.at.sd_mm);
+        test.sd_mm = missed.at.sd_mm;
+        test.contacts = test.contacts.saturating_add(1);
+        effects.push(Effect::MissedTouch { whisker: index });
+        self.judge_length(index, effects);
+        self.request_test(params, now, index, effects);
+    }
+
+    /// Begins or ends the suspicion of a lost reach.
+    fn judge_reach(&mut self, index: WhiskerIndex, is_distance: bool, effects: &mut Vec<Effect>) {
+        let whisker = &self.whiskers[index];
+        let is_suspected = whisker.condition == Condition::Suspected;
+        let is_measured = whisker.rare.length_test.is_some();
+        if whisker.is_reach_lost() {
+            if !is_measured {
+                self.whiskers[index].suspect_reach();
+            }
+            // A robot that states ratios may have changed its habits: its readings go on being used.
+            if is_distance && self.whiskers[index].condition == Condition::Healthy {
+                self.set_condition(index, Condition::Suspected, effects);
+            }
+            return;
+        }
+        if is_measured && whisker.is_measured_for_silence() {
+            self.whiskers[index].end_measurement();
+        }
+        let whisker = &self.whiskers[index];
+        if is_distance && is_suspected && whisker.detector.is_calm() && whisker.rare.length_test.is_none() {
+            self.set_condition(index, Condition::Healthy, effects);
+        }
+    }
+
+    /// Calls a cut, refutes one, or goes on.
+    pub(super) fn judge_length(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &self.whiskers[index];
+        let Some(test) = &whisker.rare.length_test else { return };
+        let posterior = test.evidence.posterior();
+        let is_last = test.done >= TESTS_MAX;
+        let sd_most_mm = if is_last { USABLE_SD_MM } else { CERTAIN_SD_MM };
+        // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
+        let may_refute = test.in_flight.is_none() && (test.done > 0 || !whisker.is_reach_lost());
+        let length_before_mm = test.evidence.length_mm();
+        let is_shorter = posterior.unchanged < UNCHANGED_MAX
+            && test.touches >= TOUCHES_MIN
+            && posterior.sd_mm <= sd_most_mm
+            && posterior.mean_mm < length_before_mm - LOSS_MIN_MM;
+        if is_shorter {
+            let contacts = test.contacts.into();
+            self.call_measured(index, posterior.mean_mm, posterior.sd_mm.hypot(SHARED_SD_MM), contacts, effects);
+        } else if posterior.unchanged > UNCHANGED_MIN && test.contacts >= CONTACTS_MIN && may_refute {
+            let whisker = &mut self.whiskers[index];
+            // Silence that is refuted was a change of habits.
+            if whisker.is_reach_lost() {
+                whisker.forget_reach();
+            }
+            whisker.end_measurement();
+            if whisker.condition == Condition::Suspected && whisker.detector.is_calm() {
+                self.set_condition(index, Condition::Healthy, effects);
+            }
+        }
+    }
+
+    /// Calls a trim of a measured length.
+    fn call_measured(
+        &mut self,
+        index: WhiskerIndex,
+        length_mm: f64,
+        sd_mm: f64,
+        contacts: u32,
+        effects: &mut Vec<Effect>,
+    ) {
+        let whisker = &mut self.whiskers[index];
+        let Ok(length) = Millimetre::new(length_mm) else { return };
+        let length_before_mm = whisker.filter.length().length.mm();
+        if !whisker.filter.measured_length(length, sd_mm) {
+            return;
+        }
+        whisker.detector = crate::detection::Detector::default();
+        if whisker.is_at_nominal_pressure() {
+            whisker.rare.get_or_insert().whole_offset.get_or_insert_with(|| whisker.filter.offset());
+        }
+        let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
+        whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
+            length_before_mm: before,
+            contacts_since_change: contacts,
+            contacts_since_confirmed: 0,
+        });
+        self.call_trim(index, effects);
+    }
+}
+
+impl Whisker {
+    /// Whether contacts near the tip have failed to come for suspiciously long.
+    pub(in crate::robot) fn is_reach_lost(&self) -> bool {
+        self.rare.reach.as_ref().is_some_and(|reach| reach.is_silent())
+    }
+
+    fn touched_at(&mut self, params: &Params, is_test: bool, distance_mm: f64, sd_mm: f64) {
+        if is_test {
+            return;
+        }
+        let length_mm = self.filter.length().length.mm();
+        let reach = self.rare.get_or_insert().reach.get_or_insert_with(|| Box::new(Reach::new(length_mm)));
+        reach.follow(distance_mm, sd_mm, params.touch_tests.contacts_between_false_alarms);
+    }
+
+    /// Adds a touch to a measurement that goes on; false if none does.
+    fn add_touch(&mut self, sd_mm: f64, add: impl FnOnce(&mut crate::estimation::LengthEvidence)) -> bool {
+        let Some(test) = self.rare.get_mut().and_then(|rare| rare.length_test.as_mut()) else { return false };
+        add(&mut test.evidence);
+        test.sd_mm = sd_mm;
+        test.touches = test.touches.saturating_add(1);
+        test.contacts = test.contacts.saturating_add(1);
+        true
+    }
+
+    /// Begins a measurement because of silence near the tip.
+    fn suspect_reach(&mut self) {
+        let length_mm = self.filter.length().length.mm();
+        let Some(shortest_mm) = self.rare.reach.as_ref().map(|reach| reach.shortest_mm()) else { return };
+        let mut test = LengthTest::new(length_mm);
+        test.evidence.hardly_below(shortest_mm);
+        test.wanted = Some(TestReason::Suspicion);
+        self.rare.get_or_insert().length_test = Some(Box::new(test));
+    }
+
+    /// Whether its length is measured only because of silence, and no test of it is under way.
+    fn is_measured_for_silence(&self) -> bool {
+        self.rare.length_test.as_ref().is_some_and(|test| {
+            test.in_flight.is_none() && test.done == 0 && test.wanted == Some(TestReason::Suspicion)
+        })
+    }
+
+    pub(super) fn end_measurement(&mut self) {
+        if let Some(rare) = self.rare.get_mut() {
+            rare.length_test = None;
+        }
+    }
+
+    /// Learns the reach anew, at another length or because a test has refuted a suspicion.
+    pub(in crate::robot) fn forget_reach(&mut self) {
+        if let Some(rare) = self.rare.get_mut() {
+            (rare.reach, rare.length_test) = (None, None);
+        }
+    }
+}
