@@ -42,6 +42,14 @@ export function whiskerActions(whisker, done) {
       ],
       button: "Release",
     }),
+    touch_test: () => ({
+      title: `Measure the length of ${name} by touches`,
+      what: [
+        "The robot touches the whisker near its tip on request, at most thirty times. Touches that come and touches that do not give the length: a cut is called, or a suspicion is refuted.",
+        "The pressure does not change. A robot whose factsheet names no touch test refuses.",
+      ],
+      button: "Touch test",
+    }),
     replaced: () => ({
       title: `Mark ${name} as replaced`,
       what: [

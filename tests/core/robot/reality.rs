@@ -162,3 +162,19 @@ fn each_row_runs_and_each_word_names_its_row() {
         assert_eq!(figures.found.len(), whiskers, "{}", nuisance.word());
     }
 }
+
+#[test]
+fn property_each_place_finds_the_cuts_that_it_can_show() {
+    let found = |place| {
+        let plan = Plan { seed: 4, rows: vec![Row::real(Nuisance::Ideal)], place, contacts: 6000, incidents: 7 };
+        let figures = evaluate(&plan, &|| ()).remove(0);
+        assert_eq!(figures.healthy.trims, 0, "{place:?}");
+        figures.found_from_2_mm().ratio().unwrap()
+    };
+    for place in [Place::Tip, Place::DistanceTests] {
+        assert_eq!(found(place), 1.0, "{place:?}");
+    }
+    for place in [Place::Distance, Place::Unknown] {
+        assert_eq!(found(place), 0.0, "{place:?}");
+    }
+}

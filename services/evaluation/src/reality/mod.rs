@@ -42,17 +42,37 @@ pub enum Place {
     /// The contact ratio to the present length.
     #[default]
     Ratio,
+    /// Each contact is at the tip.
+    Tip,
+    /// The distance from the base.
+    Distance,
+    /// The distance from the base, from a robot that does touch tests at given distances.
+    DistanceTests,
+    /// None.
+    Unknown,
 }
 
 impl Place {
     /// All kinds of places.
-    pub const ALL: [Self; 1] = [Self::Ratio];
+    pub const ALL: [Self; 5] = [Self::Ratio, Self::Tip, Self::Distance, Self::DistanceTests, Self::Unknown];
 
     /// Name in tables, JSON and on the command line.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Ratio => "RATIO",
+            Self::Tip => "TIP",
+            Self::Distance => "DISTANCE",
+            Self::DistanceTests => "DISTANCE_TESTS",
+            Self::Unknown => "UNKNOWN",
+        }
+    }
+
+    /// Whether objects stand at distances from the base, whatever the whisker's length, and the task is to read there.
+    pub(crate) fn is_distance(self) -> bool {
+        match self {
+            Self::Distance | Self::DistanceTests => true,
+            Self::Ratio | Self::Tip | Self::Unknown => false,
         }
     }
 }

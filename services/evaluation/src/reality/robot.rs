@@ -1,10 +1,10 @@
 //! A robot with true whiskers, connected to the core by events, without messages.
 
 use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::effect::{Command, CommandKey, Effect};
+use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, SetpointReport, Task, TouchTests,
-    WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, SetpointReport,
+    Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place as At, Robot as Core};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -114,7 +114,7 @@ impl Robot {
             every_s: if nuisances.leak > 0.0 { LEAK_STATUS_S } else { STATUS_S },
         };
         robot.step(&Event::Connection { boot_id: BOOT, link: Link::Online });
-        robot.step(&Event::Factsheet { boot_id: BOOT, factsheet: &factsheet(layout) });
+        robot.step(&Event::Factsheet { boot_id: BOOT, factsheet: &factsheet(layout, place) });
         robot
     }
 
@@ -135,7 +135,7 @@ impl Robot {
         for number in 0..WHISKERS {
             let at = Circumstances { pressure_mpa: self.air[number].pressure_mpa(), ..shared };
             let pressure_mpa = self.air[number].reading_mpa();
-            let touch = self.whiskers[number].touch(&at);
+            let touch = self.whiskers[number].touch_at(&at, self.place);
             message.extend(touch.map(|touch| self.contact(number, &touch, pressure_mpa)));
         }
         let seq = self.seq;
@@ -148,6 +148,12 @@ impl Robot {
     fn contact(&self, number: usize, touch: &Touch, pressure_mpa: f64) -> Contact<'static> {
         let place = match self.place {
             Place::Ratio => ContactPlace::Ratio { ratio: ContactRatio::known(touch.ratio), sd: None },
+            Place::Tip => ContactPlace::Tip(None),
+            Place::Distance | Place::DistanceTests => {
+                let at = Millimetre::known(touch.distance_mm);
+                ContactPlace::Distance(Distance { at, sd_mm: self.whiskers[number].distance_sd_mm() })
+            }
+            Place::Unknown => ContactPlace::Unknown,
         };
         let (array, whisker) = self.layout.place(number);
         Contact {
@@ -234,9 +240,44 @@ impl Robot {
             .extend(effects.drain(..).filter(|effect| !matches!(effect, Effect::Contact(_) | Effect::Response(_))));
         self.effects = effects;
         let commands: Vec<Command> = self.told[first..].iter().filter_map(command_of).collect();
+        let tests: Vec<TouchTest> = self.told[first..].iter().filter_map(test_of).collect();
         for command in commands {
             self.obey(&command);
         }
+        for test in tests {
+            self.test(&test);
+        }
+    }
+
+    /// Does a touch test at once, and reports it.
+    fn test(&mut self, test: &TouchTest) {
+        let number = test.whisker;
+        let (array, whisker) = self.layout.place(number);
+        let at = Circumstances {
+            habit: self.course.habit,
+            warmer_k: self.course.warmer_k(),
+            log_shift: self.course.log_shift,
+            pause_s: self.course.pause_s,
+            held_s: self.course.held_s,
+            pressure_mpa: self.air[number].pressure_mpa(),
+        };
+        let (mut contacts, mut missed) = (Vec::new(), Vec::new());
+        for turn in 0..usize::from(test.contacts) {
+            let distance_mm = test.distances_mm[turn % test.distances_mm.len()];
+            let deflection_mm = test.deflections_mm[turn % test.deflections_mm.len()];
+            if let Some(touch) = self.whiskers[number].touch_on_request(&at, distance_mm, deflection_mm) {
+                let pressure_mpa = self.air[number].reading_mpa();
+                contacts.push(Contact { is_test: true, ..self.contact(number, &touch, pressure_mpa) });
+            } else {
+                let sd_mm = self.whiskers[number].distance_sd_mm();
+                let at = Distance { at: Millimetre::known(distance_mm), sd_mm };
+                missed.push(MissedTouch { array, whisker, robot_time: self.now(), at });
+            }
+        }
+        let (seq, robot_time) = (self.seq, self.now());
+        self.seq += 1;
+        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &missed });
+        self.step(&Event::TouchTest { boot_id: BOOT, test: test.key, report: TestReport::Done, robot_time });
     }
 
     fn obey(&mut self, command: &Command) {
@@ -249,6 +290,14 @@ impl Robot {
     }
 }
 
+/// The touch test of an effect.
+fn test_of(effect: &Effect) -> Option<TouchTest> {
+    match effect {
+        Effect::Test(test) => Some((**test).clone()),
+        _ => None,
+    }
+}
+
 /// The setpoint of an effect.
 fn command_of(effect: &Effect) -> Option<Command> {
     match effect {
@@ -258,7 +307,7 @@ fn command_of(effect: &Effect) -> Option<Command> {
     }
 }
 
-fn factsheet(layout: Layout) -> Factsheet {
+fn factsheet(layout: Layout, place: Place) -> Factsheet {
     let sheet = |number: usize| {
         let is_neighbour = |other: &u16| layout != Layout::Single && usize::from(*other).abs_diff(number) == 1;
         WhiskerSheet {
@@ -275,12 +324,12 @@ fn factsheet(layout: Layout) -> Factsheet {
     let array = |(name, numbers): (&str, std::ops::Range<usize>)| ArraySheet {
         name: name.to_owned(),
         kind: if layout == Layout::Neighbours { ArrayKind::Type1 } else { ArrayKind::Type2 },
-        task: Task::Ratio,
+        task: if place.is_distance() { Task::Distance } else { Task::Ratio },
         whiskers: numbers.map(sheet).collect(),
     };
     let arrays = match layout {
         Layout::Neighbours | Layout::Together => vec![array((ARRAYS[0], 0..WHISKERS))],
         Layout::Single => (0..WHISKERS).map(|number| array((ARRAYS[number], number..number + 1))).collect(),
     };
-    Factsheet { arrays, touch_tests: TouchTests::default() }
+    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place == Place::DistanceTests } }
 }

@@ -6,6 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
+use super::Place;
 use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
 use super::rubber::{Press, Rubber};
 
@@ -74,6 +75,8 @@ pub struct Circumstances {
 pub struct Touch {
     /// Contact ratio to the present length, with its error.
     pub ratio: f64,
+    /// Distance from the base with its error, mm.
+    pub distance_mm: f64,
     /// Deflection, mm.
     pub deflection_mm: f64,
     /// Strain, m/m.
@@ -153,18 +156,32 @@ impl Whisker {
         }
     }
 
-    /// Makes a contact; `None` on the chamber.
+    /// Makes a contact at a ratio to the present length; `None` on the chamber.
+    pub fn touch(&mut self, at: &Circumstances) -> Option<Touch> {
+        self.touch_at(at, Place::Ratio)
+    }
+
+    /// Makes a contact where the objects of robots stand that know such a place; `None` on the chamber, and where the
+    /// whisker does not reach.
     ///
     /// Each contact takes the same number of draws in each row, so that rows differ by their nuisance alone.
-    pub fn touch(&mut self, at: &Circumstances) -> Option<Touch> {
+    pub fn touch_at(&mut self, at: &Circumstances, kind: Place) -> Option<Touch> {
         let [place, force, way, peak, rare]: [f64; 5] = std::array::from_fn(|_| self.contact_stream.random());
         let noise: [f64; 6] = std::array::from_fn(|_| normal(&mut self.noise_stream));
         let within = |(low, high): (f64, f64), share: f64| low + share * (high - low);
-        let ratio = within(at.habit.ratios, place);
+        let drawn = within(at.habit.ratios, place);
+        let ratio = match kind {
+            Place::Ratio | Place::Unknown => drawn,
+            Place::Tip => 1.0,
+            Place::Distance | Place::DistanceTests => drawn * self.whole_mm / self.length_mm,
+        };
         let deflection_mm = within(at.habit.deflections_mm, force);
         let peak_mm =
             if way < ON_THE_WAY_OUT { within((deflection_mm, DEFLECTION_MAX_MM), peak) } else { deflection_mm };
         let log_gain = self.log_gain() + self.per_k * at.warmer_k + at.log_shift;
+        if ratio > 1.0 {
+            return None;
+        }
         self.live(noise[4], noise[5]);
 
         let true_per_mm = self.sensitivity_per_mm(ratio, at.pressure_mpa)?;
@@ -175,11 +192,28 @@ impl Whisker {
         let strain = true_per_mm * felt_mm * straight * (log_gain + self.correlated + independent * noise[0]).exp();
         Some(Touch {
             ratio: ((1e4 * (ratio + self.nuisances.ratio_sd * noise[1])).round() / 1e4).clamp(0.01, 1.0),
+            distance_mm: ((ratio + self.nuisances.ratio_sd * noise[1]) * self.length_mm).max(0.1),
             deflection_mm: (deflection_mm * (1.0 + DEFLECTION_RELATIVE * noise[2])).max(0.01),
             strain: (strain + STRAIN_FLOOR * noise[3]).clamp(-0.5, 0.5),
             true_per_mm,
             true_deflection_mm: deflection_mm,
         })
+    }
+
+    /// Makes a contact on request, at a distance in mm that the robot misses by its usual error, and at a deflection in mm;
+    /// `None` where the whisker does not reach.
+    pub fn touch_on_request(&mut self, at: &Circumstances, distance_mm: f64, deflection_mm: f64) -> Option<Touch> {
+        let off_mm = self.distance_sd_mm() * normal(&mut self.contact_stream);
+        let ratio = (distance_mm + off_mm) / self.whole_mm;
+        let habit = Habit { ratios: (ratio, ratio), deflections_mm: (deflection_mm, deflection_mm) };
+        let touch = self.touch_at(&Circumstances { habit, ..*at }, Place::Distance)?;
+        Some(Touch { distance_mm, ..touch })
+    }
+
+    /// Standard deviation of the robot's distances, mm.
+    #[must_use]
+    pub fn distance_sd_mm(&self) -> f64 {
+        (self.nuisances.ratio_sd * self.whole_mm).max(0.1)
     }
 
     /// Advances correlated noise and walking gain by one contact.

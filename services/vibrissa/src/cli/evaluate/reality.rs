@@ -28,12 +28,22 @@ pub struct RealityArgs {
     /// Rows, each at all its strengths (`mix,ar1`) or at one (`temperature:2`); all rows if not given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = rows_of)]
     rows: Vec<Rows>,
+    /// Place that the robots know of their contacts: RATIO, TIP, DISTANCE, DISTANCE_TESTS (with touch tests) or UNKNOWN.
+    #[arg(long, default_value = "RATIO", value_parser = place_of)]
+    place: Place,
     /// Print everything as JSON instead of a table.
     #[arg(long)]
     json: bool,
     /// Draw the figures as an SVG file into this folder.
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
+}
+
+fn place_of(word: &str) -> Result<Place, String> {
+    Place::ALL.into_iter().find(|place| place.word() == word).ok_or_else(|| {
+        let words: Vec<&str> = Place::ALL.iter().map(|place| place.word()).collect();
+        format!("the places are {}", words.join(", "))
+    })
 }
 
 /// Rows of one name.
@@ -62,7 +72,7 @@ fn rows_of(text: &str) -> Result<Rows, String> {
 pub fn run(args: &RealityArgs, out: &mut dyn Write) -> Result<()> {
     let named: Vec<Row> = args.rows.iter().flat_map(|rows| rows.0.iter().copied()).collect();
     let rows = if named.is_empty() { Row::of(&Nuisance::ALL) } else { named };
-    let plan = Plan { seed: args.seed, rows, place: Place::Ratio, contacts: args.contacts, incidents: args.cuts };
+    let plan = Plan { seed: args.seed, rows, place: args.place, contacts: args.contacts, incidents: args.cuts };
     let bar = ProgressBar::new(plan.trials());
     bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} robots, {eta} left")?);
     let found = evaluate(&plan, &|| bar.inc(1));
@@ -267,7 +277,8 @@ mod tests {
         let told = |json: bool, svg: Option<PathBuf>| {
             let rows = vec![rows_of("ideal").unwrap(), rows_of("ar1:2").unwrap()];
             let mut out = Vec::new();
-            run(&RealityArgs { seed: 5, contacts: 3000, cuts: 4, rows, json, svg }, &mut out).unwrap();
+            run(&RealityArgs { seed: 5, contacts: 3000, cuts: 4, rows, place: Place::Ratio, json, svg }, &mut out)
+                .unwrap();
             String::from_utf8(out).unwrap()
         };
         let table = told(false, Some(folder.clone()));
