@@ -208,8 +208,8 @@ words!(
         /// Sweep an object so that the contact leaves over the tip. The contacts have `tip`, and `distance_mm` if the robot
         /// can measure it.
         Tip = "TIP",
-        /// Press against a known surface at the given distances and deflections. The contacts have `distance_mm`; touches
-        /// that do not come are listed in `missed`.
+        /// Press against a known surface at the given distances and deflections. The contacts have `distance_mm`; the list
+        /// `missed` has the touches that did not come.
         Wall = "WALL",
     }
 );

@@ -1,7 +1,7 @@
 //! The present length from touches at known distances: those that came, those that did not, and those at the tip.
 //!
 //! A touch at distance d shows that the whisker is at least that long, a missed one that it is shorter, within the error
-//! of the distance. The posterior is kept on a grid of lengths, because none of these likelihoods is normal.
+//! of the distance. The posterior is a list of likelihoods of lengths on a grid: none of them is normal.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 use statrs::function::erf::erfc;
@@ -86,7 +86,7 @@ impl LengthEvidence {
         for (index, log) in self.log.iter_mut().enumerate() {
             *log += likelihood(sd_mm, at(length_mm, index)).ln() as f32;
         }
-        // Only differences count; the largest is kept at 0, so that the sums stay small.
+        // Only differences count. With the largest at 0 the sums stay small.
         let most = self.log.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         self.log.iter_mut().for_each(|log| *log -= most);
     }
@@ -95,7 +95,7 @@ impl LengthEvidence {
         self.log.iter().enumerate().map(|(index, log)| (at(self.length_mm, index), f64::from(*log).exp()))
     }
 
-    /// The posterior.
+    /// The posterior of the length, from all evidence so far.
     #[must_use]
     pub fn posterior(&self) -> LengthPosterior {
         let unchanged = self.weights().next().map_or(0.0, |(_, weight)| weight);
@@ -114,7 +114,7 @@ impl LengthEvidence {
     }
 
     /// Distances at which further touches tell most about the length, mm, in rising order: evenly by probability,
-    /// because a touch at the middle of what is possible is as likely to come as not. `sd_mm` is the standard deviation
+    /// because a touch at the median of the possible lengths is as likely to come as not. `sd_mm` is the standard deviation
     /// of the robot's distances: a touch so close to the tip of an uncut whisker that it may be missed tells little.
     #[must_use]
     pub fn informative_mm(&self, count: usize, sd_mm: f64) -> Vec<f64> {

@@ -48,7 +48,7 @@ pub enum Place {
     Distance,
     /// The distance from the base, from a robot that does touch tests at given distances.
     DistanceTests,
-    /// None.
+    /// No place at all.
     Unknown,
 }
 

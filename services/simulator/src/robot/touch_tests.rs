@@ -108,7 +108,7 @@ impl Robot {
                 distance_sd_mm: Some(whisker.plant.distance_sd_mm()),
                 test_id,
             }),
-            // On the chamber nothing is felt.
+            // A touch on the chamber gives no strain.
             (Ok(None), None) | (Err(_), _) => {}
         }
     }

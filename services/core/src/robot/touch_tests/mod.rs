@@ -59,7 +59,7 @@ struct TestInFlight {
     until: Micros,
 }
 
-/// Touch tests that a robot was asked for in the present hour.
+/// Number of touch tests requested from a robot in the present hour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct TestBudget {
     /// Start of the hour, by the supervisor's clock.
