@@ -2,3 +2,5 @@
 
 mod losses;
 mod rig;
+mod scrapes;
+mod second_cuts;
