@@ -24,7 +24,7 @@ pub enum Class {
     Trim,
     /// A whisker loses 0.001 to 0.008 mm with each contact.
     Erosion,
-    /// All sensitivities of the array change by 3 to 15 %: temperature, or wrongly reported deflections.
+    /// All sensitivities of the array change by 3 to 10 % at most: temperature, or wrongly reported deflections.
     ArrayShift,
     /// A gauge's zero drifts by 40 to 160 times the noise floor, in either direction.
     BaselineDrift,

@@ -188,6 +188,13 @@ impl Candidates {
         f64::from(self.shiryaev[index])
     }
 
+    /// Log likelihood ratio of a hypothesis against no change since its most likely start; minus infinity before the
+    /// first contact.
+    #[must_use]
+    pub fn log_ratio(&self, index: usize) -> f64 {
+        f64::from(self.cusum[index]).ln()
+    }
+
     /// Largest CUSUM likelihood ratio over all hypotheses.
     #[must_use]
     pub fn cusum_max(&self) -> f64 {

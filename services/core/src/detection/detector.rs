@@ -15,6 +15,9 @@
 //! configured rate. Then the kind of change is determined ([`super::kinds`]), and the array's other whiskers are
 //! checked for the same change. After a decision everything starts anew.
 //!
+//! **A larger change meanwhile.** A suspected small change must not hide a large one: a step of at least twice its size
+//! that began later, and would raise an alarm beside it, becomes the suspicion.
+//!
 //! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts no change is reported.
 
 use borsh::io::{Read, Result, Write};
@@ -23,8 +26,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::candidate::{Candidates, Fit};
 use super::continuation::Continuations;
 use super::hypothesis::{ALL, Kind};
-use super::kinds::{Change, Explanation, best};
+use super::kinds::{Change, Explanation, best, limits};
 use crate::estimation::Innovation;
+use crate::estimation::filter::LENGTH;
 
 /// Threshold as a share of the configured mean number of contacts between false alarms. The statistic overshoots
 /// its threshold by a factor, and the mean number of contacts is the mean of the statistic at the crossing. With
@@ -52,6 +56,14 @@ const GOES_ON_LOG_RATIO: f64 = 0.4;
 const SURELY_GOES_ON_LOG_RATIO: f64 = 2.0;
 /// After this multiple of the contacts at the alarm, plus this many, the kind is decided without a sufficient lead.
 const PATIENCE: (u32, u32) = (4, 400);
+/// A later change takes over the suspicion only if it is at least this many times as large: smaller ones belong to the
+/// suspected one.
+const LARGER: f64 = 2.0;
+/// ... and if it is sudden: a suspected drift that goes on would explain it otherwise, contacts.
+const SUDDEN_CONTACTS: u32 = 40;
+/// Least size of it beside a suspected drift of the baseline, in ln length: 3.5 mm of 70. The drift is no length, so that
+/// the sizes do not compare.
+const LARGER_THAN_DRIFT: f64 = 0.05;
 /// The detector is calm while every CUSUM likelihood ratio is below this value.
 const CALM_BELOW: f64 = 20.0;
 
@@ -225,6 +237,10 @@ impl Detector {
     ) -> Verdict {
         suspicion.fresh_log_ratio += fresh_log_ratio;
         suspicion.contacts_since = suspicion.contacts_since.saturating_add(1);
+        if let Some(larger) = self.larger(params, &suspicion) {
+            self.suspicion = Some(Box::new(larger));
+            return Verdict::Alarm;
+        }
         let gone = self.candidates.contacts(usize::from(suspicion.candidate)) == 0;
         if suspicion.fresh_log_ratio <= -FRESH_LOOK_LOG_RATIO || gone {
             self.dismiss();
@@ -238,6 +254,38 @@ impl Detector {
             *self = Self::default();
         }
         verdict
+    }
+
+    /// A larger step that began after the suspected change, if it would raise an alarm by itself.
+    ///
+    /// The suspected change, of which the state lacks e, explains a share q (2 - q) of the log likelihood that a step of
+    /// size s gains, with q = e / s; the rest must reach the threshold. The size of the later step contains what the state
+    /// lacks of the earlier one, so that a jump by it takes out both.
+    fn larger(&self, params: &DetectionParams, suspicion: &Suspicion) -> Option<Suspicion> {
+        let suspected = usize::from(suspicion.candidate);
+        let since = self.candidates.contacts(suspected);
+        let is_drift = ALL[suspected].kind == Kind::Drifting;
+        let fitted = self.candidates.evidence(suspected).fit((f64::NEG_INFINITY, f64::INFINITY));
+        let lacks = |index: usize, size: f64| size * self.candidates.lacking(index)[LENGTH];
+        let earlier = if is_drift { 0.0 } else { fitted.map_or(0.0, |fit| lacks(suspected, fit.size)) };
+        let threshold = (THRESHOLD_SHARE * params.contacts_between_false_alarms).ln();
+        let steps = ALL.iter().enumerate().filter(|(_, supposed)| !supposed.kind.is_gradual());
+        let larger = steps.filter_map(|(index, supposed)| {
+            let contacts = self.candidates.contacts(index);
+            let log_ratio = self.candidates.log_ratio(index);
+            if contacts == 0 || contacts >= since.min(SUDDEN_CONTACTS) || log_ratio < threshold {
+                return None;
+            }
+            let fit = self.candidates.evidence(index).fit(limits(supposed.kind, 0.0))?;
+            let step = lacks(index, fit.size);
+            let is_larger = step.abs() >= LARGER * earlier.abs() && (!is_drift || step.abs() >= LARGER_THAN_DRIFT);
+            let rest = (1.0 - (earlier / step).max(0.0)).powi(2) * log_ratio;
+            let takes_over = is_larger && rest + supposed.weight.ln() >= threshold;
+            takes_over.then_some((index, fit, contacts, rest))
+        });
+        let (index, fit, contacts_at_alarm, _) = larger.max_by(|a, b| a.3.total_cmp(&b.3))?;
+        let candidate = index as u8;
+        Some(Suspicion { candidate, size: fit.size, contacts_at_alarm, contacts_since: 0, fresh_log_ratio: 0.0 })
     }
 
     /// Ends the alarm. Gradual changes keep their starts: one dismissed too early would look like a step the next

@@ -21,6 +21,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::leak_test::LeakTest;
 use super::pool::Pool;
 use super::refill::Refills;
 use super::sealed_interval::SealedInterval;
@@ -99,6 +100,7 @@ pub struct LeakWatch {
     refills: [Refills; 2],
     is_leaking: bool,
     rate: Rate,
+    test: LeakTest,
 }
 
 /// Reported rate, per second: its mean and half the width of its 95 % interval.
@@ -128,12 +130,33 @@ struct Bin {
     mpa: f32,
 }
 
+/// What the readings of a longer time show.
+struct Evidence {
+    /// Part of each threshold that counts: half while a leak is called.
+    part: f64,
+    /// Lower bound of the loss that refills replace, per second.
+    refilled: f64,
+    is_refilled: bool,
+    /// Rate of the falling lines.
+    fitted: Option<Interval>,
+}
+
+impl Evidence {
+    fn shows_leak(&self, params: &LeakParams) -> bool {
+        // The test is repeated for the chamber's whole life, so the threshold lies well beyond the interval's bound.
+        let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
+        let fallen = self.fitted.map_or(0.0, |rate| if self.part < 1.0 { rate.mean } else { surely(rate) });
+        self.is_refilled || fallen > self.part * params.rate_max_per_s
+    }
+}
+
 impl LeakWatch {
     /// Valves are or may be open on purpose: readings until `settling` has passed are ignored.
     pub fn disturbed(&mut self, params: &LeakParams, at: Micros) {
         self.close(params);
         self.bin = Bin::default();
         self.refills.iter_mut().for_each(Refills::interrupt);
+        self.test.interrupt();
         self.quiet_from = at.after(params.settling);
     }
 
@@ -152,6 +175,11 @@ impl LeakWatch {
         }
         if !self.is_quiet(at) {
             return;
+        }
+        if source == Source::Status
+            && let Some(is_leaking) = self.test.read(self.is_leaking, at, pressure.mpa() / params.refill_mpa)
+        {
+            self.is_leaking = is_leaking || self.seems_to_leak(params);
         }
         self.refills[source as usize].read(params.refill_mpa, at, pressure.mpa());
         if self.bin.readings > 0 {
@@ -204,21 +232,15 @@ impl LeakWatch {
         }
     }
 
-    /// Updates the rate and the leak verdict. The verdict ends once all evidence has fallen to half of its
-    /// threshold.
+    /// Updates the rate, and calls a leak that the line or the refills show. Its end is left to the test of the statuses,
+    /// once all evidence has fallen to half of its threshold.
     fn judge(&mut self, params: &LeakParams) {
-        let Some(mpa) = self.open.as_ref().map(|open| f64::from(open.mpa)) else { return };
-        let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
-        let refilled = greatest(&|refills| refills.least_mpa_per_s(params.refill_mpa)) / mpa;
-        let leaps = greatest(&Refills::least_leaps_per_s);
-        let fitted = self.fitted_rate_per_s(params);
-        let part = if self.is_leaking { 0.5 } else { 1.0 };
-        // The test is repeated for the chamber's whole life, so the threshold lies well beyond the interval's
-        // bound.
-        let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
-        let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { surely(rate) });
-        let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
-        self.is_leaking = fallen > part * params.rate_max_per_s || is_refilled;
+        let Some(evidence) = self.evidence(params) else { return };
+        let Evidence { refilled, is_refilled, fitted, .. } = evidence;
+        if !self.is_leaking && evidence.shows_leak(params) {
+            self.is_leaking = true;
+            self.test.begin(true);
+        }
         if fitted.is_some_and(|rate| refilled > rate.high.max(0.0)) {
             // The line does not explain the refills: it belongs to an earlier time, or refills are faster than the
             // readings.
@@ -229,6 +251,21 @@ impl LeakWatch {
             told.map_or(Rate::NONE, |rate| Rate { mean: rate.mean as f32, half: (rate.high - rate.mean) as f32 });
     }
 
+    fn seems_to_leak(&self, params: &LeakParams) -> bool {
+        self.evidence(params).is_some_and(|evidence| evidence.shows_leak(params))
+    }
+
+    /// What the readings of a longer time show. None before the first average.
+    fn evidence(&self, params: &LeakParams) -> Option<Evidence> {
+        let mpa = self.open.as_ref().map(|open| f64::from(open.mpa))?;
+        let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
+        let refilled = greatest(&|refills| refills.least_mpa_per_s(params.refill_mpa)) / mpa;
+        let leaps = greatest(&Refills::least_leaps_per_s);
+        let part = if self.is_leaking { 0.5 } else { 1.0 };
+        let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
+        Some(Evidence { part, refilled, is_refilled, fitted: self.fitted_rate_per_s(params) })
+    }
+
     /// Whether the chamber leaks.
     #[must_use]
     pub fn is_leaking(&self) -> bool {
@@ -236,11 +273,18 @@ impl LeakWatch {
     }
 
     /// Relative rate per second at which the gauge pressure falls while the valves are shut, with its 95 %
-    /// interval. `None` until there are enough readings, or while refills are too fast for the readings.
+    /// interval. `None` until there are enough readings. While no line shows a leak that was called, the
+    /// bounds of its likeliest rate by the test.
     #[must_use]
     pub fn rate_per_s(&self) -> Option<Interval> {
         let [mean, half] = [self.rate.mean, self.rate.half].map(f64::from);
-        (self.rate != Rate::NONE).then_some(Interval { mean, low: mean - half, high: mean + half })
+        let fitted = (self.rate != Rate::NONE).then_some(Interval { mean, low: mean - half, high: mean + half });
+        if !self.is_leaking {
+            return fitted;
+        }
+        // A line through refills that are smaller than the sensor's noise falls too slowly.
+        let likeliest = self.test.likeliest();
+        fitted.filter(|rate| rate.high >= likeliest.low).or(Some(likeliest))
     }
 
     fn fitted_rate_per_s(&self, params: &LeakParams) -> Option<Interval> {
@@ -260,8 +304,8 @@ impl BorshSerialize for LeakWatch {
         let has = [self.quiet_from != Micros::default(), *status != Refills::default(), *contact != Refills::default()];
         let [is_quiet, by_status, by_contact] = has;
         let closed = self.closed != Pool::default();
-        let is =
-            [is_quiet, by_status, by_contact, closed, self.open.is_some(), self.rate != Rate::NONE, self.is_leaking];
+        let (rate, test) = (self.rate != Rate::NONE, self.test != LeakTest::default());
+        let is = [is_quiet, by_status, by_contact, closed, self.open.is_some(), rate, self.is_leaking, test];
         (encoding::pack_flags(is) as u8).serialize(writer)?;
         let Bin { since: from, readings, seconds, mpa } = self.bin;
         from.serialize(writer)?;
@@ -277,13 +321,16 @@ impl BorshSerialize for LeakWatch {
             self.closed.serialize(writer)?;
         }
         self.open.iter().try_for_each(|open| open.write(from, writer))?;
-        if self.rate != Rate::NONE { self.rate.serialize(writer) } else { Ok(()) }
+        if rate {
+            self.rate.serialize(writer)?;
+        }
+        if test { self.test.write(from, writer) } else { Ok(()) }
     }
 }
 
 impl BorshDeserialize for LeakWatch {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking] =
+        let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking, test] =
             encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let from = Micros::deserialize_reader(reader)?;
         let readings = encoding::read_u32(reader)?;
@@ -303,6 +350,9 @@ impl BorshDeserialize for LeakWatch {
         }
         if rate {
             read.rate = Rate::deserialize_reader(reader)?;
+        }
+        if test {
+            read.test = LeakTest::read_again(from, reader)?;
         }
         Ok(read)
     }

@@ -14,6 +14,7 @@ mod exponential;
 mod fast_math;
 pub mod filter;
 pub mod leak;
+mod leak_test;
 pub mod length_evidence;
 pub mod noise;
 pub mod outlier;

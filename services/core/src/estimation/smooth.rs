@@ -43,6 +43,13 @@ impl Default for Carried {
     }
 }
 
+impl Carried {
+    /// Brings the belief to another scale, by this much log sensitivity.
+    pub fn shift(&mut self, log_shift: f64) {
+        self.mean[0] += log_shift;
+    }
+}
+
 /// Least-squares parabola through a curve.
 fn parabola(curve: &Curve) -> Vector3<f64> {
     let rows = SMatrix::<f64, 12, 3>::from_fn(|k, i| terms(CONTACT_RATIOS[k])[i]);

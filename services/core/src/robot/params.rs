@@ -57,6 +57,8 @@ pub struct HealthParams {
     pub stale_after: Micros,
     /// A pressure this far from the setpoint is not settled, MPa: above a regulator's dither.
     pub settled_within_mpa: f64,
+    /// A pressure this far from the setpoint is not held, MPa: above the dead band of on/off valves.
+    pub held_within_mpa: f64,
     /// A pressure that is not held for this long, with nothing under way, is a leak.
     pub unheld_after: Micros,
     /// Detection of leaks while pressures are held.
@@ -151,6 +153,7 @@ impl Default for HealthParams {
         Self {
             stale_after: Micros::from_s(15.0),
             settled_within_mpa: 0.004,
+            held_within_mpa: 0.010,
             unheld_after: Micros::from_s(4.0),
             leak: LeakParams::default(),
             gauge_contacts: 5,

@@ -130,7 +130,7 @@ fn events(class: Class, own: &WhiskerScenario, onset_s: f64, rng: &mut ChaCha8Rn
 
 /// A step or a ramp of the temperature, or wrongly reported deflections.
 fn array_shift(onset_s: f64, rng: &mut ChaCha8Rng) -> Vec<Event> {
-    let factor = 1.0 + either_sign(rng.random_range(0.03..=0.15), rng);
+    let factor = 1.0 + either_sign(rng.random_range(0.03..=0.09), rng);
     let at = |seconds, change| Event { array: Some(name(ARRAY)), ..Event::robot_at_s(seconds, change) };
     let warm = |sensitivity_factor| Change::Temperature { sensitivity_factor, temperature_c: 30.0 };
     match rng.random_range(0..3) {

@@ -68,6 +68,10 @@ pub(crate) struct Rubber {
     pub gain: f64,
     /// Present pressure of its chamber.
     pub pressure: Megapascal,
+    /// Pressure that its sensor reads in a status, if another one.
+    pub read: Option<Megapascal>,
+    /// It is touched in each of so many rounds; 0: never.
+    pub every: u64,
     correlated: f64,
 }
 
@@ -136,7 +140,7 @@ impl Rig {
         let entry = |(one, whisker): (&Rubber, u16)| WhiskerStatus {
             array: ARRAY,
             whisker,
-            pressure: one.pressure,
+            pressure: one.read.unwrap_or(one.pressure),
             setpoint: one.pressure,
             regulator: RegulatorState::Ok,
             gauge: GaugeState::Ok,
@@ -146,11 +150,21 @@ impl Rig {
         self.step(&Event::Tick);
     }
 
-    /// Each whisker has this many contacts, in turn. `before` is called before each round, with its number.
+    /// A second without contacts, and a status.
+    pub(crate) fn wait_1_s(&mut self) {
+        self.rounds += STATUS_ROUNDS;
+        self.status();
+    }
+
+    /// Each whisker that is touched in each round has this many contacts, in turn. `before` is called before each round, with its number.
     pub(crate) fn run_with(&mut self, rounds: u64, mut before: impl FnMut(&mut Self)) {
         for _ in 0..rounds {
             before(self);
-            let contacts: Vec<Contact<'static>> = (0..self.whiskers.len()).map(|index| self.contact(index)).collect();
+            let rounds = self.rounds;
+            let is_touched = |one: &Rubber| one.every > 0 && rounds.is_multiple_of(one.every);
+            let touched: Vec<usize> =
+                (0..self.whiskers.len()).filter(|&index| is_touched(&self.whiskers[index])).collect();
+            let contacts: Vec<Contact<'static>> = touched.into_iter().map(|index| self.contact(index)).collect();
             let seq = self.rounds;
             self.rounds += 1;
             self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &[] });
@@ -236,6 +250,14 @@ impl Rubber {
         };
         let formulation = if random.random() { Formulation::Published } else { Formulation::Consistent };
         let model = Model::new(Geometry::nguyen_2021(), calibration, formulation).expect("a whisker");
-        Self { model, length_mm: WHOLE_MM, gain: 1.0, pressure: Megapascal::known(0.1), correlated: 0.0 }
+        Self {
+            model,
+            length_mm: WHOLE_MM,
+            gain: 1.0,
+            pressure: Megapascal::known(0.1),
+            read: None,
+            every: 1,
+            correlated: 0.0,
+        }
     }
 }

@@ -78,6 +78,17 @@ impl Refining {
     pub(in crate::robot) fn felt_anew(&self) -> Self {
         Self { steps: self.steps, ..Self::new(self.gain) }
     }
+
+    /// Brings what was measured to another scale, by this much log sensitivity.
+    pub(in crate::robot) fn shift(&mut self, log_shift: f64) {
+        self.carried.shift(log_shift);
+        self.since_gain.shift(log_shift);
+    }
+
+    /// The next evaluation is due as soon as there are enough contacts for one.
+    pub(in crate::robot) fn hasten(&mut self) {
+        self.due = 0;
+    }
 }
 
 /// Result of an evaluation.
@@ -105,22 +116,32 @@ impl Robot {
         let contacts = running.after.contacts();
         let due = running.refining.due.max(params.refinement.first_look_contacts);
         let one = &self.whiskers[running.compensator()];
+        // A cut whisker that has lost sensitivity goes on with another gain; its pressure stays.
+        let has_lost = one.condition == Condition::SensitivityLoss;
         // A suspicion is for the detector to settle first.
         let calm = match one.condition {
-            Condition::Healthy | Condition::Trimmed => one.fault.is_none() && one.rare.pending_trim.is_none(),
-            Condition::Learning | Condition::Suspected | Condition::Eroding | Condition::SensitivityLoss => false,
+            Condition::Healthy | Condition::Trimmed | Condition::SensitivityLoss => {
+                one.fault.is_none() && one.rare.pending_trim.is_none()
+            }
+            Condition::Learning | Condition::Suspected | Condition::Eroding => false,
         };
         if contacts < due || !calm || one.command.is_some() || self.holds(running.compensator()) {
             return;
         }
         self.head.compensations[at].refining.due = contacts.saturating_mul(2);
-        self.remember(at);
+        if !has_lost {
+            // With another gauge the change would be taken for one by the pressure.
+            self.remember(at);
+        }
         let running = &self.head.compensations[at];
         let Some(felt) = self.measured_responses(params, running, &running.refining.carried, &running.after) else {
             return;
         };
         let look = self.look(params, running, &felt);
-        let outcome = outcome(params, running, look.as_ref());
+        let outcome = match outcome(params, running, look.as_ref()) {
+            RefinementOutcome::Refined if has_lost => RefinementOutcome::HeldUncertain,
+            outcome => outcome,
+        };
         let (error, error_sd) = (felt.error(None), felt.error_sd(&params.cubature, None));
         let gain_error = felt.error(Some(&running.refining.gain));
         let own_gain_error = felt.error_of_own_gain(&params.cubature);

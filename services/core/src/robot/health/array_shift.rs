@@ -1,9 +1,10 @@
 //! Changes common to an array: a mis-scaled deflection or another temperature, not a length.
 //!
 //! A single whisker cannot distinguish such a shift from a cut. So before a change is called, it is compared with the
-//! contacts of the array's other healthy whiskers, and the majority decides: one whisker that was really cut, or never
-//! touched, does not matter. A trim is delayed by the contacts that the others need to deny the shift: one or two for a
-//! large cut.
+//! contacts of the array's other whiskers. All that can tell must feel a shift: one that denies it makes each whisker be
+//! judged alone, as several whiskers may be cut at once. Cut whiskers are witnesses, too, and eroding ones cannot deny. A
+//! whisker that is not touched does not matter. A trim is delayed by the contacts that one of the others needs to deny
+//! the shift: one or two for a large cut.
 
 use crate::detection::{Change, Fit, Others};
 use crate::estimation::filter::LENGTH;
@@ -11,14 +12,17 @@ use crate::mechanics::Model;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, WhiskerIndex};
 use crate::robot::params::Params;
-use crate::robot::state::whisker::Unsteady;
+use crate::robot::state::whisker::{Unsteady, Whisker};
 use crate::units::ContactRatio;
 
-/// With fewer others there is no majority.
+/// With fewer others nothing is attributed to the array.
 const OTHERS_MIN: usize = 2;
 /// Log likelihood ratio from which another whisker shows the shift, too. It is evaluated at every contact while the
 /// suspicion lasts, so chance must not reach it.
 const FEELS: f64 = 6.0;
+/// Largest rise of sensitivity that temperature or a scale can explain, in log sensitivity: 10 %. A cut of 5 mm makes at
+/// least 15 %. No cut makes a fall, so that a fall of any size may be a shift.
+const SHIFT_MAX: f64 = 0.095;
 /// A shift may be the beginning of a longer one, as a room warms up. For so many contacts each whisker's offset
 /// follows, by a random walk of this share of the shift found; that costs sensitivity to small cuts meanwhile.
 const UNSTEADY_CONTACTS: u32 = 1000;
@@ -27,44 +31,111 @@ pub(in crate::robot) const UNSTEADY_SHARE: f64 = 0.02;
 const REST_MAX: f64 = 1.5;
 /// Relative difference that one shift may have between whiskers: their curves differ a little.
 const ALIKE: f64 = 0.1;
-/// Log likelihood ratio that its contacts after the alarm must promise before a whisker can deny the shift.
-const DENIES: f64 = 8.0;
+/// Log likelihood ratio that its contacts after the alarm must promise before a whisker can deny the shift. A whisker
+/// with the shift then shows less than half of it with a probability of 0.4 %.
+const DENIES: f64 = 14.0;
+/// The same before it can doubt the shift, with a probability of 6 % if it has it. Two whiskers and a quarter of them
+/// deny it together.
+const DOUBTS: f64 = 5.0;
+/// Difference of size by which another whisker shows another change: relative, besides three standard deviations. A
+/// start that is fitted too early halves the size.
+const ANOTHER: f64 = 0.5;
+/// Log likelihood ratio that the whisker's own contacts after the last alarm promise, up to which it waits for others
+/// that cannot tell yet: three times what an answer takes, and half of that for others that were not touched at all.
+/// Those that are touched less often are ignored.
+const WAITS: f64 = 3.0 * DENIES;
+const WAITS_FOR_SILENT: f64 = 1.5 * DENIES;
+/// Information since the last alarm of a whisker whose filter has absorbed too much of a change to deny it.
+pub(in crate::robot) const ABSORBED: f32 = -1.0;
+/// The same of a whisker whose detector has begun anew since: it is no witness before the next alarm.
+const BEGUN_ANEW: f32 = -2.0;
+
+/// Answer of another whisker to a suspected shift of the array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Answer {
+    Feels(Fit),
+    Denies,
+    Doubts,
+    Unclear,
+}
+
+/// Mean of the changes that several whiskers show, weighted by their information.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pooled {
+    information: f64,
+    sum: f64,
+}
+
+impl Pooled {
+    fn add(&mut self, fit: &Fit) {
+        self.information += 1.0 / fit.variance;
+        self.sum += fit.size / fit.variance;
+    }
+
+    /// The mean, nearer to zero or beyond it by two standard deviations for a loss of length.
+    fn least(&self) -> f64 {
+        self.sum / self.information + 2.0 / self.information.sqrt()
+    }
+}
 
 impl Robot {
-    /// Whether the other healthy whiskers of the array show the change that this one suspects.
-    pub(in crate::robot) fn others_feel(&self, index: WhiskerIndex) -> Others {
-        let Some(own) = self.whiskers[index].detector.suspected_shift() else {
+    /// Whether the other whiskers of the array show the change that this one suspects: all that can tell must.
+    pub(in crate::robot) fn others_feel(&self, params: &Params, index: WhiskerIndex) -> Others {
+        let one = &self.whiskers[index];
+        let Some((own, model)) = one.detector.suspected_shift().zip(one.model(params)) else {
             return Others::Not;
         };
-        let (mut others, mut feel, mut deny) = (0, 0, 0);
-        for other in self.sound_whiskers_of(index).filter(|&other| other != index) {
-            let whisker = &self.whiskers[other];
+        // Its own filter has absorbed too much: waiting would tell no more.
+        let promised = if one.told_since_alarm < 0.0 { f64::INFINITY } else { one.promised(&own) };
+        let (mut others, mut silent, mut feel) = (0_usize, 0, 0);
+        let (mut doubts, mut waits, mut all) = (0, false, Pooled::default());
+        for other in self.witnesses_of(index) {
+            let told = self.whiskers[other].told_since_alarm;
             others += 1;
-            if whisker.detector.felt(own.size).is_some_and(|other| feels(&own, &other)) {
-                feel += 1;
-            } else if 0.5 * own.size.powi(2) * f64::from(whisker.told_since_alarm) >= DENIES {
-                deny += 1;
+            let answer = self.whiskers[other].answer(&own);
+            doubts += usize::from(answer == Answer::Doubts);
+            match answer {
+                Answer::Feels(felt) => {
+                    feel += 1;
+                    all.add(&felt);
+                }
+                Answer::Denies => return Others::Not,
+                Answer::Unclear | Answer::Doubts if told == BEGUN_ANEW => others -= 1,
+                // It can only feel.
+                Answer::Unclear if !self.whiskers[other].can_deny() => silent += 1,
+                Answer::Unclear | Answer::Doubts if told == ABSORBED => {}
+                Answer::Unclear | Answer::Doubts if told == 0.0 => {
+                    silent += 1;
+                    waits |= promised < WAITS_FOR_SILENT;
+                }
+                Answer::Unclear | Answer::Doubts => waits |= promised < WAITS,
             }
         }
-        if others < OTHERS_MIN || 2 * deny > others {
+        all.add(&own);
+        let is_beyond = feel > 0 && all.least() * -one.log_slope_with_length(model).abs() > SHIFT_MAX;
+        let is_denied = doubts >= others.div_ceil(4).max(2);
+        if others < OTHERS_MIN || is_beyond || is_denied {
             Others::Not
-        } else if 2 * feel > others {
+        } else if waits {
+            Others::NotYet
+        } else if 2 * feel > others - silent {
             Others::Too
         } else {
-            Others::NotYet
+            Others::Not
         }
     }
 
-    /// The whiskers of the same array that are learned and whole.
-    fn sound_whiskers_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
+    /// The other whiskers of the same array that are learned and without a fault.
+    fn witnesses_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
         let array = self.whiskers[index].array;
-        let sound = move |&other: &WhiskerIndex| {
+        let can_tell = move |&other: &WhiskerIndex| {
             let whisker = &self.whiskers[other];
-            whisker.array == array
+            other != index
+                && whisker.array == array
                 && whisker.fault.is_none()
-                && matches!(whisker.condition, Condition::Healthy | Condition::Suspected)
+                && whisker.condition != Condition::Learning
         };
-        (0..self.whiskers.len()).filter(sound)
+        (0..self.whiskers.len()).filter(can_tell)
     }
 
     /// A whisker has raised an alarm: from now on the others' contacts count as answers to it.
@@ -86,7 +157,7 @@ impl Robot {
         change: &Change,
         effects: &mut Vec<Effect>,
     ) {
-        let shift = self.median_shift(index, change.size);
+        let shift = self.median_shift(index, change);
         let array = self.whiskers[index].array;
         let members: Vec<WhiskerIndex> =
             (0..self.whiskers.len()).filter(|&other| self.whiskers[other].array == array).collect();
@@ -107,19 +178,21 @@ impl Robot {
     pub(in crate::robot) fn shift_measured(&mut self, compensator: WhiskerIndex, log_shift: f64) {
         for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == compensator) {
             running.after.shift(log_shift);
-            running.refining.since_gain.shift(log_shift);
+            running.refining.shift(log_shift);
             if let Some(before) = &mut running.before {
                 before.shift(log_shift);
             }
         }
     }
 
-    /// The median shift of the whiskers, as the change of log length that would explain it.
-    fn median_shift(&self, index: WhiskerIndex, own: f64) -> f64 {
-        let others = self.sound_whiskers_of(index).filter(|&other| other != index);
-        let mut felt: Vec<f64> =
-            others.filter_map(|other| Some(self.whiskers[other].detector.felt(own)?.size)).collect();
-        felt.push(own);
+    /// The median shift of the whiskers that feel it, as the change of log length that would explain it.
+    fn median_shift(&self, index: WhiskerIndex, change: &Change) -> f64 {
+        let own = Fit { size: change.size, variance: change.variance, gain: 0.0 };
+        let felt = |other: WhiskerIndex| {
+            self.whiskers[other].detector.felt(own.size).filter(|felt| feels(&own, felt)).map(|felt| felt.size)
+        };
+        let mut felt: Vec<f64> = self.witnesses_of(index).filter_map(felt).collect();
+        felt.push(own.size);
         felt.sort_by(f64::total_cmp);
         felt[felt.len() / 2]
     }
@@ -131,7 +204,45 @@ fn feels(own: &Fit, other: &Fit) -> bool {
     other.gain >= FEELS && (other.size - own.size).abs() <= 2.0 * sd + ALIKE * own.size.abs()
 }
 
-impl crate::robot::Whisker {
+impl Whisker {
+    /// Answer to a change that another whisker of its array suspects.
+    fn answer(&self, own: &Fit) -> Answer {
+        let felt = self.detector.felt(own.size);
+        if let Some(felt) = felt.filter(|felt| feels(own, felt)) {
+            return Answer::Feels(felt);
+        }
+        let shows_another = |felt: &Fit| {
+            let sd = (own.variance + felt.variance).sqrt();
+            (felt.size - own.size).abs() > 3.0 * sd + ANOTHER * own.size.abs()
+        };
+        let promised = self.promised(own);
+        // Half of the change, or less, gains a quarter of what it would.
+        let is_weak = |felt: &Fit| felt.gain < FEELS.min(0.25 * promised);
+        let is_another = felt.is_none_or(|felt| is_weak(&felt) || shows_another(&felt));
+        if !is_another || !self.can_deny() || promised < DOUBTS {
+            Answer::Unclear
+        } else if promised < DENIES {
+            Answer::Doubts
+        } else {
+            Answer::Denies
+        }
+    }
+
+    /// The filter of an eroding or unsteady whisker follows each change.
+    fn can_deny(&self) -> bool {
+        self.condition != Condition::Eroding && self.rare.unsteady.is_none()
+    }
+
+    /// Log likelihood ratio that its contacts since the last alarm in its array promise for a change.
+    fn promised(&self, own: &Fit) -> f64 {
+        0.5 * own.size.powi(2) * f64::from(self.told_since_alarm)
+    }
+
+    /// Its detector has begun anew: contacts before the next alarm in its array cannot deny a change.
+    pub(in crate::robot) fn cannot_deny(&mut self) {
+        self.told_since_alarm = BEGUN_ANEW;
+    }
+
     /// d ln sensitivity / d ln length in the middle of the contact ratios; 0 where the model does not hold.
     pub(in crate::robot) fn log_slope_with_length(&self, model: &Model) -> f64 {
         let middle = ContactRatio::known(crate::mechanics::Offset::CENTRE);

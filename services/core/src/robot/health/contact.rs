@@ -2,6 +2,7 @@
 
 use crate::detection::{Change, Kind, Others, Verdict};
 use crate::estimation::LengthEstimate;
+use crate::mechanics::Offset;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
@@ -23,7 +24,7 @@ impl Robot {
             return;
         };
         let suspicious = self.whiskers[index].detector.is_suspicious();
-        let others = if suspicious { self.others_feel(index) } else { Others::Not };
+        let others = if suspicious { self.others_feel(params, index) } else { Others::Not };
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else {
             effects.push(Effect::UnknownWhisker { position });
@@ -65,11 +66,16 @@ impl Robot {
                 }
             }
             Verdict::Dismissed => {
+                self.whiskers[index].cannot_deny();
+                let whisker = &self.whiskers[index];
                 if whisker.condition == Condition::Suspected && !whisker.is_reach_lost() {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
             }
-            Verdict::Changed(change) => self.changed(params, index, &change, effects),
+            Verdict::Changed(change) => {
+                self.changed(params, index, &change, effects);
+                self.whiskers[index].cannot_deny();
+            }
             Verdict::Shared(change) => self.shared_shift(params, index, &change, effects),
         }
         self.watch_baseline(params, index);
@@ -94,8 +100,8 @@ impl Robot {
                 self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
-            // It may regain the lost sensitivity, which is no cut, and its alarm stands already.
-            Kind::Shorter if whisker.condition == Condition::SensitivityLoss => whisker.jump(change),
+            // It may regain what it has lost, which is no cut, and its alarm stands already.
+            Kind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
             Kind::Shorter => {
                 whisker.jump(change);
                 if whisker.is_at_nominal_pressure() {
@@ -125,15 +131,23 @@ impl Robot {
         }
     }
 
-    /// Takes a change of a whisker's scale out, which is no change of its length: its offset is learned anew around it,
-    /// and earlier measurements are brought to the same scale. A cut stays known, and so does its compensation.
+    /// Takes a change of a whisker's scale out, which is no change of its length: its offset is learned anew around it.
+    /// A cut stays known, and so does its compensation. What was measured in it is brought to the new scale, but the
+    /// response while whole stays the target, so that the gain makes up for the change.
     fn rescale(&mut self, params: &Params, index: WhiskerIndex, change: &Change) {
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else { return };
         let log_shift = change.size * whisker.log_slope_with_length(model);
         whisker.filter.rescaled(change.size, change.lacking, log_shift);
-        whisker.shift_reference(log_shift);
+        if whisker.is_at_nominal_pressure() {
+            let now = whisker.filter.offset();
+            let before = Offset { level: now.level - log_shift, ..now };
+            whisker.rare.get_or_insert().whole_offset.get_or_insert(before);
+        }
         self.shift_measured(index, log_shift);
+        for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == index) {
+            running.refining.hasten();
+        }
     }
 
     /// Raises an alarm for a baseline that was followed without a verdict, once it is far off.

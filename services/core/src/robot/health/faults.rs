@@ -86,7 +86,7 @@ impl Whisker {
         let leak = &params.health.leak;
         let off_by_mpa = (entry.pressure.mpa() - self.air.setpoint.mpa()).abs();
         match entry.regulator {
-            RegulatorState::Ok if self.command.is_none() && off_by_mpa <= params.health.settled_within_mpa => {
+            RegulatorState::Ok if self.command.is_none() && off_by_mpa <= params.health.held_within_mpa => {
                 self.leak.read(leak, Source::Status, robot_time, entry.pressure);
             }
             // A robot that reports LEAK needs no proof, and a regulator that is out of order gives none.
@@ -103,7 +103,7 @@ impl Whisker {
     fn watch_pressure(&mut self, params: &Params, now: Micros) {
         let Some(measured) = self.air.measured() else { return };
         let off_by_mpa = (measured.mpa() - self.air.setpoint.mpa()).abs();
-        if off_by_mpa <= params.health.settled_within_mpa || self.command.is_some() {
+        if off_by_mpa <= params.health.held_within_mpa || self.command.is_some() {
             self.air.unheld_since = None;
         } else {
             self.air.unheld_since.get_or_insert(now);

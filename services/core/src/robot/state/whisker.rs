@@ -10,7 +10,7 @@ use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range}
 use crate::robot::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
 use crate::robot::event::{Contact, RegulatorState};
 use crate::robot::health::alarms::Standing;
-use crate::robot::health::array_shift::UNSTEADY_SHARE;
+use crate::robot::health::array_shift::{ABSORBED, UNSTEADY_SHARE};
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
@@ -18,6 +18,9 @@ use crate::robot::state::place::Placed;
 use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{ContactRatio, Megapascal, Micros};
+
+/// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
+const REGAINED_WITHIN: f64 = 0.25;
 
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +49,7 @@ pub struct Whisker {
     /// The last setpoint failed for good, in this boot.
     pub(in crate::robot) given_up: bool,
     /// Information of its contacts about log length since any whisker of its array raised an alarm: the inverse of a
-    /// variance.
+    /// variance. Negative if its detector has begun anew since.
     pub(in crate::robot) told_since_alarm: f32,
     /// Its gauge's baseline drifts.
     pub(in crate::robot) drifting: bool,
@@ -287,7 +290,7 @@ impl Whisker {
 
     fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
         self.contacts += 1;
-        self.told_since_alarm += (seen.row[LENGTH].powi(2) / seen.variance) as f32;
+        self.tell(seen);
         let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
         if calm {
             self.learn_noise(params, seen);
@@ -324,6 +327,26 @@ impl Whisker {
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
         ContactResult { ratio: None, used, innovation: Some(*seen), verdict }
+    }
+
+    /// Adds the information of a contact about a change of log length before the last alarm in the array.
+    ///
+    /// The filter absorbs such a change. With a state of variance V and noise R per unit of log length, n contacts leave the
+    /// share u = R / (R + n V) of it, and have told I = n / (R + n V). Both follow from I and the state's present variance
+    /// V u: I V u = u (1 - u). Once half is absorbed, contacts tell too little.
+    fn tell(&mut self, seen: &Innovation) {
+        let square = seen.row[LENGTH].powi(2);
+        if square <= 0.0 || self.told_since_alarm < 0.0 {
+            return;
+        }
+        let state = (seen.variance - seen.noise_variance) / square;
+        let absorbed = 1.0 - 4.0 * f64::from(self.told_since_alarm) * state;
+        if absorbed <= 0.0 {
+            self.told_since_alarm = ABSORBED;
+            return;
+        }
+        let left = 0.5 * (1.0 + absorbed.sqrt());
+        self.told_since_alarm += (left.powi(2) * square / seen.variance) as f32;
     }
 
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
@@ -369,6 +392,18 @@ impl Whisker {
         self.filter.jump(change.size, change.variance, change.lacking);
     }
 
+    /// Whether a rise of sensitivity takes back a loss: it leads to about the level before the loss.
+    pub(in crate::robot) fn regains(&self, params: &Params, change: &Change) -> bool {
+        let Some((before, model)) = self.rare.whole_offset.zip(self.model(params)) else { return false };
+        let slope = self.log_slope_with_length(model);
+        // The offset as it was before it absorbed a part of the rise.
+        let lost = before.level - (self.filter.offset().level + change.size * change.lacking[0]);
+        let off = (change.size * slope - lost).abs();
+        self.condition == Condition::SensitivityLoss
+            && lost > 0.0
+            && off <= REGAINED_WITHIN * lost + 2.0 * change.variance.sqrt() * slope.abs()
+    }
+
     /// Whether it is held at the factsheet's pressure, where its reference response is taken.
     pub(in crate::robot) fn is_at_nominal_pressure(&self) -> bool {
         (self.air.learned_at.mpa() - self.sheet.pressure.mpa()).abs() < 1e-3
@@ -388,6 +423,7 @@ impl Whisker {
             }
             self.filter.pressure_moved(moved_mpa, &params.filter);
             self.detector = Detector::default();
+            self.cannot_deny();
             self.air.learned_at = setpoint;
         }
     }

@@ -1,0 +1,92 @@
+//! A large cut is called at once, whatever small change is suspected or under way.
+
+use super::rig::Rig;
+
+const SEEDS: u64 = 5;
+const LOST_MM: f64 = 8.0;
+const WITHIN: u64 = 30;
+
+/// Cuts 8 mm, and returns the contacts until a trim states about the present length.
+fn delay(rig: &mut Rig, before: impl FnMut(&mut Rig)) -> Option<u64> {
+    rig.whiskers[0].length_mm -= LOST_MM;
+    let (at, length_mm) = (rig.rounds, rig.whiskers[0].length_mm);
+    rig.run_with(60, before);
+    let found = |trim: &vibrissa_core::robot::effect::Trim| (trim.length_after.length.mm() - length_mm).abs() < 3.0;
+    rig.trims().into_iter().find(|(round, trim)| *round >= at && found(trim)).map(|(round, _)| round - at)
+}
+
+#[test]
+fn property_a_large_cut_is_called_soon_after_a_small_one() {
+    for whiskers in [1, 4] {
+        for gap in [0, 10, 50, 150, 300] {
+            for seed in 0..SEEDS {
+                let mut rig = Rig::new(2000 + 10 * gap + seed, whiskers);
+                rig.run(600);
+                rig.whiskers[0].length_mm -= 0.5;
+                rig.run(gap);
+                let delay = delay(&mut rig, |_| ());
+                assert!(delay.is_some_and(|delay| delay <= WITHIN), "{whiskers}, {gap}, seed {seed}: {delay:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn property_a_large_cut_is_called_soon_during_erosion() {
+    for seed in 0..SEEDS {
+        for (rate_mm, contacts) in [(0.001, 200), (0.002, 400), (0.002, 1500), (0.005, 700)] {
+            let mut rig = Rig::new(2600 + seed, 2);
+            let erode = |rig: &mut Rig| rig.whiskers[0].length_mm -= rate_mm;
+            rig.run(600);
+            rig.run_with(contacts, erode);
+            let delay = delay(&mut rig, erode);
+            assert!(delay.is_some_and(|delay| delay <= WITHIN), "{rate_mm}, {contacts}, seed {seed}: {delay:?}");
+        }
+    }
+}
+
+#[test]
+fn property_a_large_cut_is_called_soon_during_a_slow_drift() {
+    for seed in 0..SEEDS {
+        for (rate, contacts) in [(6e-6, 1500_u64), (-6e-6, 1500), (3e-5, 400), (-3e-5, 400)] {
+            let mut rig = Rig::new(2700 + seed, 2);
+            let drift = |rig: &mut Rig| rig.whiskers[0].gain *= 1.0 + rate;
+            rig.run(600);
+            rig.run_with(contacts, drift);
+            let delay = delay(&mut rig, drift);
+            assert!(delay.is_some_and(|delay| delay <= WITHIN), "{rate}, {contacts}, seed {seed}: {delay:?}");
+        }
+    }
+}
+
+#[test]
+fn property_a_large_cut_is_called_soon_after_a_loss_of_sensitivity() {
+    for seed in 0..SEEDS {
+        for gain in [0.97, 0.9, 0.6] {
+            let mut rig = Rig::new(2800 + seed, 2);
+            rig.run(600);
+            rig.whiskers[0].gain = gain;
+            rig.run(600);
+            assert_eq!(rig.trims().len(), 0, "{gain}, seed {seed}");
+            let delay = delay(&mut rig, |_| ());
+            assert!(delay.is_some_and(|delay| delay <= WITHIN), "{gain}, seed {seed}: {delay:?}");
+        }
+    }
+}
+
+#[test]
+fn property_a_regained_sensitivity_is_no_cut() {
+    for seed in 0..SEEDS {
+        for gain in [0.95, 0.8, 0.5] {
+            let mut rig = Rig::new(2900 + seed, 2);
+            rig.run(600);
+            rig.whiskers[0].gain = gain;
+            rig.run(600);
+            rig.whiskers[0].gain = 1.0;
+            rig.run(400);
+            assert_eq!(rig.trims().len(), 0, "{gain}, seed {seed}");
+            let length_mm = rig.view(0).length.length.mm();
+            assert!((length_mm - 70.0).abs() < 0.3, "{gain}, seed {seed}: {length_mm}");
+        }
+    }
+}
