@@ -125,6 +125,8 @@ rules! {
         "The numbers of a contact are within their ranges: ratio from 0.01 to 1, deflection from 0.01 mm, and so on.";
     ContactsOnFactsheet = "contacts-on-factsheet", "contacts", Every, Talking,
         "Contacts are of whiskers in the factsheet.";
+    PlaceAsStated = "place-as-stated", "contacts", Every, Talking,
+        "Contacts have the place that the factsheet states for their whisker; those of a touch test have its own.";
     ContactsResent = "contacts-resent", "contacts", Receipts, Talking,
         "The robot sends a contacts message again if no receipt covers it.";
     ResendOldestFirst = "resend-oldest-first", "contacts", Receipts, Talking,
@@ -175,6 +177,11 @@ rules! {
         "An accepted setpoint that cannot be reached is answered FAILED, with the reason.";
     OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Not("the robot decides when it regards the supervisor as lost"),
         "Without a supervisor the robot behaves as its factsheet's on_supervisor_loss states.";
+
+    TestDone = "test-done", "test_state", Every, Talking,
+        "A touch test that the factsheet names is ACCEPTED, and DONE after all its touches, which carry its test_id.";
+    TestWrongBoot = "test-wrong-boot", "request", Every, Talking,
+        "A touch test for another boot is REJECTED as WRONG_BOOT.";
 
     UnknownFields = "unknown-fields", "all", Every, Talking,
         "The robot ignores unknown fields and processes the message.";

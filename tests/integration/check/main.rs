@@ -84,6 +84,7 @@ async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (
         contacts_per_second = 4.0
         contacts_per_message = 2
         message_after_s = 0.3
+        touch_tests = ["WALL"]
         [[robots]]
         robot = "{name}"
         [[robots.arrays]]

@@ -80,6 +80,9 @@ impl Robot {
         if self.breaks(Misbehaviour::RatioAboveOne) && is_fifth {
             contact.ratio = Some(1.2);
         }
+        if self.breaks(Misbehaviour::AnotherPlace) && is_fifth {
+            (contact.distance_mm, contact.ratio) = (contact.ratio.map(|ratio| 70.0 * ratio), None);
+        }
         if self.breaks(Misbehaviour::UnknownWhiskerTouched) && is_fifth {
             contact.whisker = NO_WHISKER;
         }

@@ -9,6 +9,7 @@ use vibrissa_protocol::{
 use super::timers::contact_of;
 use super::{Outgoing, Robot};
 use crate::places::Places;
+use crate::scenario::Misbehaviour;
 
 /// Number of tests whose last answer is remembered.
 const REMEMBERED: usize = 64;
@@ -48,7 +49,7 @@ impl Robot {
     fn judge_test(&mut self, test: &TouchTest, now_us: u64) -> Result<usize, TouchTestError> {
         let at = self.places.get(&(test.array.clone(), test.whisker)).copied();
         let at = at.ok_or(TouchTestError::UnknownWhisker)?;
-        if test.robot_boot_id != self.boot_id {
+        if test.robot_boot_id != self.boot_id && !self.breaks(Misbehaviour::TestsForOtherBoots) {
             return Err(TouchTestError::WrongBoot);
         }
         let (order, seen) = ((test.epoch, test.version), &mut self.whiskers[at].seen);
@@ -72,7 +73,9 @@ impl Robot {
             if one.touches == 0 {
                 self.answer_test(&one.test.test_id, TouchTestOutcome::Running, None, at_us, out);
             }
-            self.touch_on_request(&one, at_us);
+            if !self.breaks(Misbehaviour::TestsWithoutTouch) {
+                self.touch_on_request(&one, at_us);
+            }
             one.touches += 1;
             if one.touches < one.test.contacts {
                 self.touch_tests.under_way.push_back(one);

@@ -72,6 +72,12 @@ misbehaviours! {
     RatioAboveOne = "ratio-above-one", Some(Rule::ContactsInRange);
     /// Every fifth contact is of a whisker that does not exist.
     UnknownWhiskerTouched = "unknown-whisker-touched", Some(Rule::ContactsOnFactsheet);
+    /// Every fifth contact has a distance in place of the contact ratio that the factsheet states.
+    AnotherPlace = "another-place", Some(Rule::PlaceAsStated);
+    /// Touch tests are DONE without a touch.
+    TestsWithoutTouch = "tests-without-touch", Some(Rule::TestDone);
+    /// Touch tests for other boots are done.
+    TestsForOtherBoots = "tests-for-other-boots", Some(Rule::TestWrongBoot);
     /// Contacts messages are sent once and not stored.
     SendsOnce = "sends-once", Some(Rule::ContactsResent);
     /// The newest uncovered message is sent again first.

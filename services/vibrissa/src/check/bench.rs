@@ -6,7 +6,7 @@ use anyhow::bail;
 use serde::Serialize;
 use vibrissa_protocol::{
     BootId, Message, Name, Receipt, Request, RequestKind, RobotTopic, Rule, Setpoint, SetpointOutcome, SetpointReason,
-    SetpointState, Timestamp, encode,
+    SetpointState, Timestamp, TouchTest, TouchTestKind, TouchTestReason, encode,
 };
 
 use super::CheckOptions;
@@ -124,6 +124,36 @@ impl Bench {
     pub(super) async fn request(&mut self, request: RequestKind) -> anyhow::Result<()> {
         let request = Request { boot_id: self.boot_id.clone(), seq: self.seq(0), request, touch_test: None };
         self.tell(RobotTopic::Request, &request).await
+    }
+
+    /// A valid touch test of the whisker on trial with one contact, with the next version.
+    pub(super) fn touch_test(&mut self, trial: &Trial, kind: TouchTestKind, near_mm: f64) -> TouchTest {
+        self.version += 1;
+        self.commands += 1;
+        let is_wall = kind == TouchTestKind::Wall;
+        TouchTest {
+            test_id: format!("{}-{}", self.boot_id, self.commands),
+            epoch: self.epoch,
+            version: self.version,
+            robot_boot_id: self.heard.boot.clone().unwrap_or_else(|| self.boot_id.clone()),
+            array: trial.array.clone(),
+            whisker: trial.whisker,
+            kind,
+            distances_mm: if is_wall { vec![near_mm] } else { Vec::new() },
+            deflections_mm: if is_wall { vec![1.0] } else { Vec::new() },
+            contacts: 1,
+            issued: Timestamp(wall_clock().0),
+            expires_us: self.heard.robot_clock_us() + VALID.as_micros() as u64,
+            reason: TouchTestReason::Operator,
+        }
+    }
+
+    /// Sends a touch test; returns the log position after which its answers come.
+    pub(super) async fn send_test(&mut self, test: TouchTest) -> anyhow::Result<usize> {
+        let (boot_id, seq, mark) = (self.boot_id.clone(), self.seq(0), self.mark());
+        let request = Request { boot_id, seq, request: RequestKind::TouchTest, touch_test: Some(test) };
+        self.say(RobotTopic::Request, encode(&request), Some(VALID)).await?;
+        Ok(mark)
     }
 
     /// Receipts everything below `next`, and the numbers in `held`.

@@ -29,7 +29,10 @@ impl Bench {
         let limit = self.timings().contacts;
         let Some(boot) = self.until(limit, |heard| heard.boot.clone().filter(|_| heard.ledger.len() > 0)).await? else {
             let why = format!("no contacts arrived within {}: touch a whisker during the check", seconds(limit));
-            self.skip(&[Rule::ContactsInRange, Rule::ContactsOnFactsheet, Rule::ContactsResent], &why);
+            self.skip(
+                &[Rule::ContactsInRange, Rule::ContactsOnFactsheet, Rule::PlaceAsStated, Rule::ContactsResent],
+                &why,
+            );
             self.skip(&AGAIN, &why);
             return Ok(());
         };

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use vibrissa_protocol::{
-    BootId, ConnectionState, Contacts, Factsheet, Message, Name, Refusal, RobotTopic, Rule, Status, SupervisorState,
-    Topic, decode, envelope,
+    BootId, ConnectionState, Contacts, Factsheet, Message, Name, PlaceKind, Refusal, RobotTopic, Rule, Status,
+    SupervisorState, Topic, decode, envelope,
 };
 
 use super::ledger::Ledger;
@@ -244,6 +244,14 @@ impl Listener {
                 let seen =
                     if is_known { "all are on it".to_owned() } else { format!("{array}/{whisker} is not on it") };
                 self.findings.judge(Rule::ContactsOnFactsheet, is_known, seen);
+                let arrays = factsheet.arrays.iter().filter(|one| one.array == *array);
+                let stated = arrays.flat_map(|one| &one.whiskers).find(|one| one.whisker == whisker);
+                let stated = stated.map(|one| one.place.unwrap_or(PlaceKind::Ratio));
+                let place = contact.place().word();
+                if let Some(stated) = stated.filter(|_| contact.test_id.is_none()) {
+                    let seen = format!("{place} at {array}/{whisker}, for which the factsheet states {stated}");
+                    self.findings.judge(Rule::PlaceAsStated, place == stated.as_str(), seen);
+                }
             }
         }
         if !message.contacts.is_empty() {

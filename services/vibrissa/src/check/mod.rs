@@ -2,7 +2,7 @@
 //!
 //! It receives all messages of the robot ([`listener`]: rules for every message). Then it tests, in this order,
 //! contacts and receipts ([`contacts`]), status and requests ([`opening`]), setpoints ([`setpoints`], [`refusals`]),
-//! and a restart ([`restart`]).
+//! touch tests ([`touch_tests`]), and a restart ([`restart`]).
 //!
 //! **Epochs.** Until it restarts, a robot refuses setpoints of an epoch below the highest that it has seen for a
 //! whisker. Therefore the check uses the *last supervisor's own epoch*, which the broker retains, with versions far
@@ -21,6 +21,7 @@ mod report;
 mod restart;
 mod setpoints;
 mod timings;
+mod touch_tests;
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -127,6 +128,8 @@ async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> 
         bench.setpoints(&trial).await?;
         progress(Progress::Step("setpoints that the robot must refuse"));
         bench.refusals(&trial).await?;
+        progress(Progress::Step("touch tests"));
+        bench.touch_tests(&trial).await?;
     }
     progress(Progress::Step("malformed messages"));
     bench.malformed().await?;
