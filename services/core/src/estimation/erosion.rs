@@ -17,6 +17,15 @@ const SETTLING_CONTACTS: u32 = 60;
 const LEAST_CONTACTS: u32 = 240;
 /// Largest block, in contacts. At least eight blocks count, so a changed rate shows after that.
 const CONTACTS_A_BLOCK_MAX: u32 = 128;
+/// Erosion is over if the loss per contact in the last contacts is certainly less than this share of that before ...
+const STOPPED_SHARE: f64 = 0.6;
+/// ... or than this, mm per contact, if hardly anything is known of the loss before.
+const STOPPED_MM: f64 = 3e-4;
+/// Standard deviations by which it must be less.
+const STOPPED_SDS: f64 = 3.0;
+/// Least number of the last contacts, and least number of blocks before them.
+const STOPPED_CONTACTS: u32 = 160;
+const BLOCKS_BEFORE: usize = 4;
 /// Relative model error of a change of length (standard deviation), for a calibration that is off by 3 % or the
 /// other formulation.
 const MODEL_SD: f64 = 0.04;
@@ -94,6 +103,21 @@ impl ErosionWatch {
             high: left(Z95, mm_per_contact.low),
         };
         Some(Erosion { mm_per_contact, contacts_left })
+    }
+
+    /// Whether the erosion has stopped. `contact_sd_mm` is the standard deviation of a length that one contact tells: that
+    /// of a slope over n contacts is sqrt(12 / n^3) times as large.
+    #[must_use]
+    pub fn has_stopped(&self, contact_sd_mm: f64) -> bool {
+        (2..=self.lengths.blocks()).any(|blocks| {
+            let (before, Some(last), contacts) = self.lengths.split(blocks) else { return false };
+            let sd_mm = |contacts: u32| contact_sd_mm * (12.0 / f64::from(contacts).powi(3)).sqrt();
+            let earlier = self.lengths.readings().saturating_sub(contacts);
+            let known = before.filter(|_| self.lengths.blocks() >= blocks + BLOCKS_BEFORE);
+            let lost_mm = known.map_or(0.0, |before| -before.per_x - STOPPED_SDS * sd_mm(earlier));
+            let limit_mm = (STOPPED_SHARE * lost_mm).max(STOPPED_MM);
+            contacts >= STOPPED_CONTACTS && STOPPED_SDS * sd_mm(contacts) - last.per_x < limit_mm
+        })
     }
 
     /// Least length that can compensate for itself.

@@ -151,12 +151,18 @@ impl Evidence {
 }
 
 impl LeakWatch {
-    /// Valves are or may be open on purpose: readings until `settling` has passed are ignored.
-    pub fn disturbed(&mut self, params: &LeakParams, at: Micros) {
+    /// The setpoint is another one: the readings before and after it do not compare. A small move may be over between two
+    /// statuses.
+    pub fn interrupt(&mut self, params: &LeakParams) {
         self.close(params);
         self.bin = Bin::default();
         self.refills.iter_mut().for_each(Refills::interrupt);
         self.test.interrupt();
+    }
+
+    /// Valves are or may be open on purpose: readings until `settling` has passed are ignored.
+    pub fn disturbed(&mut self, params: &LeakParams, at: Micros) {
+        self.interrupt(params);
         self.quiet_from = at.after(params.settling);
     }
 

@@ -115,6 +115,22 @@ impl Trend {
         blocks.map(move |(at, (x, y))| (readings(at), f64::from(*x), f64::from(*y)))
     }
 
+    /// Slopes of the line before the last `blocks` blocks and through them, and the number of readings in these.
+    #[must_use]
+    pub fn split(&self, blocks: usize) -> (Option<Slope>, Option<Slope>, u32) {
+        let before = usize::from(self.blocks).saturating_sub(blocks);
+        let after = usize::from(self.blocks) - before;
+        let readings = self.readings() - self.readings_per_block.saturating_mul(before as u32).min(self.readings());
+        let first = Slope::through(|| self.means().take(before), before);
+        (first, Slope::through(|| self.means().skip(before), after), readings)
+    }
+
+    /// Number of blocks.
+    #[must_use]
+    pub fn blocks(&self) -> usize {
+        self.blocks.into()
+    }
+
     /// Slope of the line; `None` with fewer than two blocks.
     #[must_use]
     pub fn slope(&self) -> Option<Slope> {

@@ -44,3 +44,20 @@ fn property_a_loss_of_sensitivity_is_no_length() {
         }
     }
 }
+
+/// The gauge reads less, and the compensated whisker shall still read as it did while whole.
+#[test]
+fn regress_the_gain_is_renewed_after_a_loss_of_sensitivity() {
+    for (seed, gain) in (0..SEEDS).flat_map(|seed| [(seed, 0.97), (seed, 0.95)]) {
+        let mut rig = Rig::new(200 + seed, 1);
+        rig.run(600);
+        rig.whiskers[0].length_mm = 60.0;
+        rig.run(1500);
+        let before = rig.reading_error(0);
+        rig.whiskers[0].gain = gain;
+        assert!(rig.reading_error(0) > 0.02, "seed {seed}, {gain}");
+        rig.run(1000);
+        let after = rig.reading_error(0);
+        assert!(before < 0.02 && after < 0.02, "seed {seed}, {gain}: {before} {after}");
+    }
+}

@@ -5,3 +5,4 @@ mod losses;
 mod rig;
 mod scrapes;
 mod second_cuts;
+mod wear;

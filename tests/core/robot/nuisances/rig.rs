@@ -6,7 +6,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model};
+use vibrissa_core::mechanics::{CONTACT_RATIOS, Calibration, Formulation, Geometry, Model};
 use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Trim};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, Task,
@@ -68,6 +68,8 @@ pub(crate) struct Rubber {
     pub gain: f64,
     /// Present pressure of its chamber.
     pub pressure: Megapascal,
+    /// Gain by contact ratio that was published with its last setpoint.
+    pub published: Option<[f64; CONTACT_RATIOS.len()]>,
     /// Pressure that its sensor reads in a status, if another one.
     pub read: Option<Megapascal>,
     /// It is touched in each of so many rounds; 0: never.
@@ -170,6 +172,7 @@ impl Rig {
             self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &[] });
             for command in std::mem::take(&mut self.under_way) {
                 self.whiskers[command.whisker].pressure = command.pressure;
+                self.whiskers[command.whisker].published = command.gain;
                 let (command, report) = (command.key, SetpointReport::Applied(command.pressure));
                 self.step(&Event::Setpoint { boot_id: BOOT, command, report, robot_time: self.now() });
             }
@@ -218,6 +221,26 @@ impl Rig {
         self.core.whisker(index).expect("a whisker")
     }
 
+    /// Mean error of a whisker's readings with the published gain, against itself while whole, as a ratio.
+    pub(crate) fn reading_error(&self, index: usize) -> f64 {
+        let one = &self.whiskers[index];
+        let gains = one.published.unwrap_or([1.0; CONTACT_RATIOS.len()]);
+        let errors: Vec<f64> = CONTACT_RATIOS
+            .into_iter()
+            .zip(gains)
+            .filter_map(|(a, gain)| {
+                let ratio = ContactRatio::known(a);
+                let per_mm = |length_mm: f64, pressure: Megapascal| {
+                    let morphology = one.model.morphology(pressure);
+                    one.model.sensitivity_per_mm(ratio, Millimetre::known(length_mm), &morphology).ok()
+                };
+                let whole = per_mm(WHOLE_MM, Megapascal::known(0.1))?;
+                Some((one.gain * gain * per_mm(one.length_mm, one.pressure)? / whole - 1.0).abs())
+            })
+            .collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    }
+
     /// The effects that `pick` selects, each with its round.
     pub(crate) fn picked<T>(&self, pick: impl Fn(&Effect) -> Option<T>) -> Vec<(u64, T)> {
         self.effects.iter().filter_map(|(round, effect)| Some((*round, pick(effect)?))).collect()
@@ -255,6 +278,7 @@ impl Rubber {
             length_mm: WHOLE_MM,
             gain: 1.0,
             pressure: Megapascal::known(0.1),
+            published: None,
             read: None,
             every: 1,
             correlated: 0.0,

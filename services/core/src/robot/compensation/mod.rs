@@ -1,6 +1,7 @@
 //! Compensations: decided over a whole array, begun, ended.
 
 pub(in crate::robot) mod error_measurement;
+mod following;
 pub(in crate::robot) mod prediction;
 pub mod refinement;
 pub(in crate::robot) mod responses;
@@ -412,7 +413,8 @@ impl Whisker {
         }
         match self.condition {
             Condition::Healthy => None,
-            Condition::Trimmed if for_itself => None,
+            // An eroding whisker is the only one whose pressure can follow its length.
+            Condition::Trimmed | Condition::Eroding if for_itself => None,
             Condition::Trimmed => Some(Ineligible::Trimmed),
             Condition::Learning => Some(Ineligible::Learning),
             Condition::Suspected => Some(Ineligible::Suspected),

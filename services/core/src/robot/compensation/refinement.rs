@@ -40,6 +40,10 @@ pub struct RefinementParams {
     pub confidence: f64,
     /// A gain stays while the mean error with it is below this, as a ratio.
     pub gain_margin: f64,
+    /// An eroding whisker gets a setpoint, and each new one, after it has lost this much, mm.
+    pub erosion_step_mm: f64,
+    /// ... and after this many contacts at the last one.
+    pub erosion_contacts_min: u32,
 }
 
 impl Default for RefinementParams {
@@ -51,6 +55,8 @@ impl Default for RefinementParams {
             dither_mpa: 0.0012,
             confidence: 0.95,
             gain_margin: 0.01,
+            erosion_step_mm: 0.4,
+            erosion_contacts_min: 40,
         }
     }
 }
@@ -138,10 +144,9 @@ impl Robot {
             return;
         };
         let look = self.look(params, running, &felt);
-        let outcome = match outcome(params, running, look.as_ref()) {
-            RefinementOutcome::Refined if has_lost => RefinementOutcome::HeldUncertain,
-            outcome => outcome,
-        };
+        let found = outcome(params, running, look.as_ref());
+        let stays = has_lost && found == RefinementOutcome::Refined;
+        let outcome = if stays { RefinementOutcome::HeldUncertain } else { found };
         let (error, error_sd) = (felt.error(None), felt.error_sd(&params.cubature, None));
         let gain_error = felt.error(Some(&running.refining.gain));
         let own_gain_error = felt.error_of_own_gain(&params.cubature);

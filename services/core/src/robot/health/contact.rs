@@ -45,6 +45,7 @@ impl Robot {
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
             self.conclude(params, index, felt.verdict, effects);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
+            self.follow_wear(params, index, effects);
         }
         self.follow_reach(params, index, contact, effects);
         self.request_test(params, now, index, effects);

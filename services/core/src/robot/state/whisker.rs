@@ -19,6 +19,8 @@ use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{ContactRatio, Megapascal, Micros};
 
+/// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
+const EROSION_STEP_MAX_MPA: f64 = 0.01;
 /// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
 const REGAINED_WITHIN: f64 = 0.25;
 
@@ -416,12 +418,17 @@ impl Whisker {
         }
         self.air.setpoint = setpoint;
         self.air.unheld_since = None;
+        self.leak.interrupt(&params.health.leak);
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
                 self.rare.get_or_insert().whole_offset = Some(self.filter.offset());
             }
-            self.filter.pressure_moved(moved_mpa, &params.filter);
+            // While it erodes its setpoints are small steps. If each made the offset uncertain, the loss of length would be
+            // taken for the model's error there.
+            if self.condition != Condition::Eroding || moved_mpa.abs() > EROSION_STEP_MAX_MPA {
+                self.filter.pressure_moved(moved_mpa, &params.filter);
+            }
             self.detector = Detector::default();
             self.cannot_deny();
             self.air.learned_at = setpoint;
