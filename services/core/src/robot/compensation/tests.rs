@@ -5,7 +5,7 @@ use crate::estimation::LengthFilter;
 use crate::mechanics::Formulation;
 use crate::policy::LongerForShorter;
 use crate::robot::Numbers;
-use crate::robot::event::{ArraySheet, Factsheet, WhiskerSheet};
+use crate::robot::event::{ArraySheet, Factsheet, TouchTests, WhiskerSheet};
 use crate::units::Micros;
 
 /// Numbers without a pattern, the same each time.
