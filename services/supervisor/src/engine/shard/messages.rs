@@ -119,6 +119,8 @@ impl Shard {
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
         } else if is_birth {
             self.stepper.resend_setpoints(known);
+            // The broker may have forgotten the retained one.
+            known.estimates.repeat();
         }
     }
 
