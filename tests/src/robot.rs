@@ -88,7 +88,7 @@ impl HandRobot {
     /// # Panics
     /// No broker answers in time.
     pub async fn connect(port: u16, name: &str, array: ArrayFacts) -> Self {
-        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request]
+        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
             .map(|kind| format!("whisker/v1/f/{name}/{kind}"));
         let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
         let state = |facts: &WhiskerFacts| State { length_mm: facts.length_mm, pressure_mpa: facts.pressure_mpa };

@@ -15,7 +15,7 @@ use vibrissa_core::robot::effect::{
     TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
-use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason};
+use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason, WhiskerCondition};
 
 use crate::actions::ActionKind;
 
@@ -354,6 +354,19 @@ pub fn setpoint_error(rejection: Rejection) -> SetpointError {
     }
 }
 
+/// The contract's word for a whisker's condition.
+#[must_use]
+pub fn whisker_condition(condition: Condition) -> WhiskerCondition {
+    match condition {
+        Condition::Learning => WhiskerCondition::Learning,
+        Condition::Healthy => WhiskerCondition::Healthy,
+        Condition::Suspected => WhiskerCondition::Suspected,
+        Condition::Trimmed => WhiskerCondition::Trimmed,
+        Condition::Eroding => WhiskerCondition::Eroding,
+        Condition::SensitivityLoss => WhiskerCondition::SensitivityLoss,
+    }
+}
+
 /// 1.96: half the width of a 95 % interval, in standard deviations.
 pub const Z95: f64 = 1.959_963_985;
 
@@ -372,6 +385,13 @@ mod tests {
     fn words_of_setpoints_are_those_of_the_contract() {
         assert!(Reason::all().into_iter().all(|one| one.word() == setpoint_reason(one).as_str()));
         assert!(Rejection::all().into_iter().all(|one| one.word() == setpoint_error(one).as_str()));
+    }
+
+    #[test]
+    fn words_of_conditions_are_those_of_the_contract() {
+        let words: Vec<&str> = Condition::all().into_iter().map(Word::word).collect();
+        assert_eq!(words, WhiskerCondition::ALL.iter().map(|one| one.as_str()).collect::<Vec<_>>());
+        assert!(Condition::all().into_iter().all(|one| one.word() == whisker_condition(one).as_str()));
     }
 
     #[test]

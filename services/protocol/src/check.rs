@@ -1,6 +1,6 @@
 //! Ranges of the contract's quantities, each defined once for both the check of messages and the schemas.
 
-use crate::{INTEGER_LIMIT, Refusal};
+use crate::{GAIN_POINTS_MAX, INTEGER_LIMIT, Refusal};
 
 /// Longest free text (name of a model, command id, boot id), in characters.
 pub(crate) const TEXT_MAX_CHARS: usize = 64;
@@ -60,6 +60,8 @@ pub(crate) const DISTANCE_MM: Range = range!(between 0.1 and 1000 " mm");
 pub(crate) const DISTANCE_SD_MM: Range = range!(above 0 to 100 " mm");
 /// Length of a whisker, in mm.
 pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
+/// Bound of the 95 % interval of a whisker's length, in mm.
+pub(crate) const LENGTH_BOUND_MM: Range = range!(between 0 and 2000 " mm");
 /// Deflection, in mm. The lower limit is below the resolution of any sensor on a robot.
 pub(crate) const DEFLECTION_MM: Range = range!(between 0.01 and 1000 " mm");
 /// Position on the robot, in mm.
@@ -123,4 +125,17 @@ pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
 /// Checks each element and adds its index in the list to a refusal's path.
 pub(crate) fn each<T>(list: &str, items: &[T], check: impl Fn(&T) -> Result<(), Refusal>) -> Result<(), Refusal> {
     items.iter().enumerate().try_for_each(|(index, item)| check(item).map_err(|refusal| refusal.within(list, index)))
+}
+
+/// Checks pairs of contact ratio and factor.
+pub(crate) fn gain(points: &[(f64, f64)]) -> Result<(), Refusal> {
+    count("gain", points.len(), GAIN_POINTS_MAX)?;
+    each("gain", points, |&(ratio, factor)| {
+        RATIO.check("ratio", ratio)?;
+        GAIN.check("factor", factor)
+    })?;
+    if points.is_sorted_by(|(before, _), (after, _)| before < after) {
+        return Ok(());
+    }
+    Err(Refusal::Malformed { path: "gain".to_owned(), problem: "contact ratios must rise".to_owned() })
 }

@@ -10,8 +10,8 @@ use serde_json::error::Category;
 
 use crate::messages::Checked;
 use crate::{
-    BootId, Connection, Contact, Contacts, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal, Request,
-    RobotTopic, Setpoint, SetpointState, Status, SupervisorState, TestState, Topic,
+    BootId, Connection, Contact, Contacts, Estimate, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal,
+    Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorState, TestState, Topic,
 };
 
 /// A message that satisfies the contract.
@@ -36,6 +36,8 @@ pub enum Message {
     Request(Request),
     /// From a robot: progress or result of a touch test.
     TestState(TestState),
+    /// From the supervisor: present lengths of the whiskers.
+    Estimate(Estimate),
     /// From the supervisor: whether it owns the fleet.
     SupervisorState(SupervisorState),
 }
@@ -58,6 +60,7 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
             RobotTopic::SetpointState => read(payload).map(Message::SetpointState),
             RobotTopic::Request => read(payload).map(Message::Request),
             RobotTopic::TestState => read(payload).map(Message::TestState),
+            RobotTopic::Estimate => read(payload).map(Message::Estimate),
         },
     }
 }

@@ -22,8 +22,9 @@ pub mod words;
 
 pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
 pub use messages::{
-    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Factsheet, MissedTouch, Receipt, Request,
-    Setpoint, SetpointState, Status, SupervisorState, TestState, TouchTest, WhiskerFacts, WhiskerStatus,
+    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
+    Request, Setpoint, SetpointState, Status, SupervisorState, TestState, TouchTest, WhiskerEstimate, WhiskerFacts,
+    WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;
@@ -33,7 +34,7 @@ pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
     ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
     SetpointOutcome, SetpointReason, SupervisorPresence, Task, TouchTestError, TouchTestKind, TouchTestOutcome,
-    TouchTestReason,
+    TouchTestReason, WhiskerCondition,
 };
 
 /// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers
@@ -51,5 +52,5 @@ pub const WHISKERS_MAX: usize = 1024;
 pub const HELD_MAX: usize = 1000;
 /// Largest number of distances, and of deflections, in one touch test.
 pub const TEST_POINTS_MAX: usize = 100;
-/// Largest number of points in the `gain` of one `setpoint`.
+/// Largest number of points in the `gain` of one whisker.
 pub const GAIN_POINTS_MAX: usize = 64;

@@ -183,6 +183,11 @@ rules! {
     TestWrongBoot = "test-wrong-boot", "request", Every, Talking,
         "A touch test for another boot is REJECTED as WRONG_BOOT.";
 
+    EstimateOrder = "estimate-order", "estimate", Every, Not("no message of a robot names the estimate that it uses"),
+        "The robot ignores an estimate whose (epoch, version) is not higher than that of the last one that it took in this boot.";
+    EstimateLength = "estimate-length", "contacts", Every, Not("a robot may know its present lengths by itself, for instance from a camera"),
+        "A robot that divides distances by a length uses length_mm of the newest estimate; before the first one it sends distances.";
+
     UnknownFields = "unknown-fields", "all", Every, Talking,
         "The robot ignores unknown fields and processes the message.";
     MalformedHarmless = "malformed-harmless", "all", Every, Talking,

@@ -37,11 +37,13 @@ pub enum RobotTopic {
     Request,
     /// From the robot: progress or result of a touch test.
     TestState,
+    /// From the supervisor: present lengths of the whiskers.
+    Estimate,
 }
 
 impl RobotTopic {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Connection,
         Self::Factsheet,
         Self::Contacts,
@@ -51,6 +53,7 @@ impl RobotTopic {
         Self::SetpointState,
         Self::Request,
         Self::TestState,
+        Self::Estimate,
     ];
 
     /// Text of the topic level.
@@ -66,6 +69,7 @@ impl RobotTopic {
             Self::SetpointState => "setpoint_state",
             Self::Request => "request",
             Self::TestState => "test_state",
+            Self::Estimate => "estimate",
         }
     }
 
@@ -79,7 +83,7 @@ impl RobotTopic {
             | Self::Status
             | Self::SetpointState
             | Self::TestState => true,
-            Self::Receipt | Self::Setpoint | Self::Request => false,
+            Self::Receipt | Self::Setpoint | Self::Request | Self::Estimate => false,
         }
     }
 
@@ -93,7 +97,8 @@ impl RobotTopic {
             | Self::Setpoint
             | Self::SetpointState
             | Self::Request
-            | Self::TestState => QualityOfService::AtLeastOnce,
+            | Self::TestState
+            | Self::Estimate => QualityOfService::AtLeastOnce,
         }
     }
 
@@ -101,7 +106,7 @@ impl RobotTopic {
     #[must_use]
     pub const fn is_retained(self) -> bool {
         match self {
-            Self::Connection | Self::Factsheet => true,
+            Self::Connection | Self::Factsheet | Self::Estimate => true,
             Self::Contacts
             | Self::Status
             | Self::Receipt

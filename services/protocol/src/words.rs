@@ -170,6 +170,23 @@ words!(
     }
 );
 words!(
+    /// Mechanical condition of a whisker.
+    WhiskerCondition {
+        /// The supervisor is learning the whisker's calibration; its length is still that of the factsheet.
+        Learning = "LEARNING",
+        /// As long and as sensitive as at its installation.
+        Healthy = "HEALTHY",
+        /// A change is suspected: the length may be outdated.
+        Suspected = "SUSPECTED",
+        /// Shorter by a cut.
+        Trimmed = "TRIMMED",
+        /// Becoming shorter by wear.
+        Eroding = "ERODING",
+        /// Less sensitive, which no cut explains.
+        SensitivityLoss = "SENSITIVITY_LOSS",
+    }
+);
+words!(
     /// Message that a robot shall send again.
     RequestKind {
         /// The robot's factsheet.

@@ -178,7 +178,7 @@ impl Driver {
     }
 
     async fn subscribe(&mut self) {
-        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request]
+        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
             .map(|kind| SubscribeFilterInput::new(self.topic(kind), qos(kind)));
         if let Some(connection) = &self.connection
             && let Err(error) = connection.client.subscribe_many(filters).await

@@ -12,6 +12,9 @@ pub enum Places {
     Ratio,
     /// Contact distance / factory length, which the robot wrongly calls the contact ratio.
     FactoryRatio,
+    /// Contact distance / length of the supervisor's newest estimate. Until the first estimate, and for contacts beyond that
+    /// length, the distance.
+    EstimatedRatio,
     /// Distance from the base.
     Distance,
     /// Each contact is at the tip.
@@ -28,7 +31,7 @@ impl Places {
     pub(crate) fn ratio(self, drawn: f64, length_mm: f64, whole_length_mm: f64) -> Option<f64> {
         let ratio = match self {
             Self::Ratio | Self::Unknown => drawn,
-            Self::FactoryRatio | Self::Distance => drawn * whole_length_mm / length_mm,
+            Self::FactoryRatio | Self::EstimatedRatio | Self::Distance => drawn * whole_length_mm / length_mm,
             Self::Tip | Self::TipDistance => 1.0,
         };
         (ratio <= 1.0).then_some(ratio)
@@ -37,15 +40,15 @@ impl Places {
     /// Kind of the place, as the factsheet states it.
     pub(crate) fn kind(self) -> PlaceKind {
         match self {
-            Self::Ratio | Self::FactoryRatio => PlaceKind::Ratio,
+            Self::Ratio | Self::FactoryRatio | Self::EstimatedRatio => PlaceKind::Ratio,
             Self::Distance => PlaceKind::Distance,
             Self::Tip | Self::TipDistance => PlaceKind::Tip,
             Self::Unknown => PlaceKind::Unknown,
         }
     }
 
-    /// States the place of a touch in its contact.
-    pub(crate) fn state(self, contact: &mut Contact, touch: &Touch) {
+    /// States the place of a touch in its contact. `estimated_mm` is the length of the supervisor's newest estimate.
+    pub(crate) fn state(self, contact: &mut Contact, touch: &Touch, estimated_mm: Option<f64>) {
         let distance_mm = (touch.ratio + touch.ratio_error) * touch.length_mm;
         let ratio = |ratio: f64| Some(rounded(ratio).clamp(0.01, 1.0));
         let sd_mm = (touch.ratio_sd * touch.whole_length_mm).max(0.01);
@@ -53,6 +56,10 @@ impl Places {
         match self {
             Self::Ratio => contact.ratio = ratio(touch.ratio + touch.ratio_error),
             Self::FactoryRatio => contact.ratio = ratio(distance_mm / touch.whole_length_mm),
+            Self::EstimatedRatio => match estimated_mm.filter(|&length_mm| distance_mm <= length_mm) {
+                Some(length_mm) => contact.ratio = ratio(distance_mm / length_mm),
+                None => (contact.distance_mm, contact.distance_sd_mm) = distance(),
+            },
             Self::Distance => (contact.distance_mm, contact.distance_sd_mm) = distance(),
             Self::Tip => contact.tip = true,
             Self::TipDistance => {

@@ -54,8 +54,13 @@ impl Lease {
     /// Whether the lease certainly holds now, by this process' clock. If not, nothing may be published.
     #[must_use]
     pub fn is_fresh(&self) -> bool {
-        let Some(until) = &self.fresh_until else { return true };
-        Instant::now() < *until.lock().unwrap_or_else(PoisonError::into_inner)
+        self.fresh_until().is_none_or(|until| Instant::now() < until)
+    }
+
+    /// Until when the lease certainly holds, by this process' clock; `None` if no other supervisor can ever acquire it.
+    #[must_use]
+    pub fn fresh_until(&self) -> Option<Instant> {
+        self.fresh_until.as_ref().map(|until| *until.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Identifier of the owner's process.

@@ -14,6 +14,7 @@ use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
+use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
 use crate::thread;
@@ -175,12 +176,13 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
-    let mut publisher = mqtt::publish(connection, metrics.clone(), publications);
+    let losses = Losses::default();
+    let mut publisher = mqtt::publish(connection, metrics.clone(), publications, losses.clone());
     let (cut_off, cutting_off) = watch::channel(false);
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
         let receiver = tokio::spawn(receiving);
-        let ending = engine.run(inbox, outbox).await;
+        let ending = engine.run(inbox, outbox, losses).await;
         receiver.abort();
         ending
     };

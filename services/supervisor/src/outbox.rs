@@ -1,5 +1,7 @@
 //! Messages on their way from the engine to the broker.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use prometheus::Histogram;
@@ -17,7 +19,9 @@ pub struct Publication {
     pub payload: Vec<u8>,
     /// Quality of service.
     pub qos: QualityOfService,
-    /// Deadline for sending, for setpoints. The remaining time becomes the MQTT message expiry.
+    /// Whether the broker retains the message.
+    pub is_retained: bool,
+    /// Deadline for sending. The remaining time becomes the MQTT message expiry, unless the message is retained.
     pub until: Option<Instant>,
     /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
     /// again.
@@ -35,5 +39,22 @@ impl Stopwatch {
     /// Records the elapsed time.
     pub fn stop(&self) {
         self.seconds.observe(wall_clock().since(self.since).as_s());
+    }
+}
+
+/// Whether publications may have been lost, because the connection has broken. Messages of which nobody expects an answer
+/// must then be published again.
+#[derive(Debug, Clone, Default)]
+pub struct Losses(Arc<AtomicBool>);
+
+impl Losses {
+    /// Records that publications may have been lost.
+    pub fn note(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether publications may have been lost since the last call.
+    pub(crate) fn take(&self) -> bool {
+        self.0.swap(false, Ordering::Relaxed)
     }
 }

@@ -10,7 +10,7 @@ use vibrissa_supervisor::mqtt::{
 };
 use vibrissa_tests::wait::{until, until_true};
 
-use vibrissa_supervisor::outbox::Publication;
+use vibrissa_supervisor::outbox::{Losses, Publication};
 
 use vibrissa_supervisor::inbox::Inbox;
 
@@ -66,7 +66,7 @@ impl Link {
         let (stop, stopped) = watch::channel(false);
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);
-        let publishing = mqtt::publish(&connection, metrics.clone(), publications);
+        let publishing = mqtt::publish(&connection, metrics.clone(), publications, Losses::default());
         Self { metrics, _inbox: inbox, state, outbox, stop, tasks: [tokio::spawn(receiving), publishing] }
     }
 

@@ -9,7 +9,7 @@ use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{Message, Name};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
@@ -17,6 +17,7 @@ use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::readiness::Standing;
 use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::observer::{Heard, Observer};
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::{PATIENCE, until, until_true};
@@ -233,6 +234,38 @@ async fn a_supervisor_that_was_frozen_for_too_long_commits_nothing_and_stands_by
     let epochs: i64 =
         sqlx::query_scalar("SELECT count(*) FROM epochs").fetch_one(&mut stage.link().await).await.unwrap();
     assert_eq!(epochs, 2, "the fleet must stay with b");
+    a.terminate().await;
+    fleet.stop().await;
+}
+
+/// The former owner may have estimates ready when it is frozen.
+#[tokio::test]
+async fn an_estimate_of_a_former_owner_never_follows_one_of_the_next() {
+    let stage = Stage::new().await;
+    let mut observer = Observer::subscribed(stage.broker.port(), "observer", &["whisker/v1/f/one/estimate"]).await;
+    let order = |heard: Heard| {
+        let Message::Estimate(estimate) = heard.message else { return None };
+        Some((estimate.epoch, estimate.version))
+    };
+    let mut a = stage.replica("a", "f", 1.0);
+    until_true("a has it", async || stage.count_of("a").await == 1).await;
+    let b = stage.replica("b", "f", 1.0);
+    b.says(200, "STANDBY").await;
+    let fleet = stage.fleet("f");
+    let mut orders = vec![observer.expect("an estimate of a", order).await];
+    a.process.signal(Signal::SIGSTOP);
+    until_true("b has it", async || stage.count_of("b").await == 1).await;
+    while orders.last().is_some_and(|last| last.0 == orders[0].0) {
+        orders.push(observer.expect("an estimate of b", order).await);
+    }
+    a.process.signal(Signal::SIGCONT);
+    a.says(200, "\"holder\":\"b\"").await;
+    stage.more_recorded(200).await;
+    fleet.rest();
+    while let Some(heard) = observer.next(Duration::from_secs(2)).await {
+        orders.extend(order(heard));
+    }
+    assert!(orders.is_sorted_by(|before, after| before < after), "{orders:?}");
     a.terminate().await;
     fleet.stop().await;
 }

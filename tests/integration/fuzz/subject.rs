@@ -123,7 +123,11 @@ impl<'a> Subject<'a> {
                     self.step(now, &Event::TouchTest { boot_id, test, report, robot_time })?;
                 }
             }
-            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {
+            Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::Estimate(_)
+            | Message::SupervisorState(_) => {
                 unreachable!("robots do not say this")
             }
         }

@@ -16,6 +16,7 @@ mod actions;
 mod api;
 mod bad_input;
 mod config;
+mod estimates;
 mod http;
 mod metrics;
 mod quickstart;

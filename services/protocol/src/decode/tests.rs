@@ -1,6 +1,6 @@
 use super::*;
 use crate::document::Channel;
-use crate::document::examples::{CONNECTION, CONTACTS, FACTSHEET, RECEIPT, SETPOINT, SETPOINT_STATE, STATUS};
+use crate::document::examples::{CONNECTION, CONTACTS, ESTIMATE, FACTSHEET, RECEIPT, SETPOINT, SETPOINT_STATE, STATUS};
 use crate::{ContactPlace, Distance};
 
 fn topic(last: &str) -> Topic {
@@ -72,6 +72,9 @@ fn a_malformed_message_is_refused_with_the_place() {
     assert_eq!(refused_after("connection", CONNECTION, "ONLINE", "AWAY").label(), "malformed");
     assert_eq!(refused_after("connection", CONNECTION, "T08", " 08").label(), "malformed");
     assert_eq!(refused_after("factsheet", FACTSHEET, "crawler-2", "").label(), "malformed");
+    assert_eq!(refused_after("estimate", ESTIMATE, "TRIMMED", "LONGER").label(), "malformed");
+    assert_eq!(refused_after("estimate", ESTIMATE, "[0.45,", "[1.0,").label(), "malformed");
+    assert_eq!(refused_after("estimate", ESTIMATE, r#""version":5,"#, "").label(), "malformed");
 }
 
 #[test]
@@ -104,6 +107,22 @@ fn numbers_out_of_range_are_refused_with_the_place() {
     assert_out_of_range(&refused_after("receipt", RECEIPT, "[1811,1813]", "[5,4]"), "held[0]");
     assert_out_of_range(&refused_after("setpoint", SETPOINT, "0.02", "0"), "slew_mpa_per_s");
     assert_out_of_range(&refused_after("setpoint", SETPOINT, "0.45", "0"), "gain[0].ratio");
+    for (from, to, place) in [
+        ("62.1,", "0,", "length_mm"),
+        ("62.1,", "61.8,", "length_mm"),
+        ("62.1,", "62.39,", "length_mm"),
+        ("61.82", "-0.1", "length_low_mm"),
+        ("62.38", "2001", "length_high_mm"),
+        ("0.048", "1.1", "pressure_mpa"),
+        ("0.45", "0", "gain[0].ratio"),
+        ("1.02", "0", "gain[0].factor"),
+    ] {
+        assert_out_of_range(&refused_after("estimate", ESTIMATE, from, to), &format!("whiskers[0].{place}"));
+    }
+    assert_out_of_range(
+        &refused_after("estimate", ESTIMATE, r#""version":5"#, r#""version":9007199254740992"#),
+        "version",
+    );
 }
 
 #[test]

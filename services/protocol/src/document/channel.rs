@@ -15,7 +15,7 @@ pub enum Channel {
 
 impl Channel {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Robot(RobotTopic::Connection),
         Self::Robot(RobotTopic::Factsheet),
         Self::Robot(RobotTopic::Contacts),
@@ -25,6 +25,7 @@ impl Channel {
         Self::Robot(RobotTopic::SetpointState),
         Self::Robot(RobotTopic::Request),
         Self::Robot(RobotTopic::TestState),
+        Self::Robot(RobotTopic::Estimate),
         Self::SupervisorState,
     ];
 
@@ -113,6 +114,15 @@ impl Channel {
                 "Progress of a touch test: ACCEPTED or REJECTED, RUNNING, then DONE or FAILED. The contacts and missed \
                  touches of the test carry its test_id, and are sent before DONE."
             }
+            Self::Robot(RobotTopic::Estimate) => {
+                "Retained. Present lengths, conditions, pressures and gains of all whiskers. Sent when a length has \
+                 changed by half the width of its 95 % interval or by 0.2 mm, when a condition, pressure or gain \
+                 changes, after each birth and when a supervisor takes the fleet over; at most once a second. The robot \
+                 ignores an estimate whose (epoch, version) is not higher than that of the last one that it took in \
+                 this boot. It computes contact ratios with length_mm and corrects its readings with gain. Before the \
+                 first estimate of a boot the robot does not know the present lengths: the factory length is no \
+                 evidence of them, so it sends distances instead of ratios."
+            }
             Self::SupervisorState => {
                 "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. For tools: robots \
                  do not need it, and the shipped access lists do not let them read it."
@@ -145,6 +155,7 @@ impl Channel {
             Self::Robot(RobotTopic::TestState) => {
                 &[("done", examples::TEST_STATE), ("rejected", examples::TEST_STATE_REJECTED)]
             }
+            Self::Robot(RobotTopic::Estimate) => &[("trimmed_and_compensated", examples::ESTIMATE)],
             Self::SupervisorState => &[("online", examples::SUPERVISOR_STATE)],
         }
     }

@@ -23,6 +23,8 @@ pub const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c
 pub const SETPOINT_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":32,"command_id":"0198c5d2-7a42-7c10-8f31-51f2f0b9c6aa","state":"REJECTED","t_us":1795248003123456,"pressure_mpa":0.0481,"error":"STALE"}"#;
 /// Asks for the factsheet again.
 pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
+/// A trimmed whisker that compensates for itself, and a whole one.
+pub const ESTIMATE: &str = r#"{"boot_id":"s3","seq":4,"epoch":1795248000000,"version":5,"timestamp":"2026-11-21T08:00:09.000Z","whiskers":[{"array":"left","whisker":0,"length_mm":62.1,"length_low_mm":61.82,"length_high_mm":62.38,"condition":"TRIMMED","pressure_mpa":0.048,"gain":[[0.45,1.02],[1.0,0.99]]},{"array":"left","whisker":1,"length_mm":65.0,"length_low_mm":64.8,"length_high_mm":65.2,"condition":"HEALTHY","pressure_mpa":0.1,"gain":[]}]}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;
 /// Asks for touches near the tip of a whisker that feels nothing there any more.

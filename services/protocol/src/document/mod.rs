@@ -30,7 +30,8 @@ pub const BEYOND_SCHEMAS: &[&str] = &[
     "in a factsheet: the same array or whisker twice, a neighbour that is the whisker itself or does not exist in \
      its array, `pressure_mpa` above `pressure_max_mpa`",
     "in a receipt: a `held` range whose last `seq` is below its first",
-    "in a setpoint: contact ratios of `gain` that do not rise",
+    "in a setpoint or an estimate: contact ratios of `gain` that do not rise",
+    "in an estimate: the same whisker twice, `length_mm` outside `length_low_mm` to `length_high_mm`",
 ];
 
 /// A document with its path.

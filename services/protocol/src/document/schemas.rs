@@ -4,11 +4,14 @@
 use std::collections::BTreeMap;
 
 use schemars::generate::SchemaSettings;
+use schemars::transform::{ReplacePrefixItems, Transform};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 
 use super::Channel;
-use crate::messages::{Connection, Contacts, Factsheet, Receipt, Request, Setpoint, SetpointState, Status, TestState};
+use crate::messages::{
+    Connection, Contacts, Estimate, Factsheet, Receipt, Request, Setpoint, SetpointState, Status, TestState,
+};
 use crate::{RobotTopic, SupervisorState, schema};
 
 /// The JSON Schema 2020-12 of a channel's message, with examples.
@@ -37,6 +40,7 @@ fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
         Channel::Robot(RobotTopic::SetpointState) => generator.into_root_schema_for::<SetpointState>(),
         Channel::Robot(RobotTopic::Request) => generator.into_root_schema_for::<Request>(),
         Channel::Robot(RobotTopic::TestState) => generator.into_root_schema_for::<TestState>(),
+        Channel::Robot(RobotTopic::Estimate) => generator.into_root_schema_for::<Estimate>(),
         Channel::SupervisorState => generator.into_root_schema_for::<SupervisorState>(),
     }
 }
@@ -64,7 +68,11 @@ pub(super) fn components() -> BTreeMap<String, Schema> {
         let parts = schema.remove("components").and_then(|mut found| found.get_mut("schemas").map(Value::take));
         if let Some(Value::Object(parts)) = parts {
             for (name, part) in parts {
-                all.insert(name, Schema::try_from(part).expect("a part of a schema is a schema"));
+                let mut part = Schema::try_from(part).expect("a part of a schema is a schema");
+                // The generator transforms only what it finds in the usual places.
+                ReplacePrefixItems::default().transform(&mut part);
+                schema::without_number_formats(&mut part);
+                all.insert(name, part);
             }
         }
         all.insert(title(&schema), schema);

@@ -188,7 +188,8 @@ fn is_beyond_schemas(refusal: &Refusal) -> bool {
     match refusal {
         Refusal::Duplicate { .. } | Refusal::WrongNeighbour { .. } | Refusal::TooLarge { .. } => true,
         Refusal::OutOfRange { allowed, .. } => {
-            ["at most pressure_max_mpa", "[first, last] with last not below first"].contains(allowed)
+            let beyond = ["at most pressure_max_mpa", "[first, last] with last not below first"];
+            beyond.contains(allowed) || *allowed == crate::messages::WITHIN_INTERVAL
         }
         Refusal::Malformed { problem, .. } => problem == "contact ratios must rise",
         Refusal::UnknownTopic { .. } | Refusal::BadName { .. } | Refusal::NotJson { .. } | Refusal::TooMany { .. } => {

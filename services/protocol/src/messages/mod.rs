@@ -5,6 +5,7 @@
 
 mod connection;
 mod contacts;
+mod estimate;
 mod factsheet;
 mod receipt;
 mod request;
@@ -15,6 +16,10 @@ mod touch_test;
 
 pub use connection::Connection;
 pub use contacts::{Contact, ContactPlace, Contacts, Distance, MissedTouch};
+#[cfg(test)]
+#[cfg(feature = "documents")]
+pub(crate) use estimate::WITHIN_INTERVAL;
+pub use estimate::{Estimate, WhiskerEstimate};
 pub use factsheet::{ArrayFacts, Factsheet, WhiskerFacts};
 pub use receipt::Receipt;
 pub use request::Request;

@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{GAIN, PRESSURE_MPA, RATIO, SLEW_MPA_PER_S};
-use crate::{BootId, GAIN_POINTS_MAX, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
+use crate::check::{PRESSURE_MPA, SLEW_MPA_PER_S};
+use crate::{BootId, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
 ///
@@ -85,15 +85,7 @@ impl Checked for Setpoint {
         check::integer("version", self.version)?;
         SLEW_MPA_PER_S.check("slew_mpa_per_s", self.slew_mpa_per_s)?;
         check::integer("expires_us", self.expires_us)?;
-        check::count("gain", self.gain.len(), GAIN_POINTS_MAX)?;
-        check::each("gain", &self.gain, |&(ratio, factor)| {
-            RATIO.check("ratio", ratio)?;
-            GAIN.check("factor", factor)
-        })?;
-        if self.gain.is_sorted_by(|(before, _), (after, _)| before < after) {
-            return Ok(());
-        }
-        Err(Refusal::Malformed { path: "gain".to_owned(), problem: "contact ratios must rise".to_owned() })
+        check::gain(&self.gain)
     }
 }
 

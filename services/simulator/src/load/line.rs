@@ -113,7 +113,7 @@ impl Line {
         packet::connect(&mut line.out, &format!("{}-{index}", line.common.boot_id));
         line.settle().await?;
         if !line.common.plan.no_receipts {
-            let heard = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request];
+            let heard = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate];
             let of = |robot: &Robot| heard.map(|kind| format!("{}{kind}", robot.level));
             let filters: Vec<String> = line.robots.iter().flat_map(of).collect();
             line.waited_for = packet::subscribe(&mut line.out, &filters);

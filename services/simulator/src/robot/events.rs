@@ -132,6 +132,7 @@ impl Robot {
             self.sequences = super::Sequences::default();
         }
         self.commands = Commands::default();
+        self.estimate = None;
         self.outbox.restart();
         self.batch.clear();
         self.missed.clear();

@@ -5,6 +5,7 @@
 //! [`Robot::disconnected`] after the connection is lost: the robot continues and keeps its contacts. All times are
 //! in microseconds since 1970 UTC by the robot's clock.
 
+mod estimates;
 mod events;
 mod misbehaviour;
 mod outgoing;
@@ -82,6 +83,8 @@ pub struct Robot {
     places: BTreeMap<(Name, u16), usize>,
     supply_mpa: f64,
     commands: Commands,
+    /// Epoch and version of the newest estimate of this boot.
+    estimate: Option<(u64, u64)>,
     outbox: Outbox,
     link: Link,
     /// Contacts of the incomplete message, and the time at which it is sent.
@@ -130,6 +133,7 @@ impl Robot {
             places,
             supply_mpa: SUPPLY_MPA,
             commands: Commands::default(),
+            estimate: None,
             outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
@@ -208,6 +212,7 @@ impl Robot {
             Message::Request(protocol::Request { touch_test: Some(test), .. }) => {
                 self.touch_test(test, now_us, &mut out)
             }
+            Message::Estimate(estimate) => self.estimate(&estimate),
             Message::Request(request) => match request.request {
                 RequestKind::Factsheet if self.breaks(Misbehaviour::IgnoresFactsheetRequest) => {}
                 RequestKind::Factsheet => self.factsheet(now_us, &mut out),

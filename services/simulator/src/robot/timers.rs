@@ -146,7 +146,7 @@ impl Robot {
         }
         let number = whisker.plant.contacts();
         let mut contact = contact_of(whisker, &reading, at_us);
-        places.state(&mut contact, &touch);
+        places.state(&mut contact, &touch, whisker.estimated_mm);
         self.batch.push(self.contact_as_sent(contact, number));
         if self.batch.len() >= self.config.behaviour.contacts_per_message {
             self.flush(at_us, out);

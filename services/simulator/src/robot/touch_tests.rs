@@ -100,7 +100,7 @@ impl Robot {
                 let mut contact = contact_of(whisker, &reading, at_us);
                 contact.test_id = test_id;
                 let places = if test.kind == TouchTestKind::Tip { Places::TipDistance } else { Places::Distance };
-                places.state(&mut contact, &touch);
+                places.state(&mut contact, &touch, whisker.estimated_mm);
                 self.batch.push(contact);
             }
             (Ok(None), Some(distance_mm)) => self.missed.push(MissedTouch {

@@ -25,6 +25,8 @@ pub struct Whisker {
     notices_faults: bool,
     /// Highest (epoch, version) seen for the whisker in this boot.
     pub(super) seen: Option<(u64, u64)>,
+    /// Length of the newest estimate, mm.
+    pub(super) estimated_mm: Option<f64>,
     /// The setpoint that is being applied.
     pub(super) applying: Option<Applying>,
     /// Events by number of contacts, in order.
@@ -69,6 +71,7 @@ impl Whisker {
             silent_until_us: 0,
             notices_faults: config.behaviour.notices_faults,
             seen: None,
+            estimated_mm: None,
             applying: None,
             events: VecDeque::new(),
             reported: (Condition::Ok, Gauge::Ok),
@@ -78,6 +81,7 @@ impl Whisker {
     /// Resets everything except the whisker itself, as after a restart.
     pub(super) fn restart(&mut self) {
         self.seen = None;
+        self.estimated_mm = None;
         self.applying = None;
         self.regulator.set(self.facts.pressure_mpa, super::setpoints::OWN_SLEW_MPA_PER_S);
     }
@@ -123,6 +127,12 @@ impl Whisker {
     #[must_use]
     pub fn facts(&self) -> &WhiskerScenario {
         &self.facts
+    }
+
+    /// Present length as the supervisor told the robot in this boot, in mm; `None` before the first estimate.
+    #[must_use]
+    pub fn estimated_length_mm(&self) -> Option<f64> {
+        self.estimated_mm
     }
 
     /// Physics of the whisker.

@@ -41,7 +41,7 @@ use crate::action_notifier::ActionNotifier;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::outbox::Publication;
+use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
@@ -90,8 +90,8 @@ pub(crate) struct Engine {
 impl Engine {
     /// Runs until no more messages can arrive and all are committed, or until the lease is lost. In the latter case
     /// robots send their uncommitted messages again to the new owner.
-    pub(crate) async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>) -> Ending {
-        self.pipeline.connect(outbox);
+    pub(crate) async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>, losses: Losses) -> Ending {
+        self.pipeline.connect(outbox, losses);
         let ending = match self.work(inbox).await {
             Ok(()) => Ending::Stopped,
             Err(LeaseLost) => Ending::LeaseLost,
@@ -165,6 +165,7 @@ impl Engine {
         self.restart_silence_timers_if_deaf(inbox);
         let (number, is_round) = self.pipeline.schedule().tick();
         if is_round {
+            self.publish_estimates();
             self.check_receipts();
         }
         if number.is_multiple_of(TICKS_PER_ALLOW_LIST) {
@@ -274,6 +275,18 @@ impl Engine {
             self.allow_list.refresh(committer, &mut self.shards).await;
         }
         Ok(())
+    }
+
+    /// Tells robots the lengths of their whiskers if they have changed. While many publications wait for the broker, this
+    /// waits, too: only the newest estimate of a robot matters.
+    fn publish_estimates(&mut self) {
+        if self.pipeline.take_losses() {
+            self.shards.repeat_estimates();
+        }
+        if self.pipeline.outbox_filling().is_none_or(|(waiting, most)| waiting < most / 2) {
+            self.shards.publish_estimates(Instant::now().into_std());
+            self.pipeline.stepped(0, &self.shards);
+        }
     }
 
     /// Schedules a commit if receipts are due, or if checkpoints have waited long enough.

@@ -1,4 +1,4 @@
-//! The publishing connection: setpoints, receipts, requests, and the presence of the supervisor.
+//! The publishing connection: setpoints, receipts, requests, estimates, and the presence of the supervisor.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +19,7 @@ use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use crate::metrics::FleetMetrics;
-use crate::outbox::Publication;
+use crate::outbox::{Losses, Publication};
 
 /// Capacity of the client's queue of publications: as many as one write takes. The client sends a queued publication
 /// without regard to its age.
@@ -32,14 +32,15 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 const ROLE: &str = "out";
 
 /// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Expired messages
-/// are counted and dropped.
+/// are counted and dropped. `losses` notes messages that may not have reached the broker.
 pub fn publish(
     connection: &Connection,
     metrics: FleetMetrics,
     mut outbox: mpsc::Receiver<Publication>,
+    losses: Losses,
 ) -> JoinHandle<()> {
     let connection = &connection.with_secrets_read_again();
-    let expired = metrics.setpoints_expired_unsent.clone();
+    let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
     options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
@@ -47,7 +48,8 @@ pub fn publish(
     let poller = Poller::new(events, connection, reached);
     let (connected, mut is_connected) = watch::channel(false);
     let leaving = Arc::new(AtomicBool::new(false));
-    let keeping_up = keep_up(connection.clone(), metrics, client.clone(), poller, connected, leaving.clone());
+    let signals = Signals { connected, leaving: leaving.clone(), losses: losses.clone() };
+    let keeping_up = keep_up(connection.clone(), metrics, client.clone(), poller, signals);
     let mut polling = tokio::spawn(keeping_up);
     tokio::spawn(async move {
         while let Some(publication) = outbox.recv().await {
@@ -55,7 +57,12 @@ pub fn publish(
                 break;
             }
             let Some(options) = options_of(&publication, Instant::now()) else {
-                expired.inc();
+                if publication.is_retained {
+                    dropped.inc();
+                    losses.note();
+                } else {
+                    expired.inc();
+                }
                 continue;
             };
             let Publication { topic, payload, stopwatch, .. } = publication;
@@ -96,6 +103,15 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
     }
 }
 
+/// What the polling task tells the others, and hears from them.
+struct Signals {
+    /// Whether the connection is up.
+    connected: watch::Sender<bool>,
+    /// Whether the supervisor leaves.
+    leaving: Arc<AtomicBool>,
+    losses: Losses,
+}
+
 /// Polls the client, reconnects it, and announces after each connection that the supervisor is online.
 ///
 /// The client keeps its id when it reconnects, so that the broker ends the old connection before it accepts the new
@@ -106,14 +122,17 @@ async fn keep_up(
     metrics: FleetMetrics,
     client: AsyncClient,
     mut poller: Poller,
-    connected: watch::Sender<bool>,
-    leaving: Arc<AtomicBool>,
+    Signals { connected, leaving, losses }: Signals,
 ) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut backoff = Backoff::new();
+    let mut was_broken = false;
     loop {
         match poller.next().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
+                if std::mem::take(&mut was_broken) {
+                    losses.note();
+                }
                 // Not awaited: the polling task must not wait for the queue that polling empties.
                 if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
                     warn!(%problem, "cannot subscribe to the supervisor's own state");
@@ -140,6 +159,7 @@ async fn keep_up(
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => {
                 connected.send_replace(false);
+                was_broken = true;
                 connection.link.broken(Side::Publishing, &problem);
                 if problem.is_takeover() {
                     metrics.mqtt_session_takeovers.inc();
@@ -182,14 +202,18 @@ fn retained() -> PublishOptions {
 }
 
 /// MQTT options for a publication at `now`; `None` if it has expired. The remaining time becomes the MQTT message
-/// expiry.
+/// expiry, except for a retained message: robots that connect later need it.
 fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions> {
     let options = PublishOptions::new(match publication.qos {
         QualityOfService::AtMostOnce => QoS::AtMostOnce,
         QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
     });
+    let options = if publication.is_retained { options.retained() } else { options };
     let Some(until) = publication.until else { return Some(options) };
     let left = until.checked_duration_since(now).filter(|left| !left.is_zero())?;
+    if publication.is_retained {
+        return Some(options);
+    }
     // The expiry is in whole seconds. It is rounded up, because a broker may take 0 for no expiry.
     let left_s = left.as_secs_f64().ceil() as u32;
     let properties = PublishProperties { message_expiry_interval: Some(left_s), ..PublishProperties::default() };
@@ -212,6 +236,7 @@ mod tests {
             topic: "whisker/v1/f/r/setpoint".to_owned(),
             payload: Vec::new(),
             qos: QualityOfService::AtLeastOnce,
+            is_retained: false,
             until,
             stopwatch: None,
         };
@@ -227,5 +252,22 @@ mod tests {
         let late = publication(Some(now));
         assert!(options_of(&late, now + Duration::from_secs(1)).is_none());
         assert!(options_of(&publication(None), now).is_some());
+    }
+
+    #[test]
+    fn a_retained_publication_goes_out_only_before_its_deadline_and_does_not_expire_in_the_broker() {
+        let now = Instant::now();
+        let publication = Publication {
+            topic: "whisker/v1/f/r/estimate".to_owned(),
+            payload: Vec::new(),
+            qos: QualityOfService::AtLeastOnce,
+            is_retained: true,
+            until: Some(now + Duration::from_secs(5)),
+            stopwatch: None,
+        };
+        let options = format!("{:?}", options_of(&publication, now).expect("not too late yet"));
+        assert!(options.contains("retain: true"), "{options}");
+        assert!(!options.contains("Some(5)"), "{options}");
+        assert!(options_of(&publication, now + Duration::from_secs(6)).is_none());
     }
 }

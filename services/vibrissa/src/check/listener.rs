@@ -105,7 +105,7 @@ impl Listener {
             }
             RobotTopic::Status => qos == 0,
             RobotTopic::Contacts => qos <= 1,
-            RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => true,
+            RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request | RobotTopic::Estimate => true,
         };
         let seen = if is_right { "as the contract requires on every topic".into() } else { format!("{qos} on {kind}") };
         self.findings.judge(Rule::QualityOfService, is_right, seen);
@@ -118,7 +118,11 @@ impl Listener {
                 let seen = if retained { "retained" } else { "published without the retain flag" };
                 self.findings.judge(Rule::FactsheetRetained, retained, seen);
             }
-            RobotTopic::Connection | RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request => {}
+            RobotTopic::Connection
+            | RobotTopic::Receipt
+            | RobotTopic::Setpoint
+            | RobotTopic::Request
+            | RobotTopic::Estimate => {}
         }
         if kind == RobotTopic::Contacts && qos == 1 {
             self.ledger.at_least_once += 1;
@@ -201,7 +205,11 @@ impl Listener {
             Message::SetpointState(state) => self.judge_clock("setpoint_state", state.t_us, received),
             Message::TestState(state) => self.judge_clock("test_state", state.t_us, received),
             Message::Contacts(contacts) => self.judge_contacts(contacts, received),
-            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+            Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::Estimate(_)
+            | Message::SupervisorState(_) => {}
         }
     }
 
@@ -277,6 +285,7 @@ fn time_us(message: &Message) -> Option<u64> {
         | Message::Receipt(_)
         | Message::Setpoint(_)
         | Message::Request(_)
+        | Message::Estimate(_)
         | Message::SupervisorState(_) => None,
     }
 }

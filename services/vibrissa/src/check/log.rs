@@ -33,6 +33,7 @@ impl Listener {
             | Message::Receipt(_)
             | Message::Setpoint(_)
             | Message::Request(_)
+            | Message::Estimate(_)
             | Message::SupervisorState(_) => None,
         })
     }

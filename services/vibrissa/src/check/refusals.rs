@@ -15,11 +15,12 @@ const ABOVE_MPA: f64 = 0.001;
 /// Time since an expired setpoint has expired.
 const EXPIRED_US: u64 = 10_000_000;
 /// Malformed payloads with their topics.
-const MALFORMED: [(RobotTopic, &[u8]); 4] = [
+const MALFORMED: [(RobotTopic, &[u8]); 5] = [
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":0,"),
     (RobotTopic::Setpoint, b"{\"boot_id\":\"check\",\"seq\":\"none\",\"pressure_mpa\":\"much\"}"),
     (RobotTopic::Request, b"[]"),
     (RobotTopic::Receipt, b"\xff\xfe\x00"),
+    (RobotTopic::Estimate, b"{\"whiskers\":7}"),
 ];
 
 impl Bench {

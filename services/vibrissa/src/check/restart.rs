@@ -105,6 +105,7 @@ fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(
         | Message::Receipt(_)
         | Message::Setpoint(_)
         | Message::Request(_)
+        | Message::Estimate(_)
         | Message::SupervisorState(_) => None,
     };
     heard.log[mark..].iter().enumerate().find_map(find)

@@ -190,9 +190,11 @@ impl Replayer {
         if !self.robots.contains_key(&key) {
             match message {
                 Message::Connection(_) | Message::Factsheet(_) => {}
-                Message::Setpoint(_) | Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {
-                    return Ok(());
-                }
+                Message::Setpoint(_)
+                | Message::Receipt(_)
+                | Message::Request(_)
+                | Message::Estimate(_)
+                | Message::SupervisorState(_) => return Ok(()),
                 Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) | Message::TestState(_) => {
                     let problem = "the recording has neither a birth nor a factsheet of this robot";
                     return self.refuse(step, "unknown_robot", &problem, sink);
@@ -271,7 +273,7 @@ impl Known {
                     self.step(params, step, &event, (None, false), sink)?;
                 }
             }
-            Message::Receipt(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+            Message::Receipt(_) | Message::Request(_) | Message::Estimate(_) | Message::SupervisorState(_) => {}
         }
         Ok(Vec::new())
     }

@@ -45,12 +45,23 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The document's only Python block.
-fn block() -> String {
+/// The document's Python blocks: the robot, and its handling of estimates.
+fn blocks() -> [String; 2] {
     let document = fs::read_to_string(repository().join("docs/robot-quickstart.md")).unwrap();
-    let (_, rest) = document.split_once("```python\n").expect("a block of Python");
-    assert!(!rest.contains("```python"), "there must be only one block");
-    rest.split_once("```").expect("the end of the block").0.to_owned()
+    let blocks: Vec<String> = document
+        .split("```python\n")
+        .skip(1)
+        .map(|rest| rest.split_once("```").expect("the end of the block").0.to_owned())
+        .collect();
+    blocks.try_into().expect("two blocks of Python")
+}
+
+/// The robot with its handling of estimates, inserted as the document says.
+fn block() -> String {
+    let [robot, estimates] = blocks();
+    let (before, after) = robot.split_once("\nseqs[").expect("the line below HANDLERS");
+    assert!(before.lines().last().is_some_and(|line| line.starts_with("HANDLERS = ")), "{before}");
+    format!("{before}\n{estimates}seqs[{after}")
 }
 
 /// Path of a Python with the packages that the block needs.
@@ -61,7 +72,35 @@ fn python() -> &'static Path {
 
 #[test]
 fn the_whole_robot_has_less_than_100_lines_that_fit_a_screen() {
-    let block = block();
-    assert!(block.lines().count() < 100, "{} lines", block.lines().count());
-    assert!(block.lines().all(|line| line.chars().count() <= 120));
+    let [robot, estimates] = blocks();
+    assert!(robot.lines().count() < 100, "{} lines", robot.lines().count());
+    assert!(estimates.lines().count() < 20, "{} lines", estimates.lines().count());
+    assert!(robot.lines().chain(estimates.lines()).all(|line| line.chars().count() <= 120));
+}
+
+/// The block's functions with estimates in any order.
+#[test]
+fn its_robot_orders_estimates_divides_by_the_newest_length_and_interpolates_the_gain() {
+    const BEFORE: &str = "import types\nARRAY, HANDLERS = 'left', {}\n";
+    const AFTER: &str = r#"
+w = types.SimpleNamespace(number=1)
+def tell(epoch, version, length_mm, gain):
+    entry = {"array": "left", "whisker": 1, "length_mm": length_mm, "gain": gain}
+    HANDLERS["estimate"]({"epoch": epoch, "version": version, "whiskers": [entry]})
+assert contact_ratio(w, 30.0) is None and corrected(w, 0.5, 0.01) == 0.01
+tell(7, 3, 60.0, [[0.5, 1.0], [0.7, 1.2], [1.0, 1.1]])
+tell(7, 2, 50.0, [])
+tell(6, 9, 50.0, [])
+assert contact_ratio(w, 30.0) == 0.5
+for ratio, factor in [(0.4, 1.0), (0.5, 1.0), (0.6, 1.1), (0.7, 1.2), (0.85, 1.15), (1.0, 1.1), (1.1, 1.1)]:
+    assert abs(corrected(w, ratio, 0.01) - 0.01 * factor) < 1e-12, (ratio, corrected(w, ratio, 0.01))
+tell(8, 0, 40.0, [])
+assert contact_ratio(w, 30.0) == 0.75 and corrected(w, 0.6, 0.01) == 0.01
+print("all is well")
+"#;
+    let [_, estimates] = blocks();
+    let script = format!("{BEFORE}{estimates}{AFTER}");
+    let ran = std::process::Command::new(python()).args(["-c", &script]).output().unwrap();
+    let (told, complaint) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    assert_eq!(told.trim(), "all is well", "{complaint}");
 }

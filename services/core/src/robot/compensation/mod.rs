@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::{Belief, ResponseBins};
+use crate::mechanics::CONTACT_RATIOS;
 use crate::policy::{Case, Fitness, Ineligible, Mode, Offer, Proposal, Refused, assign, propose};
 use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
@@ -78,6 +79,18 @@ impl Compensation {
     #[must_use]
     pub fn predicted_error(&self) -> f64 {
         self.predicted_error
+    }
+
+    /// Factors on the compensator's strain at [`CONTACT_RATIOS`], as published last.
+    #[must_use]
+    pub fn gain(&self) -> &[f64; CONTACT_RATIOS.len()] {
+        &self.refining.gain
+    }
+
+    /// Whether the robot has applied the setpoint with this pressure and gain.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.settled
     }
 
     /// Whether it waits for an operator's approval: no setpoint was sent for it.

@@ -2,6 +2,7 @@
 
 mod connection;
 mod delivery;
+mod estimates;
 mod events;
 mod journal;
 mod setpoints;

@@ -23,7 +23,7 @@ use crate::engine::message::RawMessage;
 use crate::engine::shard::Receipts;
 use crate::engine::shard::shards::Shards;
 use crate::metrics::FleetMetrics;
-use crate::outbox::Publication;
+use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Lease;
 
@@ -71,6 +71,8 @@ pub(crate) struct Pipeline {
     /// Limit of the robots that get receipts with one transaction.
     receipts_max: usize,
     outbox: Option<mpsc::Sender<Publication>>,
+    /// Publications that may not have reached the broker.
+    losses: Losses,
     /// Runtime for writes that would block the engine's own thread.
     workers: Handle,
 }
@@ -90,13 +92,19 @@ impl Pipeline {
             answered: Vec::new(),
             receipts_max: RECEIPTS_AT_ONCE,
             outbox: None,
+            losses: Losses::default(),
             workers,
         }
     }
 
-    /// Sets the channel of the publications.
-    pub(crate) fn connect(&mut self, outbox: mpsc::Sender<Publication>) {
-        self.outbox = Some(outbox);
+    /// Sets the channel of the publications, and the notes of its losses.
+    pub(crate) fn connect(&mut self, outbox: mpsc::Sender<Publication>, losses: Losses) {
+        (self.outbox, self.losses) = (Some(outbox), losses);
+    }
+
+    /// Whether publications may have been lost since the last call.
+    pub(crate) fn take_losses(&mut self) -> bool {
+        self.losses.take()
     }
 
     /// Number of publications that wait for the connection, and their limit.
@@ -276,12 +284,22 @@ impl Pipeline {
     }
 
     /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may
-    /// have expired: setpoints are sent again until they are answered, and receipts with the next message.
+    /// have expired: setpoints are sent again until they are answered, receipts with the next message, and estimates
+    /// after each loss. A retained message must not replace one of the next owner, so it goes out only while the lease
+    /// holds.
     pub(crate) fn publish(&self, publications: Vec<Publication>) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
         if self.lease.is_fresh() {
-            dropped = publications.into_iter().filter_map(|one| outbox.try_send(one).err()).count();
+            let fresh_until = self.lease.fresh_until().map(Instant::into_std);
+            let bounded = publications.into_iter().map(|one| match one.is_retained {
+                true => Publication { until: fresh_until, ..one },
+                false => one,
+            });
+            dropped = bounded.filter_map(|one| outbox.try_send(one).err()).count();
+        }
+        if dropped > 0 {
+            self.losses.note();
         }
         self.metrics.publications_dropped.inc_by(dropped as u64);
         dropped == 0

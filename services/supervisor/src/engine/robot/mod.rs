@@ -3,6 +3,7 @@
 pub(crate) mod boots;
 pub(crate) mod commands;
 pub(crate) mod errors;
+pub(crate) mod estimates;
 pub(crate) mod fingerprints;
 pub(crate) mod history;
 pub(crate) mod limits;
@@ -24,6 +25,7 @@ use vibrissa_protocol::{BootId, Name};
 use boots::Boots;
 use commands::Commands;
 use errors::MeasuredErrors;
+use estimates::Estimates;
 use fingerprints::Fingerprints;
 use history::History;
 use limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
@@ -53,6 +55,8 @@ pub(crate) struct KnownRobot {
     pub(crate) refused_boot: Option<BootId>,
     /// Next `seq` of each topic to this robot.
     pub(crate) seqs: Seqs,
+    /// What it was told of its whiskers.
+    pub(crate) estimates: Estimates,
     /// Last measured error of each compensation.
     pub(crate) errors: MeasuredErrors,
     /// History of its contacts on the way to the tables.
@@ -96,6 +100,7 @@ impl KnownRobot {
             silence_restarted: None,
             refused_boot: None,
             seqs: Seqs::default(),
+            estimates: Estimates::default(),
             errors: MeasuredErrors::default(),
             history: History::new(retention),
             durable: Durable::Checkpoint,

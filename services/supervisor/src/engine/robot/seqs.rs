@@ -6,6 +6,7 @@ pub(crate) struct Seqs {
     receipt: u64,
     setpoint: u64,
     request: u64,
+    estimate: u64,
 }
 
 impl Seqs {
@@ -19,6 +20,11 @@ impl Seqs {
 
     pub(crate) fn next_request(&mut self) -> u64 {
         next(&mut self.request)
+    }
+
+    /// Also the version: a boot of the supervisor has one epoch.
+    pub(crate) fn next_estimate(&mut self) -> u64 {
+        next(&mut self.estimate)
     }
 }
 

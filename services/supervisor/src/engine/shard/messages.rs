@@ -39,7 +39,11 @@ impl Shard {
             // Handled by [`Self::take_connection`] and [`Self::handle_factsheet`].
             Message::Connection(_) | Message::Factsheet(_) => {}
             // Not published by robots: the subscriptions exclude them.
-            Message::Receipt(_) | Message::Setpoint(_) | Message::Request(_) | Message::SupervisorState(_) => {}
+            Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::Estimate(_)
+            | Message::SupervisorState(_) => {}
         }
     }
 
@@ -115,6 +119,8 @@ impl Shard {
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
         } else if is_birth {
             self.stepper.resend_setpoints(known);
+            // The broker may have forgotten the retained one.
+            known.estimates.repeat();
         }
     }
 

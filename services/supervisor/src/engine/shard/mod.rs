@@ -4,9 +4,10 @@
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
 //! - [`record`], [`rows`]: its effects become rows.
-//! - [`publication`]: setpoints, receipts and requests.
+//! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
 
 mod announced;
+mod estimate;
 mod messages;
 mod publication;
 mod record;
@@ -55,6 +56,8 @@ pub(crate) struct Shard {
     epoch: u64,
     /// Number of robots that have got the current tick, if it was interrupted.
     tick_resumes_at: Option<usize>,
+    /// The first robot whose estimate may be published next: each gets its turn.
+    estimates_resume_at: usize,
     allow_list: AllowList,
     /// Robots that are not on the allow list.
     refused_robots: RefusedRobots,
@@ -73,6 +76,7 @@ impl Shard {
             stepper,
             epoch,
             tick_resumes_at: None,
+            estimates_resume_at: 0,
             allow_list: AllowList::default(),
             refused_robots: RefusedRobots::default(),
             hashers: RandomState::new(),

@@ -99,11 +99,12 @@ impl Stepper {
         self.batch.publish(Publication { until: Some(Instant::now() + valid_for), ..publication });
     }
 
-    fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
+    pub(super) fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
         Publication {
             topic: kind.of(&self.fleet, robot).to_string(),
             payload,
             qos: kind.quality_of_service(),
+            is_retained: kind.is_retained(),
             until: None,
             stopwatch: None,
         }

@@ -51,6 +51,7 @@ impl Stepper {
                     length_mm: contact.length.length.mm(),
                     length_sd_mm: contact.length.sd_mm,
                 };
+                known.estimates.contact(contact.whisker, &contact.length);
                 known.history.add_contact(contact.whisker, contact.used, row, self.batch.rows_mut());
             }
             Effect::UnknownWhisker { position } => {

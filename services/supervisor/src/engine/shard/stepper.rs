@@ -133,6 +133,9 @@ impl Stepper {
             traces.stepped(&Step { fleet, name, robot_id, robot, now, event, effects: &effects });
         }
         let is_ordinary = effects.iter().all(is_ordinary);
+        if !is_ordinary || !matches!(event, Event::Contacts { .. } | Event::Tick) {
+            known.estimates.compare();
+        }
         self.batch.make_durable(known, now, event, source, outcome, is_ordinary);
         for effect in effects.drain(..) {
             self.record(known, now, effect, source);

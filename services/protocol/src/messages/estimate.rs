@@ -1,0 +1,123 @@
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::Checked;
+use crate::check::{LENGTH_BOUND_MM, LENGTH_MM, PRESSURE_MPA};
+use crate::{ARRAYS_MAX, BootId, Name, Refusal, Timestamp, WHISKERS_MAX, WhiskerCondition, check};
+
+/// The rule about a length and its interval, in refusals.
+pub(crate) const WITHIN_INTERVAL: &str = "from length_low_mm to length_high_mm";
+
+/// `estimate`: present lengths of a robot's whiskers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+pub struct Estimate {
+    /// Boot id of the supervisor.
+    pub boot_id: BootId,
+    /// Sequence number, from 0 in each boot.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub seq: u64,
+    /// Epoch of the supervisor, as in setpoints; (`epoch`, `version`) orders the estimates of a robot.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub epoch: u64,
+    /// Version of the estimate; it rises within an epoch. Versions of setpoints are counted apart.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub version: u64,
+    /// Time at which the message was written, by the supervisor's clock.
+    pub timestamp: Timestamp,
+    /// One entry for each whisker of the factsheet. If the message would become too long, whiskers that work as
+    /// installed are left out. A whisker that is not listed has no estimate.
+    #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX * WHISKERS_MAX)))]
+    pub whiskers: Vec<WhiskerEstimate>,
+}
+
+/// Present length and state of one whisker, as the supervisor knows them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+pub struct WhiskerEstimate {
+    /// The whisker's array.
+    pub array: Name,
+    /// The whisker's number in its array.
+    pub whisker: u16,
+    /// Most likely present length without the chamber's elongation, in mm. Contact ratio = contact distance / this
+    /// length.
+    #[cfg_attr(feature = "documents", schemars(transform = LENGTH_MM.in_schema()))]
+    pub length_mm: f64,
+    /// Lower bound of the 95 % interval of the length, in mm; at most `length_mm`.
+    #[cfg_attr(feature = "documents", schemars(transform = LENGTH_BOUND_MM.in_schema()))]
+    pub length_low_mm: f64,
+    /// Upper bound of the 95 % interval of the length, in mm; at least `length_mm`.
+    #[cfg_attr(feature = "documents", schemars(transform = LENGTH_BOUND_MM.in_schema()))]
+    pub length_high_mm: f64,
+    /// Mechanical condition of the whisker.
+    pub condition: WhiskerCondition,
+    /// The setpoint in force as the supervisor knows it: gauge pressure in MPa.
+    #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
+    pub pressure_mpa: f64,
+    /// Correction in force: pairs of contact ratio and factor on the whisker's strain, by rising ratio, for
+    /// interpolation. Empty if the strain needs none. It is the gain of the setpoint that the robot applied last.
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::gain"))]
+    pub gain: Vec<(f64, f64)>,
+}
+
+impl Estimate {
+    /// Whether the estimate is newer than another one with this epoch and version. A robot ignores the others.
+    #[must_use]
+    pub fn is_newer_than(&self, other: Option<(u64, u64)>) -> bool {
+        other.is_none_or(|other| (self.epoch, self.version) > other)
+    }
+}
+
+impl WhiskerEstimate {
+    fn check(&self) -> Result<(), Refusal> {
+        LENGTH_MM.check("length_mm", self.length_mm)?;
+        LENGTH_BOUND_MM.check("length_low_mm", self.length_low_mm)?;
+        LENGTH_BOUND_MM.check("length_high_mm", self.length_high_mm)?;
+        if !(self.length_low_mm..=self.length_high_mm).contains(&self.length_mm) {
+            let (path, value) = ("length_mm".to_owned(), self.length_mm);
+            return Err(Refusal::OutOfRange { path, value, allowed: WITHIN_INTERVAL });
+        }
+        PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
+        check::gain(&self.gain)
+    }
+}
+
+impl Checked for Estimate {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::integer("epoch", self.epoch)?;
+        check::integer("version", self.version)?;
+        check::count("whiskers", self.whiskers.len(), ARRAYS_MAX * WHISKERS_MAX)?;
+        check::each("whiskers", &self.whiskers, WhiskerEstimate::check)?;
+        let mut known = BTreeSet::new();
+        for (index, one) in self.whiskers.iter().enumerate() {
+            if !known.insert((&one.array, one.whisker)) {
+                let what = format!("whisker {} of array {}", one.whisker, one.array);
+                return Err(Refusal::Duplicate { path: "whisker".to_owned(), what }.within("whiskers", index));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_higher_epoch_or_a_higher_version_of_the_same_epoch_is_newer() {
+        let estimate = |epoch, version| Estimate {
+            boot_id: BootId::new("s").unwrap(),
+            seq: 0,
+            epoch,
+            version,
+            timestamp: Timestamp(0),
+            whiskers: Vec::new(),
+        };
+        for (epoch, version, is_newer) in [(7, 4, true), (7, 3, false), (7, 2, false), (8, 0, true), (6, 9, false)] {
+            assert_eq!(estimate(epoch, version).is_newer_than(Some((7, 3))), is_newer, "{epoch} {version}");
+        }
+        assert!(estimate(0, 0).is_newer_than(None));
+    }
+}

@@ -1,0 +1,159 @@
+//! Publication of estimates: the present lengths of a robot's whiskers.
+
+use std::time::Instant;
+
+use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::robot::event::Link;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::words::{length_interval_mm, whisker_condition};
+use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, RobotTopic, Timestamp, WhiskerCondition, encode};
+
+use super::Shard;
+use super::stepper::Stepper;
+use crate::engine::robot::KnownRobot;
+use crate::engine::robot::estimates::WhiskerState;
+
+/// A robot counts as at least this many whiskers against the limit of whiskers at a time.
+const WHISKERS_MIN: usize = 8;
+/// Range of lengths in the contract, mm; the bounds of an interval are from 0 to [`BOUND_MAX_MM`].
+const LENGTH_MM: (f64, f64) = (1.0, 1000.0);
+const BOUND_MAX_MM: f64 = 2000.0;
+
+impl Shard {
+    /// Adds the estimates that are due to the open batch; they are published after the commit. Stops after `most` whiskers,
+    /// and continues there the next time. Robots that are not connected get theirs at their birth.
+    pub(super) fn publish_estimates(&mut self, now: Instant, most: usize) {
+        let count = self.robots.len();
+        let first = std::mem::take(&mut self.estimates_resume_at);
+        let mut left = most;
+        for index in (first..count).chain(0..first.min(count)) {
+            let Some((_, known)) = self.robots.get_index_mut(index) else { continue };
+            let is_online = known.robot.connection_state().1 == Link::Online;
+            if known.rests || !is_online || !known.estimates.is_due(now) {
+                continue;
+            }
+            if left == 0 {
+                self.estimates_resume_at = index;
+                return;
+            }
+            if self.stepper.publish_estimate(known, now, self.epoch) {
+                left = left.saturating_sub(known.robot.whisker_count().max(WHISKERS_MIN));
+            }
+        }
+    }
+}
+
+impl Stepper {
+    /// Publishes a robot's estimate if something has changed; returns whether it did.
+    fn publish_estimate(&mut self, known: &mut KnownRobot, now: Instant, epoch: u64) -> bool {
+        let Some(states) = known.estimates.next(now, &known.robot) else { return false };
+        let whisker = |(at, state): (usize, &WhiskerState)| {
+            let view = known.robot.whisker(at)?;
+            entry(Name::new(view.array).ok()?, view.sheet.number, state)
+        };
+        let whiskers = states.iter().enumerate().filter_map(whisker).collect();
+        let seq = known.seqs.next_estimate();
+        let mut estimate = protocol::Estimate {
+            boot_id: self.boot_id.clone(),
+            seq,
+            epoch,
+            version: seq,
+            timestamp: Timestamp(wall_clock().0),
+            whiskers,
+        };
+        let payload = encode_within(&mut estimate, PAYLOAD_MAX_BYTES);
+        let publication = self.publication(&known.name, RobotTopic::Estimate, payload);
+        self.batch.publish(publication);
+        true
+    }
+}
+
+fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::WhiskerEstimate> {
+    let (low_mm, high_mm) = length_interval_mm(&state.length);
+    let length_mm = state.length.length.mm().clamp(LENGTH_MM.0, LENGTH_MM.1);
+    let bounds_are_known = low_mm.is_finite() && high_mm.is_finite();
+    let gain = state.gain.as_deref().map(|gain| CONTACT_RATIOS.into_iter().zip(gain.map(|one| rounded(one, 1e4))));
+    bounds_are_known.then(|| protocol::WhiskerEstimate {
+        array,
+        whisker,
+        length_mm: rounded(length_mm, 1e3),
+        length_low_mm: rounded(low_mm.clamp(0.0, length_mm), 1e3),
+        length_high_mm: rounded(high_mm.clamp(length_mm, BOUND_MAX_MM), 1e3),
+        condition: whisker_condition(state.condition),
+        pressure_mpa: rounded(state.pressure_mpa, 1e5),
+        gain: gain.map(Iterator::collect).unwrap_or_default(),
+    })
+}
+
+/// Shorter texts, without digits beyond any accuracy.
+fn rounded(value: f64, per_unit: f64) -> f64 {
+    (value * per_unit).round() / per_unit
+}
+
+/// Encodes an estimate in at most `most` bytes. The contract allows robots with more whiskers than one message can list:
+/// then whiskers that work as installed are left out, the last ones first.
+fn encode_within(estimate: &mut protocol::Estimate, most: usize) -> Vec<u8> {
+    loop {
+        let payload = encode(estimate);
+        if payload.len() <= most || estimate.whiskers.is_empty() {
+            return payload;
+        }
+        let kept = (estimate.whiskers.len() * most / payload.len()).min(estimate.whiskers.len() - 1);
+        estimate.whiskers.sort_by_key(|one| {
+            matches!(one.condition, WhiskerCondition::Healthy | WhiskerCondition::Learning) && one.gain.is_empty()
+        });
+        estimate.whiskers.truncate(kept);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrissa_core::estimation::LengthEstimate;
+    use vibrissa_core::robot::effect::Condition;
+    use vibrissa_core::units::Millimetre;
+    use vibrissa_protocol::{BootId, Message, Topic, decode};
+
+    use super::*;
+
+    fn state(length_mm: f64, sd_mm: f64, condition: Condition) -> WhiskerState {
+        let length = LengthEstimate { length: Millimetre::known(length_mm), sd_mm };
+        let gain = (condition == Condition::Trimmed).then(|| Box::new([1.023_456; CONTACT_RATIOS.len()]));
+        WhiskerState { length, condition, pressure_mpa: 0.051_234_567, gain }
+    }
+
+    fn estimate(states: &[WhiskerState]) -> protocol::Estimate {
+        let array = Name::new("left").unwrap();
+        let entries = states.iter().zip(0..).map(|(state, number)| entry(array.clone(), number, state).unwrap());
+        let boot_id = BootId::new("s").unwrap();
+        let whiskers = entries.collect();
+        protocol::Estimate { boot_id, seq: 3, epoch: 7, version: 3, timestamp: Timestamp(0), whiskers }
+    }
+
+    #[test]
+    fn an_estimate_of_any_length_is_a_message_of_the_contract() {
+        let topic = Topic::parse("whisker/v1/f/r/estimate").unwrap();
+        let lengths = [(70.0, 0.3), (1.0, 5.0), (1000.0, 0.01), (70.0, 1e5), (69.999_6, 1e-9), (0.5, 0.1)];
+        let states: Vec<_> = lengths.map(|(length_mm, sd_mm)| state(length_mm, sd_mm, Condition::Trimmed)).into();
+        let mut sent = estimate(&states);
+        let payload = encode_within(&mut sent, PAYLOAD_MAX_BYTES);
+        let Message::Estimate(read) = decode(&topic, &payload).unwrap() else { panic!("no estimate") };
+        assert_eq!(read, sent);
+        assert_eq!(read.whiskers.len(), lengths.len());
+        let first = &read.whiskers[0];
+        assert_eq!((first.length_low_mm, first.length_mm, first.length_high_mm), (69.412, 70.0, 70.588));
+        assert_eq!((first.pressure_mpa, first.gain[0]), (0.051_23, (0.45, 1.0235)));
+    }
+
+    #[test]
+    fn too_long_an_estimate_leaves_out_whiskers_that_work_as_installed() {
+        let mut states = vec![state(70.0, 0.3, Condition::Healthy); 3000];
+        for trimmed in [7, 2999] {
+            states[trimmed] = state(60.0, 0.3, Condition::Trimmed);
+        }
+        let mut sent = estimate(&states);
+        let payload = encode_within(&mut sent, PAYLOAD_MAX_BYTES);
+        assert!((PAYLOAD_MAX_BYTES * 9 / 10..=PAYLOAD_MAX_BYTES).contains(&payload.len()), "{}", payload.len());
+        let trimmed = sent.whiskers.iter().filter(|one| one.condition == WhiskerCondition::Trimmed);
+        assert_eq!(trimmed.map(|one| one.whisker).collect::<Vec<_>>(), [7, 2999]);
+    }
+}
