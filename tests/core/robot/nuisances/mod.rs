@@ -1,7 +1,12 @@
 //! Nuisances of real robots and real silicone: none of them is a cut, and none may hide or forget one.
 
+mod curvature;
 mod leaks;
+mod learning;
 mod losses;
+mod noise;
 mod rig;
 mod scrapes;
 mod second_cuts;
+mod temperature;
+mod zones;
