@@ -106,6 +106,7 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         strain: Strain::new(contact.strain)?,
         pressure: Megapascal::new(contact.pressure_mpa)?,
         is_test: contact.test_id.is_some(),
+        temperature_c: Some(contact.temperature_c),
     })
 }
 

@@ -186,6 +186,7 @@ impl Member {
                 strain,
                 pressure,
                 is_test: false,
+                temperature_c: None,
             });
         }
         let event = Event::Contacts { boot_id: BOOT, seq: self.seq, contacts: message, missed: &[] };

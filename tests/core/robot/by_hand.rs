@@ -108,6 +108,7 @@ impl ByHand {
             strain: Strain::new(strain).unwrap(),
             pressure: Megapascal::known(0.1),
             is_test: false,
+            temperature_c: None,
         };
         let contacts: Vec<Contact<'_>> = contacts.iter().map(contact).collect();
         let (boot_id, seq) = (self.boot_id.clone(), self.seq);

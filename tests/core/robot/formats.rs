@@ -12,6 +12,11 @@ const WHISKERS_5: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-5-1.bin"),
     include_bytes!("../../data/formats/whisker-5-2.bin"),
 ];
+const WHISKERS_7: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-7-0.bin"),
+    include_bytes!("../../data/formats/whisker-7-1.bin"),
+    include_bytes!("../../data/formats/whisker-7-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -23,11 +28,12 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_version_5_are_read_and_become_version_6() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_7() {
     let robot = restored(WHISKERS_5).unwrap();
     assert_eq!(robot, restored(WHISKERS_6).unwrap());
+    assert_eq!(robot, restored(WHISKERS_7).unwrap());
     assert_eq!(robot.to_bytes().unwrap(), ROBOT_6);
-    for (index, bytes) in WHISKERS_6.into_iter().enumerate() {
+    for (index, bytes) in WHISKERS_7.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -49,8 +55,8 @@ fn golden_robots_of_version_5_become_version_6() {
 
 #[test]
 fn a_whisker_of_a_later_version_is_refused() {
-    let mut later = WHISKERS_6[0].to_vec();
+    let mut later = WHISKERS_7[0].to_vec();
     later[0] += 1;
-    let refused = restored([&later, WHISKERS_6[1], WHISKERS_6[2]]);
+    let refused = restored([&later, WHISKERS_7[1], WHISKERS_7[2]]);
     assert_eq!(refused.err(), Some(RestoreError::Whisker(0)));
 }

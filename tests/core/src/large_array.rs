@@ -125,6 +125,7 @@ impl LargeArray {
                 strain: Strain::known(per_mm * deflection_mm * (1.0 + error)),
                 pressure,
                 is_test: false,
+                temperature_c: None,
             }
         };
         let contacts: Vec<_> = (0..CONTACTS).map(contact).collect();

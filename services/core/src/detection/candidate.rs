@@ -252,10 +252,11 @@ impl BorshSerialize for Candidates {
     }
 }
 
-impl BorshDeserialize for Candidates {
-    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let (shiryaev, starts) = BorshDeserialize::deserialize_reader(reader)?;
-        let mut read = Self { shiryaev, starts, ..Self::default() };
+impl Candidates {
+    /// Reads what was written with this number of states.
+    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
+        let shiryaev = BorshDeserialize::deserialize_reader(reader)?;
+        let mut read = Self { shiryaev, starts: Starts::read(states, reader)?, ..Self::default() };
         for index in 0..COUNT {
             if read.contacts(index) > 0 {
                 (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;

@@ -108,11 +108,11 @@ impl Continuations {
         Ok(())
     }
 
-    /// Reads the output of [`Self::write`].
-    pub fn read<R: Read>(candidates: &Candidates, reader: &mut R) -> Result<Self> {
+    /// Reads the output of [`Self::write`] with this number of states.
+    pub fn read<R: Read>(states: usize, candidates: &Candidates, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
         for place in places(candidates) {
-            for one in &mut read.lacking {
+            for one in read.lacking.iter_mut().take(states) {
                 one[place] = f32::deserialize_reader(reader)?;
             }
         }

@@ -18,7 +18,9 @@
 //! **A larger change meanwhile.** A suspected small change must not hide a large one: a step of at least twice its size
 //! that began later, and would raise an alarm beside it, becomes the suspicion.
 //!
-//! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts no change is reported.
+//! **Cold start.** During the first [`DetectionParams::cold_start_contacts`] contacts no change is reported. The
+//! statistics follow all the same from contact [`DetectionParams::followed_from`] on: the filter takes a change in the
+//! cold start for an offset, and only a known start tells how much of the change it has absorbed.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -66,6 +68,8 @@ const SUDDEN_CONTACTS: u32 = 40;
 const LARGER_THAN_DRIFT: f64 = 0.05;
 /// The detector is calm while every CUSUM likelihood ratio is below this value.
 const CALM_BELOW: f64 = 20.0;
+/// Its doubt is little while every one is below this value.
+const LITTLE_DOUBT_BELOW: f64 = 1000.0;
 
 /// Parameters of the detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,13 +78,20 @@ pub struct DetectionParams {
     pub contacts_between_false_alarms: f64,
     /// Number of contacts in which offset and noise are learned before any change is reported.
     pub cold_start_contacts: u32,
+    /// Number of contacts after which the statistics follow during the cold start: noise and first loads come first.
+    pub followed_from: u32,
     /// Largest loss of ln length per contact that may be erosion; faster losses are trims.
     pub erosion_per_contact_max: f64,
 }
 
 impl Default for DetectionParams {
     fn default() -> Self {
-        Self { contacts_between_false_alarms: 1e6, cold_start_contacts: 150, erosion_per_contact_max: 0.01 / 70.0 }
+        Self {
+            contacts_between_false_alarms: 1e6,
+            cold_start_contacts: 150,
+            followed_from: 50,
+            erosion_per_contact_max: 0.01 / 70.0,
+        }
     }
 }
 
@@ -134,12 +145,18 @@ impl Detector {
     /// Updates the detector with one innovation. `others` matters only once a suspicion is confirmed.
     pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool, others: Others) -> Verdict {
         let suspicion = self.suspicion.as_deref().map(|&suspicion| (suspicion, self.fresh_log_ratio(&suspicion, seen)));
-        let felt = self.candidates.update(seen);
-        self.continuations.update(seen, &self.candidates, &felt);
+        self.follow(seen);
         match suspicion {
             Some((suspicion, fresh)) => self.look(params, suspicion, fresh, eroding, others),
             None => self.watch(params, eroding),
         }
+    }
+
+    /// Updates the statistics with one innovation, without a verdict: for the cold start, so that a change in it has its
+    /// true start when it is called later.
+    pub fn follow(&mut self, seen: &Innovation) {
+        let felt = self.candidates.update(seen);
+        self.continuations.update(seen, &self.candidates, &felt);
     }
 
     /// Whether there is no sign of a change. Only then are reference responses and noise learned.
@@ -148,6 +165,12 @@ impl Detector {
     #[must_use]
     pub fn is_calm(&self) -> bool {
         self.suspicion.is_none() && self.candidates.cusum_max() < CALM_BELOW
+    }
+
+    /// Whether nothing speaks for a change so strongly that it hardly comes from a scale that is not learned yet.
+    #[must_use]
+    pub fn has_little_doubt(&self) -> bool {
+        self.suspicion.is_none() && self.candidates.cusum_max() < LITTLE_DOUBT_BELOW
     }
 
     /// Whether a change is suspected.
@@ -364,10 +387,14 @@ impl BorshSerialize for Detector {
     }
 }
 
-impl BorshDeserialize for Detector {
-    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
-        let candidates = Candidates::deserialize_reader(reader)?;
-        let continuations = Continuations::read(&candidates, reader)?;
+impl Detector {
+    /// Reads what was written while the filter had this number of states.
+    ///
+    /// # Errors
+    /// The bytes end, or cannot have been written.
+    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
+        let candidates = Candidates::read(states, reader)?;
+        let continuations = Continuations::read(states, &candidates, reader)?;
         Ok(Self { candidates, continuations, suspicion: BorshDeserialize::deserialize_reader(reader)? })
     }
 }

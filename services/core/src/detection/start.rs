@@ -184,8 +184,10 @@ impl BorshSerialize for Starts {
     }
 }
 
-impl BorshDeserialize for Starts {
-    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+impl Starts {
+    /// Reads what was written with this number of states. The others were unknown to the filter, so that it absorbed
+    /// nothing of a change in them.
+    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
         let are: [bool; STARTS] = encoding::unpack_flags(u16::deserialize_reader(reader)?)?;
         for pair in read.of_steps.chunks_mut(2) {
@@ -203,7 +205,7 @@ impl BorshDeserialize for Starts {
                 continue;
             }
             read.contacts[place] = contacts.min(CONTACTS_MAX) as u16;
-            for one in &mut read.lacking {
+            for one in read.lacking.iter_mut().take(states) {
                 one[place] = f32::deserialize_reader(reader)?;
             }
         }

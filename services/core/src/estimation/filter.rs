@@ -1,9 +1,11 @@
 //! The Kalman filter that estimates a whisker's length.
 //!
-//! State: x = (o0, o1, lambda, b). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log sensitivity,
-//! which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the gauge's baseline, its
-//! strain without deflection. One contact at known contact ratio a, deflection d and pressure observes
-//! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725)) + b) + noise`.
+//! State: x = (o0, o1, lambda, b, t, c). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
+//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the gauge's
+//! baseline, its strain without deflection; `t` is the change of log sensitivity per kelvin and `c` per mm of
+//! deflection, the curvature of the rubber's response. One contact at contact ratio a, deflection d, pressure Q and
+//! T kelvin above the reference observes
+//! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725) + t T + c (d - 3 mm)) + b) + noise`.
 //!
 //! Priors separate offset and length. At the start the length is known from the factsheet and the offset is not.
 //! Afterwards the length may wander (erosion, trims) and the offset does not, except when the pressure changes,
@@ -29,11 +31,19 @@ use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
 /// Number of states.
-pub const STATES: usize = 4;
+pub const STATES: usize = 6;
 /// Index of lambda in the state.
 pub const LENGTH: usize = 2;
 /// Index of the baseline in the state.
 pub const BASELINE: usize = 3;
+/// Index of the temperature coefficient in the state.
+const PER_K: usize = 4;
+/// Index of the curvature in the state.
+const BEND: usize = 5;
+/// Number of states before version 7 of the stored whisker: those before the temperature coefficient.
+pub const STATES_BEFORE_7: usize = PER_K;
+/// Deflection at which the offset is stated, mm: the middle of the usual ones.
+const CENTRE_MM: f64 = 3.0;
 /// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
 /// Relative standard deviation of the model's d ln s / d ln L, over calibrations 10 % off, in either formulation.
@@ -71,6 +81,11 @@ pub struct FilterParams {
     pub baseline_wander_strain: f64,
     /// Random walk of the baseline of a gauge known to drift, m/m per square root of a contact.
     pub drifting_baseline_wander_strain: f64,
+    /// Initial uncertainty of the temperature coefficient, log sensitivity per K: silicones have 0.3 to 1 %, of either
+    /// sign with the gauge's own.
+    pub per_k: f64,
+    /// Initial uncertainty of the curvature, log sensitivity per mm of deflection.
+    pub bend_per_mm: f64,
 }
 
 impl Default for FilterParams {
@@ -85,6 +100,8 @@ impl Default for FilterParams {
             baseline_strain: 2e-5,
             baseline_wander_strain: 5e-7,
             drifting_baseline_wander_strain: 1e-5,
+            per_k: 0.007,
+            bend_per_mm: 0.02,
         }
     }
 }
@@ -106,6 +123,24 @@ fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Er
 
 fn read_whole<R: Read>(reader: &mut R) -> Result<f64, Error> {
     encoding::read_number(reader)
+}
+
+impl LengthFilter {
+    /// Reads a filter as it was stored before version 7: temperature coefficient and curvature are unknown.
+    ///
+    /// # Errors
+    /// The bytes end, or hold a NaN where none can be.
+    pub fn read_before_7<R: Read>(reader: &mut R) -> Result<Self, Error> {
+        let whole_length_mm = read_whole(reader)?;
+        let length = Millimetre::new(whole_length_mm).map_err(|_| encoding::invalid("no length of a whisker"))?;
+        let mut read = Self::new(length, &FilterParams::default());
+        read.whole_length_mm = whole_length_mm;
+        for mean in &mut read.mean[..STATES_BEFORE_7] {
+            *mean = f32::deserialize_reader(reader)?;
+        }
+        read.covariance.read_first(STATES_BEFORE_7, reader)?;
+        Ok(read)
+    }
 }
 
 /// Random walk of the state from one contact to the next, as standard deviations.
@@ -135,22 +170,39 @@ pub struct Innovation {
     pub residual: f64,
     /// Variance of the residual: uncertainty of the state, plus noise.
     pub variance: f64,
-    /// Variance of the contact's noise alone.
+    /// Variance of the contact's noise alone, inflated by the correlation between contacts.
     pub noise_variance: f64,
     /// residual / sqrt(variance), in standard deviations.
     pub standardised: f64,
+    /// This contact by itself: the same without the inflation, of unit variance whatever the correlation.
+    pub alone: Alone,
     /// Density of the standardised residual while nothing changes.
     pub density: InnovationDensity,
     /// That density at this contact, and the probability that the contact is not an outlier.
     pub seen: Seen,
+    /// Contact ratio at which the contact was compared.
+    pub ratio: ContactRatio,
     /// d(log strain) / d(state).
     pub row: [f64; STATES],
     /// Kalman gain, already reduced for a likely outlier.
     pub gain: [f64; STATES],
     /// Noise variance that corresponds to this gain.
     gain_noise_variance: f64,
-    /// The model's sensitivity corrected by the learned offset, strain per mm.
+    /// Change of log sensitivity by temperature and deflection that the state predicts for this contact.
+    pub by_circumstances: f64,
+    /// The model's sensitivity corrected by the learned offset and by the circumstances, strain per mm.
     pub predicted_sensitivity_per_mm: f64,
+}
+
+/// The innovation of one contact by itself, whatever its correlation with others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alone {
+    /// Residual in its standard deviations.
+    pub standardised: f64,
+    /// Probability that the contact is not an outlier.
+    pub sound: f64,
+    /// Share of the noise in the residual's variance.
+    pub noise_share: f64,
 }
 
 /// Measurements of one contact.
@@ -167,6 +219,8 @@ pub struct Observation {
     pub deflection_mm: f64,
     /// Measured strain, m/m.
     pub strain: f64,
+    /// Temperature above the whisker's reference, K; 0 if the robot states none.
+    pub warmer_k: f64,
 }
 
 /// Why a contact cannot update the length.
@@ -201,7 +255,14 @@ impl LengthFilter {
     #[must_use]
     pub fn new(whole_length: Millimetre, params: &FilterParams) -> Self {
         let length = params.length_mm / whole_length.mm();
-        let prior = [params.offset_level, params.offset_slope, length, params.baseline_strain];
+        let prior = [
+            params.offset_level,
+            params.offset_slope,
+            length,
+            params.baseline_strain,
+            params.per_k,
+            params.bend_per_mm,
+        ];
         let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
         Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
     }
@@ -258,7 +319,9 @@ impl LengthFilter {
     ) -> Result<Innovation, NoInformation> {
         let length = self.length().length;
         let (model_per_mm, log_slope) = model.sensitivity_and_slope(contact.ratio, length, morphology)?;
-        let predicted = model_per_mm * self.offset().at(contact.ratio).exp();
+        let beyond_mm = contact.deflection_mm - CENTRE_MM;
+        let by_circumstances = f64::from(self.mean[PER_K]) * contact.warmer_k + f64::from(self.mean[BEND]) * beyond_mm;
+        let predicted = model_per_mm * (self.offset().at(contact.ratio) + by_circumstances).exp();
         let by_deflection = predicted * contact.deflection_mm;
         let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
@@ -274,10 +337,14 @@ impl LengthFilter {
             share * (contact.ratio.a() - Offset::CENTRE),
             if contact.informs_length { share * log_slope * length.mm() / elongated_mm } else { 0.0 },
             1.0 / expected_strain,
+            share * contact.warmer_k,
+            share * beyond_mm,
         ];
         let by_ratio = log_slope * contact.ratio_sd / contact.ratio.a();
         let noise_variance = scale.variance() * (noise.log_variance(expected_strain) + by_ratio.powi(2));
-        let seen = self.innovation(residual, row, noise_variance, scale.density(), predicted);
+        let seen = self.innovation(residual, row, (noise_variance, scale.inflation()), scale.density());
+        let (ratio, predicted_sensitivity_per_mm) = (contact.ratio, predicted);
+        let seen = Innovation { ratio, by_circumstances, predicted_sensitivity_per_mm, ..seen };
         if seen.is_bounded() { Ok(seen) } else { Err(NoInformation::Implausible) }
     }
 
@@ -289,23 +356,30 @@ impl LengthFilter {
         row[LENGTH] = 1.0;
         let length_mm = self.length().length.mm();
         let noise_variance = (sd_mm / length_mm).powi(2).max(*VARIANCES.start());
-        let seen = self.innovation((measured.mm() / length_mm).ln(), row, noise_variance, scale.density(), 0.0);
+        let seen = self.innovation((measured.mm() / length_mm).ln(), row, (noise_variance, 1.0), scale.density());
         seen.is_bounded().then_some(seen)
     }
 
+    /// The innovation of a measurement of the length, or of a contact whose place is added.
     fn innovation(
         &self,
         residual: f64,
         row: [f64; STATES],
-        noise_variance: f64,
+        (own_variance, inflation): (f64, f64),
         density: InnovationDensity,
-        predicted: f64,
     ) -> Innovation {
+        let noise_variance = own_variance * inflation;
         let spread = self.covariance.times(&row);
         let state_variance: f64 = row.iter().zip(spread).map(|(row, spread)| row * spread).sum();
         let variance = state_variance + noise_variance;
         let standardised = residual / variance.sqrt();
         let seen = density.at(standardised);
+        let own_sd = (state_variance + own_variance).sqrt();
+        let alone = Alone {
+            standardised: residual / own_sd,
+            sound: if inflation > 1.0 { density.at(residual / own_sd).sound } else { seen.sound },
+            noise_share: own_variance / own_sd.powi(2),
+        };
         let gain_noise_variance = noise_variance / seen.sound.max(LEAST_SOUND);
         let gain = spread.map(|spread| spread / (state_variance + gain_noise_variance));
         Innovation {
@@ -313,12 +387,15 @@ impl LengthFilter {
             variance,
             noise_variance,
             standardised,
+            alone,
             density,
             seen,
+            ratio: ContactRatio::TIP,
             row,
             gain,
             gain_noise_variance,
-            predicted_sensitivity_per_mm: predicted,
+            by_circumstances: 0.0,
+            predicted_sensitivity_per_mm: 0.0,
         }
     }
 
@@ -354,7 +431,8 @@ impl LengthFilter {
     ///
     /// Only for the cold start, and only for states that contacts have determined better than the prior.
     pub fn rescale(&mut self, factor: f64, params: &FilterParams) {
-        let prior = [params.offset_level, params.offset_slope, 0.0, params.baseline_strain];
+        let prior =
+            [params.offset_level, params.offset_slope, 0.0, params.baseline_strain, params.per_k, params.bend_per_mm];
         let by: [f64; STATES] = std::array::from_fn(|state| {
             let told = self.covariance.variance(state) < 0.5 * prior[state].powi(2);
             if told { factor.sqrt() } else { 1.0 }

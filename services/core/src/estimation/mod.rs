@@ -2,7 +2,7 @@
 //! length; from many contacts also the whisker's own calibration.
 //!
 //! Knows numbers, not robots. [`noise`] gives the uncertainty of one contact and [`outlier`] its density.
-//! [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline). [`bins`] averages responses
+//! [`spread`] expects the true contact ratio behind a stated one. [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline, temperature coefficient, curvature). [`bins`] averages responses
 //! by contact ratio, [`smooth`] fits a curve to them, [`own_calibration`] compares them between pressures,
 //! [`uncertainty`] gives the uncertainty of Eq. 35 over the cases of [`cubature`]. [`trend`] fits lines to long series;
 //! [`erosion`] and [`leak`] use it, and [`refill`] detects a regulator that refills a leak.
@@ -24,6 +24,7 @@ pub mod reach;
 pub mod refill;
 mod sealed_interval;
 pub mod smooth;
+pub mod spread;
 mod symmetric;
 pub mod trend;
 pub mod uncertainty;
@@ -39,4 +40,5 @@ pub use outlier::InnovationDensity;
 pub use own_calibration::{Belief, Nominal, OwnCalibration, Visit, Weights};
 pub use reach::Reach;
 pub use smooth::{Carried, Smooth};
+pub use spread::RatioSpread;
 pub use trend::{Interval, Trend};

@@ -1,8 +1,10 @@
 //! Uncertainty of the log sensitivity of one contact.
 
+use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::outlier::{InnovationDensity, MEAN_SQUARE_SEEN};
+use super::outlier::InnovationDensity;
+
 /// Configured noise of a robot's readings, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorNoise {
@@ -40,20 +42,63 @@ impl SensorNoise {
     }
 }
 
-/// Learned ratio between a whisker's true noise variance and the configured one.
+/// Learned ratio between a whisker's true noise variance and the configured one, with the share of outliers and the
+/// correlation of the noise from contact to contact.
 ///
 /// Averages squared standardised innovations, each weighted by its probability of not being an outlier. The
 /// configured noise counts as [`NoiseScale::PRIOR_CONTACTS`] contacts, the past as at most
 /// [`NoiseScale::MEMORY_CONTACTS`].
+///
+/// Creep, loop and history make noise that lasts for some contacts. The mean of n such contacts has the variance of n / c
+/// independent ones, c being one plus twice the sum of the correlations: the inflation. Filter and detector take
+/// each contact for one of c times its variance. That holds for means over more contacts than the noise lasts, whatever
+/// its kind, and asks for no model of it.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct NoiseScale {
     variance: f32,
     contacts: f32,
+    outliers: f32,
+    /// Sum of the earlier innovations, each weighted by [`LASTS`] to the power of its age.
+    earlier: f32,
+    /// Mean product of an innovation and that sum.
+    together: f32,
+    /// Sum of the products since the detector was calm, and their number.
+    doubtful: f32,
+    doubtful_contacts: f32,
 }
+
+/// Share of outliers of a new whisker, and the number of contacts that it counts as.
+const OUTLIERS_AT_FIRST: f64 = 0.005;
+const OUTLIERS_PRIOR_CONTACTS: f64 = 200.0;
+/// Range of the share of outliers.
+const OUTLIERS_MIN_MAX: (f64, f64) = (InnovationDensity::OUTLIERS_MIN, 0.1);
+/// Contacts in which the scale is learned before the correlation: it would be that of another scale.
+const SCALE_FIRST_CONTACTS: f64 = 30.0;
+/// Number of contacts that independence counts as.
+const INDEPENDENT_CONTACTS: f64 = 30.0;
+/// Weight of a contact relative to the one after it, in the sum of earlier innovations.
+const LASTS: f64 = 0.9;
+/// The weights leave out part of the correlation: a third of one of 0.8 to the power of the age.
+const LEFT_OUT: f64 = 1.3;
+/// The inflation is taken smaller by this many standard deviations of its estimate, so that chance seldom costs
+/// sensitivity.
+const DOUBT_SD: f64 = 1.0;
+/// Largest inflation: that of a correlation of 0.9.
+const INFLATION_MAX: f64 = 19.0;
+/// An innovation counts as at most this many standard deviations: outliers are independent.
+const LARGEST_SD: f64 = 3.0;
 
 impl Default for NoiseScale {
     fn default() -> Self {
-        Self { variance: 1.0, contacts: Self::PRIOR_CONTACTS as f32 }
+        Self {
+            variance: 1.0,
+            contacts: Self::PRIOR_CONTACTS as f32,
+            outliers: OUTLIERS_AT_FIRST as f32,
+            earlier: 0.0,
+            together: 0.0,
+            doubtful: 0.0,
+            doubtful_contacts: 0.0,
+        }
     }
 }
 
@@ -72,7 +117,15 @@ impl NoiseScale {
     /// Density of an innovation standardised with this scale.
     #[must_use]
     pub fn density(&self) -> InnovationDensity {
-        InnovationDensity::learned_from(f64::from(self.contacts))
+        InnovationDensity::learned_from(f64::from(self.contacts), f64::from(self.outliers))
+    }
+
+    /// Factor on the variance of a contact that makes up for the correlation between contacts, between 1 and 19.
+    #[must_use]
+    pub fn inflation(&self) -> f64 {
+        let by = 2.0 * LEFT_OUT;
+        let doubt = DOUBT_SD / ((1.0 - LASTS * LASTS) * self.pairs()).sqrt();
+        (1.0 + by * (f64::from(self.together) - doubt)).clamp(1.0, INFLATION_MAX)
     }
 
     /// Learns from one standardised innovation; call it only while no change is suspected. `sound` is the
@@ -82,10 +135,112 @@ impl NoiseScale {
     /// Returns the factor by which the scale's variance has changed.
     pub fn learn(&mut self, standardised: f64, sound: f64, share: f64) -> f64 {
         let before = self.variance();
-        let square = sound * standardised.powi(2) / MEAN_SQUARE_SEEN;
+        let square = sound * standardised.powi(2) / InnovationDensity::mean_square_seen(self.outliers.into());
         self.contacts = (f64::from(self.contacts) + share).min(Self::MEMORY_CONTACTS) as f32;
-        let after = before * (1.0 + share * (square - 1.0) / f64::from(self.contacts));
+        let contacts = f64::from(self.contacts);
+        let after = before * (1.0 + share * (square - 1.0) / contacts);
         self.variance = after.clamp(0.0625, 16.0) as f32;
+        let outliers = f64::from(self.outliers);
+        let outliers = outliers + share * (1.0 - sound - outliers) / (contacts + OUTLIERS_PRIOR_CONTACTS);
+        self.outliers = outliers.clamp(OUTLIERS_MIN_MAX.0, OUTLIERS_MIN_MAX.1) as f32;
         self.variance() / before
+    }
+
+    /// Learns the correlation from one standardised innovation; call it only while no alarm stands. `share` is as in
+    /// [`Self::learn`].
+    ///
+    /// A change correlates innovations, too, and would hide itself. So the contacts of a doubt count once it is over:
+    /// once the detector is `calm` again.
+    pub fn correlate(&mut self, standardised: f64, share: f64, calm: bool) {
+        if f64::from(self.contacts) < SCALE_FIRST_CONTACTS {
+            return;
+        }
+        let one = share * standardised.clamp(-LARGEST_SD, LARGEST_SD);
+        let earlier = f64::from(self.earlier);
+        self.doubtful += (one * earlier) as f32;
+        self.doubtful_contacts += 1.0;
+        self.earlier = (one + LASTS * earlier) as f32;
+        if calm {
+            let (count, together) = (f64::from(self.doubtful_contacts), f64::from(self.together));
+            let off = f64::from(self.doubtful) - count * together;
+            self.together = (together + off / self.pairs().max(count)) as f32;
+            (self.doubtful, self.doubtful_contacts) = (0.0, 0.0);
+        }
+    }
+
+    /// The doubt has become an alarm: its contacts do not count.
+    pub fn forget_doubtful(&mut self) {
+        (self.earlier, self.doubtful, self.doubtful_contacts) = (0.0, 0.0, 0.0);
+    }
+
+    /// Number of contacts from which the correlation was learned.
+    fn pairs(&self) -> f64 {
+        (f64::from(self.contacts) - SCALE_FIRST_CONTACTS).max(0.0) + INDEPENDENT_CONTACTS
+    }
+
+    /// Whether all numbers are finite.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let correlation = [self.earlier, self.together, self.doubtful, self.doubtful_contacts];
+        [self.variance, self.contacts, self.outliers].iter().chain(&correlation).all(|one| one.is_finite())
+    }
+
+    /// Reads a scale as it was stored before version 7 of the whisker, without outliers and correlation.
+    ///
+    /// # Errors
+    /// The bytes end.
+    pub fn read_before_7<R: Read>(reader: &mut R) -> Result<Self> {
+        let (variance, contacts) = BorshDeserialize::deserialize_reader(reader)?;
+        Ok(Self { variance, contacts, ..Self::default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of unit variance with no correlation to speak of, from the middle of their density.
+    fn independent(step: u32) -> f64 {
+        let even = |irrational: f64| (f64::from(step) * irrational).fract() - 0.5;
+        (even(0.618_033_988_749_894_8) + even(0.754_877_666_246_692_7) + even(0.569_840_290_998_053_2)) * 4.0_f64.sqrt()
+    }
+
+    /// A scale that learned from noise of this correlation from contact to contact.
+    fn learned(keeps: f64, contacts: u32) -> NoiseScale {
+        let mut scale = NoiseScale::default();
+        let mut noise = 0.0;
+        for step in 0..contacts {
+            noise = keeps * noise + (1.0 - keeps * keeps).sqrt() * independent(step * 7919 % 104_729);
+            let sound = scale.density().at(noise).sound;
+            scale.learn(noise / scale.variance().sqrt(), sound, 1.0);
+            scale.correlate(noise / scale.variance().sqrt(), 1.0, true);
+        }
+        scale
+    }
+
+    #[test]
+    fn property_the_inflation_is_that_of_the_mean_of_correlated_contacts() {
+        assert!(learned(0.0, 5000).inflation() < 1.1, "{}", learned(0.0, 5000).inflation());
+        for keeps in [0.5, 0.7, 0.8] {
+            let (stated, truth) = (learned(keeps, 10_000).inflation(), (1.0 + keeps) / (1.0 - keeps));
+            assert!((0.75..1.25).contains(&(stated / truth)), "{keeps}: {stated} {truth}");
+        }
+    }
+
+    #[test]
+    fn property_the_share_of_outliers_is_learned_within_its_range() {
+        let mut scale = NoiseScale::default();
+        for step in 0..20_000 {
+            let one = independent(step) * if step % 50 == 0 { 10.0 } else { 1.0 };
+            let sound = scale.density().at(one).sound;
+            scale.learn(one, sound, 1.0);
+        }
+        assert!((f64::from(scale.outliers) - 0.017).abs() < 0.004, "{scale:?}");
+        let mut quiet = NoiseScale::default();
+        (0..5000).for_each(|step| {
+            let sound = quiet.density().at(independent(step)).sound;
+            quiet.learn(independent(step), sound, 1.0);
+        });
+        assert!((f64::from(quiet.outliers) - InnovationDensity::OUTLIERS_MIN).abs() < 1e-6, "{quiet:?}");
     }
 }

@@ -2,24 +2,24 @@
 //!
 //! The scale was learned from a finite number of contacts, so the exact density of the next one is Student's t with
 //! that many degrees of freedom (the basis of self-starting charts: Hawkins, J. Quality Technology 19 (1987) 7). A
-//! detector that took a learned scale for the true one would mistake its error for a change. Also, one contact in
-//! two hundred may be an outlier of ten times the noise. So a likelihood ratio stays below some thousand whatever a
-//! single contact shows, and an outlier hardly affects the length.
+//! detector that took a learned scale for the true one would mistake its error for a change. Also, at least one contact
+//! in two hundred may be an outlier of ten times the noise. So a likelihood ratio stays below some thousand whatever a
+//! single contact shows, and an outlier hardly affects the length. The share of outliers is learned, because the mean of
+//! a likelihood ratio is one only with the true share: with four times as many outliers as assumed, it is 1.27 for a
+//! shift of 2.4 standard deviations, and false alarms are more frequent than stated.
 
 use super::fast_math;
 
-/// Assumed share of outliers; it bounds the effect of one contact.
-const OUTLIERS: f64 = 0.005;
 /// Standard deviation of outliers in units of the noise.
 const OUTLIER_SD: f64 = 10.0;
-/// E[u(w) w^2] of a standard normal w, with u the probability that it is not an outlier.
-pub const MEAN_SQUARE_SEEN: f64 = 0.992_2;
 
 /// Density of a standardised innovation, up to a constant factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InnovationDensity {
     /// Number of contacts from which the noise scale was learned.
     degrees_of_freedom: f64,
+    /// Share of outliers.
+    outliers: f64,
 }
 
 /// The density at one value.
@@ -44,10 +44,21 @@ pub struct Densities {
 }
 
 impl InnovationDensity {
-    /// `contacts` is the number of contacts from which the noise scale was learned, at least 3.
+    /// Least share of outliers that is assumed; it bounds the effect of one contact.
+    pub const OUTLIERS_MIN: f64 = 0.005;
+
+    /// `contacts` is the number of contacts from which the noise scale was learned, at least 3; `outliers` is the share of
+    /// outliers.
     #[must_use]
-    pub fn learned_from(contacts: f64) -> Self {
-        Self { degrees_of_freedom: contacts.max(3.0) }
+    pub fn learned_from(contacts: f64, outliers: f64) -> Self {
+        Self { degrees_of_freedom: contacts.max(3.0), outliers }
+    }
+
+    /// E[u(w) w^2], with u the probability that w is not an outlier: of a standard normal w at the least share, which is
+    /// assumed also without outliers, and of w with this share of outliers above it.
+    #[must_use]
+    pub fn mean_square_seen(outliers: f64) -> f64 {
+        0.997_2 - outliers
     }
 
     /// Density at a standardised deviation.
@@ -55,8 +66,8 @@ impl InnovationDensity {
     pub fn at(&self, standardised: f64) -> Seen {
         let square = standardised * standardised;
         let freedom = self.degrees_of_freedom;
-        let core = (1.0 - OUTLIERS) * (-0.5 * (freedom + 1.0) * ln_one_plus(square / freedom)).exp();
-        let wide = OUTLIERS / OUTLIER_SD * (-0.5 * square / (OUTLIER_SD * OUTLIER_SD)).exp();
+        let core = (1.0 - self.outliers) * (-0.5 * (freedom + 1.0) * ln_one_plus(square / freedom)).exp();
+        let wide = self.outliers / OUTLIER_SD * (-0.5 * square / (OUTLIER_SD * OUTLIER_SD)).exp();
         let density = core + wide;
         // Far out both terms underflow; this avoids 0 / 0.
         if density > 1e-300 { Seen { density, sound: core / density } } else { Seen { density: 1e-300, sound: 0.0 } }
@@ -68,12 +79,13 @@ impl InnovationDensity {
     pub fn at_each(&self, standardised: &[f32; LANES]) -> Densities {
         let per_freedom = (1.0 / self.degrees_of_freedom) as f32;
         let power = (-0.5 * (self.degrees_of_freedom + 1.0)) as f32;
+        let (sound_share, wide_share) = ((1.0 - self.outliers) as f32, (self.outliers / OUTLIER_SD) as f32);
         let mut one = Densities { density: [0.0; LANES], sound: [0.0; LANES] };
         for (index, &standardised) in standardised.iter().enumerate() {
             let square = least(standardised * standardised, SQUARE_MAX);
-            let core = (1.0 - OUTLIERS) as f32 * fast_math::exp(power * fast_math::ln_one_plus(square * per_freedom));
+            let core = sound_share * fast_math::exp(power * fast_math::ln_one_plus(square * per_freedom));
             let wide = fast_math::exp(largest((-0.5 / (OUTLIER_SD * OUTLIER_SD)) as f32 * square, LEAST_LOG_WIDE));
-            let density = core + (OUTLIERS / OUTLIER_SD) as f32 * wide;
+            let density = core + wide_share * wide;
             one.density[index] = density;
             one.sound[index] = core / density;
         }
@@ -118,15 +130,18 @@ mod tests {
 
     #[test]
     fn property_what_a_normal_contact_shows_of_its_variance() {
-        let density = InnovationDensity::learned_from(1e9);
-        let seen = integral(|w| normal(w) * density.at(w).sound * w * w);
-        assert!((seen - MEAN_SQUARE_SEEN).abs() < 2e-4, "{seen}");
+        for (outliers, tolerance) in [(InnovationDensity::OUTLIERS_MIN, 2e-4), (0.02, 3e-3), (0.05, 5e-3)] {
+            let density = InnovationDensity::learned_from(1e9, outliers);
+            let seen = integral(|w| normal(w) * density.at(w).sound * w * w);
+            let stated = InnovationDensity::mean_square_seen(outliers);
+            assert!((seen - stated).abs() < tolerance, "{outliers}: {seen} {stated}");
+        }
     }
 
     #[test]
     fn property_all_at_once_are_the_same_to_six_digits() {
         for freedom in [3.0, 6.0, 60.0, 150.0, 4000.0, 1e6] {
-            let density = InnovationDensity::learned_from(freedom);
+            let density = InnovationDensity::learned_from(freedom, 0.02);
             for step in 0..2000_u16 {
                 let at: [f32; LANES] = std::array::from_fn(|lane| 0.005 * f32::from(step) * (lane as f32 - 7.0) / 7.0);
                 let all = density.at_each(&at);
@@ -142,7 +157,7 @@ mod tests {
 
     #[test]
     fn property_far_out_a_contact_tells_nothing() {
-        let density = InnovationDensity::learned_from(4000.0);
+        let density = InnovationDensity::learned_from(4000.0, InnovationDensity::OUTLIERS_MIN);
         for at in [200.0, 1e3, 1e6, 1e15] {
             let all = density.at_each(&std::array::from_fn(|lane| if lane == 0 { at } else { -0.9 * at }));
             assert_eq!(all.density[0], all.density[1], "{at}");
@@ -154,7 +169,7 @@ mod tests {
     /// outliers that do not occur. This guarantees the mean number of contacts between false alarms.
     #[test]
     fn property_a_likelihood_ratio_has_a_mean_of_one() {
-        let density = InnovationDensity::learned_from(1e9);
+        let density = InnovationDensity::learned_from(1e9, InnovationDensity::OUTLIERS_MIN);
         for shift in [0.1, 0.3, 1.0, 2.0, 4.0, 8.0] {
             let mean = integral(|w| normal(w) * density.at(w - shift).density / density.at(w).density);
             assert!(mean < 1.005, "{shift}: {mean}");
@@ -165,7 +180,7 @@ mod tests {
 
     #[test]
     fn property_no_single_contact_decides() {
-        let density = InnovationDensity::learned_from(1e4);
+        let density = InnovationDensity::learned_from(1e4, InnovationDensity::OUTLIERS_MIN);
         for tenths in -300..300 {
             let w = f64::from(tenths) / 10.0;
             let ratio = density.at(0.0).density / density.at(w).density;

@@ -1,6 +1,7 @@
-//! Covariance of the filter's four states, stored as half of the symmetric matrix in single precision: relative
+//! Covariance of the filter's states, stored as half of the symmetric matrix in single precision: relative
 //! errors of 1e-7 do not matter in a measure of uncertainty.
 
+use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::filter::STATES;
@@ -29,6 +30,14 @@ impl Symmetric {
         let mut one = Self::default();
         entries.into_iter().enumerate().for_each(|(state, value)| one.0[at(state, state)] = value as f32);
         one
+    }
+
+    /// Reads the entries of the first states from the matrix that these states alone have.
+    pub(super) fn read_first<R: Read>(&mut self, states: usize, reader: &mut R) -> Result<()> {
+        for (row, column) in entries().filter(|&(_, column)| column < states) {
+            self.0[at(row, column)] = f32::deserialize_reader(reader)?;
+        }
+        Ok(())
     }
 
     /// Variance of one state.
@@ -79,7 +88,8 @@ impl Symmetric {
     pub(super) fn after_reading(&self, row: &[f64; STATES], gain: &[f64; STATES], noise_variance: f64) -> Self {
         let spread = self.times(row);
         let kept = |i: usize, j: usize| self.entry(i, j) - gain[i] * spread[j];
-        let seen: [f64; STATES] = std::array::from_fn(|i| (0..STATES).map(|j| kept(i, j) * row[j]).sum());
+        let variance: f64 = (0..STATES).map(|j| spread[j] * row[j]).sum();
+        let seen: [f64; STATES] = std::array::from_fn(|i| spread[i] - gain[i] * variance);
         let mut after = Self::default();
         for (i, j) in entries() {
             after.0[at(i, j)] = (kept(i, j) - seen[i] * gain[j] + gain[i] * gain[j] * noise_variance) as f32;
@@ -91,27 +101,30 @@ impl Symmetric {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix4, Vector4};
+    use nalgebra::{SMatrix, SVector};
+
+    type Matrix = SMatrix<f64, STATES, STATES>;
+    type Vector = SVector<f64, STATES>;
 
     #[test]
     fn property_it_is_what_full_matrices_give() {
-        let full = |one: &Symmetric| Matrix4::from_fn(|i, j| one.entry(i, j));
-        let mut one = Symmetric::diagonal([0.02, 0.04, 2e-3, 4e-4]);
+        let full = |one: &Symmetric| Matrix::from_fn(|i, j| one.entry(i, j));
+        let mut one = Symmetric::diagonal([0.02, 0.04, 2e-3, 4e-4, 1e-3, 5e-3]);
         let mut all = full(&one);
         for step in 0..500 {
             let wave = |k: u32| f64::from(step * (2 * k + 3) % 17) / 17.0 - 0.4;
-            let row = [1.0, wave(1), -3.0 + wave(2), wave(3)];
+            let row = [1.0, wave(1), -3.0 + wave(2), wave(3), 4.0 * wave(5), 3.0 * wave(6)];
             let (noise, wide) = (0.01 + 0.02 * (0.4 + wave(4)), if step % 5 == 0 { 3.0 } else { 1.0 });
-            let spread = all * Vector4::from(row);
-            assert!((spread - Vector4::from(one.times(&row))).norm() <= 1e-4 * spread.norm());
-            let gain = spread / (Vector4::from(row).dot(&spread) + wide * noise);
-            let keep = Matrix4::identity() - gain * Vector4::from(row).transpose();
+            let spread = all * Vector::from(row);
+            assert!((spread - Vector::from(one.times(&row))).norm() <= 1e-4 * spread.norm());
+            let gain = spread / (Vector::from(row).dot(&spread) + wide * noise);
+            let keep = Matrix::identity() - gain * Vector::from(row).transpose();
             all = keep * all * keep.transpose() + gain * gain.transpose() * noise;
             one = one.after_reading(&row, &gain.into(), noise);
             one.widen(2, 1e-6);
             all[(2, 2)] += 1e-6;
             one.add_square(&row, 1e-9);
-            all += Vector4::from(row) * Vector4::from(row).transpose() * 1e-9;
+            all += Vector::from(row) * Vector::from(row).transpose() * 1e-9;
             assert!((full(&one) - all).norm() <= 1e-4 * all.norm(), "{step}");
             assert!(full(&one).symmetric_eigenvalues().min() > 0.0, "{step}");
         }

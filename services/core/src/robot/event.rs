@@ -177,6 +177,8 @@ pub struct Contact<'a> {
     pub pressure: Megapascal,
     /// Whether the robot touched on request: then its place says nothing about the robot's habits.
     pub is_test: bool,
+    /// Temperature, degrees Celsius, if the robot measures it.
+    pub temperature_c: Option<f64>,
 }
 
 /// Place of a contact on the whisker.

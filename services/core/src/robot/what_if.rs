@@ -4,6 +4,7 @@ use super::Robot;
 use super::effect::{Condition, Decision, Effect, EndReason, Reason, WhiskerIndex};
 use super::event::Link;
 use super::params::Params;
+use crate::estimation::filter::{LENGTH, STATES};
 use crate::mechanics::CONTACT_RATIOS;
 use crate::policy::Mode;
 use crate::units::{Megapascal, Millimetre};
@@ -90,7 +91,9 @@ impl Robot {
         }
         // No length is below what the filter can hold.
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
-        one.filter.jump(log_change, 0.0, [0.0, 0.0, 1.0, 0.0]);
+        let mut by_length = [0.0; STATES];
+        by_length[LENGTH] = 1.0;
+        one.filter.jump(log_change, 0.0, by_length);
         if one.is_at_nominal_pressure() {
             one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.offset());
         }

@@ -82,6 +82,7 @@ impl Supervised {
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(PRESSURE_MPA),
             is_test: false,
+            temperature_c: None,
         };
         let seq = self.contacts;
         self.contacts += 1;

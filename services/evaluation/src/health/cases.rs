@@ -20,6 +20,8 @@ const ARRAY: &str = "array";
 const STRAIN_FLOOR: f64 = 5e-6;
 /// Number of steps of a slow change of temperature.
 const RAMP_STEPS: u32 = 25;
+/// Temperature that the thermometer shows, degrees Celsius: that of the start.
+const COOL_C: f64 = 24.0;
 
 /// One simulated case.
 pub(super) struct Case {
@@ -132,7 +134,8 @@ fn events(class: Class, own: &WhiskerScenario, onset_s: f64, rng: &mut ChaCha8Rn
 fn array_shift(onset_s: f64, rng: &mut ChaCha8Rng) -> Vec<Event> {
     let factor = 1.0 + either_sign(rng.random_range(0.03..=0.09), rng);
     let at = |seconds, change| Event { array: Some(name(ARRAY)), ..Event::robot_at_s(seconds, change) };
-    let warm = |sensitivity_factor| Change::Temperature { sensitivity_factor, temperature_c: 30.0 };
+    // The thermometer does not show it: a change of temperature that the robot measures is no shift.
+    let warm = |sensitivity_factor| Change::Temperature { sensitivity_factor, temperature_c: COOL_C };
     match rng.random_range(0..3) {
         0 => vec![at(onset_s, warm(factor))],
         1 => vec![at(onset_s, Change::DeflectionScale { factor })],

@@ -172,7 +172,7 @@ impl World {
         let (robots, stepper) = shard.parts();
         let known = robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
         let pressure = known.robot.whisker(0).map_or(PRESSURE_MPA, |view| view.setpoint.mpa());
-        let contacts: Vec<Contact<'_>> =
+        let mut contacts: Vec<Contact<'_>> =
             (0..1 + self.random.below(3)).map(|_| self.contact(robot_id, pressure)).collect();
         let seq = self.seqs.entry(robot_id).or_default();
         // Some messages are lost and come later, or come twice.
@@ -182,11 +182,12 @@ impl World {
             _ => *seq,
         };
         *seq = (*seq).max(sent + 1);
+        contacts.iter_mut().for_each(|one| one.temperature_c = Some(20.0 + self.random.unit()));
         let event = Event::Contacts { boot_id: "b", seq: sent, contacts: &contacts, missed: &[] };
         let message = protocol::Contacts {
             boot_id: BootId::new("b").unwrap(),
             seq: sent,
-            contacts: contacts.iter().map(|one| as_sent(one, 20.0 + self.random.unit())).collect(),
+            contacts: contacts.iter().map(as_sent).collect(),
             missed: Vec::new(),
         };
         stepper.step(known, self.now, &event, Some(Source { message: &message, boot: robot_id }));
@@ -209,6 +210,7 @@ impl World {
             strain: Strain::known(strain),
             pressure,
             is_test: false,
+            temperature_c: None,
         }
     }
 
@@ -227,7 +229,7 @@ impl World {
 }
 
 /// A contact as its robot sends it.
-fn as_sent(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
+fn as_sent(contact: &Contact<'_>) -> protocol::Contact {
     let ContactPlace::Ratio { ratio, .. } = contact.place else { unreachable!("these robots know the ratio") };
     protocol::Contact {
         array: Name::new(contact.array).unwrap(),
@@ -241,7 +243,7 @@ fn as_sent(contact: &Contact<'_>, temperature_c: f64) -> protocol::Contact {
         deflection_mm: contact.deflection.mm(),
         strain: contact.strain.ratio(),
         pressure_mpa: contact.pressure.mpa(),
-        temperature_c,
+        temperature_c: contact.temperature_c.unwrap(),
         test_id: None,
     }
 }

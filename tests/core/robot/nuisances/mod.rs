@@ -1,8 +1,13 @@
 //! Nuisances of real robots and real silicone: none of them is a cut, and none may hide or forget one.
 
+mod curvature;
 mod leaks;
+mod learning;
 mod losses;
+mod noise;
 mod rig;
 mod scrapes;
 mod second_cuts;
+mod temperature;
 mod wear;
+mod zones;

@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Calibration, Formulation, Geometry, Model};
-use vibrissa_core::robot::effect::{AlarmKind, Command, Effect, Trim};
+use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, Trim};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, Task,
     TouchTests, WhiskerSheet, WhiskerStatus,
@@ -22,6 +22,8 @@ const START_US: u64 = 1_000_000_000_000;
 /// Rounds between two statuses.
 const STATUS_ROUNDS: u64 = 50;
 const WHOLE_MM: f64 = 70.0;
+/// Temperature at installation.
+const COOL_C: f64 = 22.0;
 
 /// Habits of the robot and noise of its readings, as standard deviations.
 #[derive(Debug, Clone, Copy)]
@@ -64,8 +66,10 @@ pub(crate) struct Rubber {
     model: Model,
     /// Present length, mm.
     pub length_mm: f64,
-    /// Factor on its strain: gauge, rubber, temperature.
+    /// Factor on its strain: gauge, rubber.
     pub gain: f64,
+    /// Change of its log sensitivity per K, from [`COOL_C`] on.
+    pub per_k: f64,
     /// Present pressure of its chamber.
     pub pressure: Megapascal,
     /// Gain by contact ratio that was published with its last setpoint.
@@ -83,6 +87,8 @@ pub(crate) struct Rig {
     pub params: Params,
     pub whiskers: Vec<Rubber>,
     pub noise: Noise,
+    /// Temperature that the robot reports, and the whiskers have.
+    pub temperature_c: f64,
     /// Effects, each with the round in which it came, except single contacts and responses.
     pub effects: Vec<(u64, Effect)>,
     /// Rounds so far: contacts of each whisker.
@@ -99,7 +105,17 @@ impl Rig {
         let params = Params::nguyen_2021(Formulation::Published);
         let core = Robot::new(1, Numbers::default());
         let (effects, under_way) = (Vec::new(), Vec::new());
-        let mut rig = Self { core, params, whiskers, noise: Noise::default(), effects, rounds: 0, under_way, random };
+        let mut rig = Self {
+            core,
+            params,
+            whiskers,
+            noise: Noise::default(),
+            temperature_c: COOL_C,
+            effects,
+            rounds: 0,
+            under_way,
+            random,
+        };
         rig.step(&Event::Connection { boot_id: BOOT, link: Link::Online });
         let sheet = |number: u16| WhiskerSheet {
             number,
@@ -188,7 +204,7 @@ impl Rig {
     }
 
     fn contact(&mut self, index: usize) -> Contact<'static> {
-        let Self { noise, random, whiskers, .. } = self;
+        let Self { noise, random, whiskers, temperature_c, .. } = self;
         let one = &mut whiskers[index];
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let [strain_noise, deflection_noise, ratio_noise, fresh] = std::array::from_fn(|_| normal());
@@ -200,6 +216,7 @@ impl Rig {
         let morphology = one.model.morphology(one.pressure);
         let (length, true_ratio) = (Millimetre::known(one.length_mm), ContactRatio::known(ratio));
         let per_mm = one.model.sensitivity_per_mm(true_ratio, length, &morphology).expect("beyond the chamber");
+        let warm = one.per_k * (*temperature_c - COOL_C);
         let log_noise = noise.strain * outlier * strain_noise + one.correlated + noise.bend_per_mm * deflection_mm;
         Contact {
             array: ARRAY,
@@ -210,9 +227,10 @@ impl Rig {
                 sd: None,
             },
             deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
-            strain: Strain::known(per_mm * deflection_mm * one.gain * log_noise.exp()),
+            strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp()),
             pressure: one.pressure,
             is_test: false,
+            temperature_c: Some(*temperature_c),
         }
     }
 
@@ -251,6 +269,24 @@ impl Rig {
         self.picked(|effect| if let Effect::Trim(trim) = effect { Some(*trim) } else { None })
     }
 
+    /// Whiskers that were called anything but healthy or suspected, with the round and the condition.
+    pub(crate) fn verdicts(&self) -> Vec<(u64, (usize, Condition))> {
+        self.picked(|effect| match effect {
+            Effect::Condition { whisker, to, .. } if !matches!(to, Condition::Healthy | Condition::Suspected) => {
+                Some((*whisker, *to))
+            }
+            _ => None,
+        })
+    }
+
+    /// All conditions that whiskers came to, in order.
+    pub(crate) fn conditions(&self) -> Vec<Condition> {
+        self.picked(|effect| if let Effect::Condition { to, .. } = effect { Some(*to) } else { None })
+            .into_iter()
+            .map(|(_, to)| to)
+            .collect()
+    }
+
     /// All alarms of a kind, by round and whisker.
     pub(crate) fn alarms(&self, wanted: AlarmKind) -> Vec<(u64, usize)> {
         self.picked(|effect| match effect {
@@ -277,6 +313,7 @@ impl Rubber {
             model,
             length_mm: WHOLE_MM,
             gain: 1.0,
+            per_k: 0.0,
             pressure: Megapascal::known(0.1),
             published: None,
             read: None,

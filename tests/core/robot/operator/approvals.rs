@@ -51,7 +51,7 @@ fn refused_the_next_best_is_proposed_and_then_none() {
     assert_eq!((world.core.compensations(), commands(&world)), (&[][..], Vec::new()), "nothing by itself");
     // Another policy: the same may be proposed again.
     world.step(&Event::PolicyChanged);
-    assert_eq!(proposal(&world).1, one);
+    assert!([one, other].contains(&proposal(&world).1), "either of those refused");
     assert_eq!(standing(&world, 1), [AlarmKind::Proposed]);
 }
 

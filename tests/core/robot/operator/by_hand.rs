@@ -102,7 +102,7 @@ fn a_held_target_is_decided_on_when_it_is_released() {
 /// A whisker whose gauge reads differently from the 150th contact on, for which a person says so or not.
 fn glued_anew(told: bool) -> World {
     let mut scenario = crate::scenario(74, ArrayType::Type2, &[70.0]);
-    let change = Change::Temperature { sensitivity_factor: 1.25, temperature_c: 20.0 };
+    let change = Change::Temperature { sensitivity_factor: 1.25, temperature_c: 24.0 };
     let mut glued = Planned::at_contact(150, crate::name("left"), 0, change);
     (glued.at_s, glued.at_contact, glued.whisker) = (Some(3.0), None, None);
     scenario.robots[0].events.push(glued);

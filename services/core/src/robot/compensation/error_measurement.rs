@@ -73,19 +73,19 @@ impl Robot {
         }
         let Some(model) = whisker.model(params) else { return };
         let morphology = model.morphology(contact.pressure);
-        let Ok(model_per_mm) = model.sensitivity_per_mm(ratio, running.length, &morphology) else { return };
+        let Ok(model_per_mm) = model.sensitivity_per_mm(seen.ratio, running.length, &morphology) else { return };
         // The strain by deflection alone; outliers get a larger variance.
         let strain = contact.strain.ratio() - whisker.filter.baseline_strain().0;
         if strain <= 0.0 {
             return;
         }
-        let deviation = (strain / (model_per_mm * contact.deflection.mm())).ln();
+        let deviation = (strain / (model_per_mm * contact.deflection.mm())).ln() - seen.by_circumstances;
         if deviation.is_nan() || deviation.abs() > LOG_DEVIATION_MAX {
             return;
         }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-        running.after.add(ratio, deviation, noise_variance);
-        running.refining.since_gain.add(ratio, deviation, noise_variance);
+        running.after.add(seen.ratio, deviation, noise_variance);
+        running.refining.since_gain.add(seen.ratio, deviation, noise_variance);
         let contacts = running.after.contacts();
         let running = &self.head.compensations[at];
         effects.extend(self.response(params, running, (position, ratio), contact).map(Effect::Response));

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::estimation::LengthFilter;
+use crate::estimation::filter::{LENGTH, STATES};
 use crate::mechanics::Formulation;
 use crate::policy::LongerForShorter;
 use crate::robot::Numbers;
@@ -67,7 +68,9 @@ fn in_a_row(count: usize) -> impl Fn(usize) -> Vec<u16> {
 
 fn set_length(params: &Params, whisker: &mut Whisker, length_mm: f64) {
     whisker.filter = LengthFilter::new(whisker.sheet.length, &params.filter);
-    whisker.filter.jump((length_mm / whisker.sheet.length.mm()).ln(), 0.0, [0.0, 0.0, 1.0, 0.0]);
+    let mut by_length = [0.0; STATES];
+    by_length[LENGTH] = 1.0;
+    whisker.filter.jump((length_mm / whisker.sheet.length.mm()).ln(), 0.0, by_length);
 }
 
 fn cut(params: &Params, robot: &mut Robot, index: usize, length_mm: f64) {

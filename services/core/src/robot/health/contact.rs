@@ -38,7 +38,7 @@ impl Robot {
             ratio: felt.ratio,
             used: felt.used,
             residual: felt.innovation.map(|seen| seen.residual),
-            standardised: felt.innovation.map(|seen| seen.standardised),
+            standardised: felt.innovation.map(|seen| seen.alone.standardised),
             length: whisker.filter.length(),
         }));
         self.refresh_fault(params, now, index, effects);

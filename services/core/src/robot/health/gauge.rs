@@ -93,7 +93,7 @@ impl GaugeWatch {
         let far_above = expected.is_some_and(|expected| contact.strain > END_OF_SCALE * expected)
             || contact.strain < -NEXT_TO_NOTHING;
         self.follow_level(reading, far_above);
-        let may_be_ceiling = far_above || seen.is_some_and(|seen| seen.standardised < SHORT_OF);
+        let may_be_ceiling = far_above || seen.is_some_and(|seen| seen.alone.standardised < SHORT_OF);
         if may_be_ceiling && reading != StrainClass::Dead && self.level.is_none_or(|level| level.repeats == 0) {
             self.level = Some(Level::new(contact));
         }

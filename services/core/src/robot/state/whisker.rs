@@ -5,7 +5,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::detection::{Change, Detector, Others, Verdict};
 use crate::estimation::filter::{FilterParams, LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
-use crate::estimation::{Bin, ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, ResponseBins, Waiting};
+use crate::estimation::{
+    Bin, ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting,
+};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::robot::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
 use crate::robot::event::{Contact, RegulatorState};
@@ -23,6 +25,8 @@ use crate::units::{ContactRatio, Megapascal, Micros};
 const EROSION_STEP_MAX_MPA: f64 = 0.01;
 /// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
 const REGAINED_WITHIN: f64 = 0.25;
+/// Bound of a temperature's difference, K: beyond it a thermometer is broken.
+const WARMER_MAX_K: f64 = 100.0;
 
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +35,10 @@ pub struct Whisker {
     pub(in crate::robot) sheet: Sheet,
     pub(in crate::robot) filter: LengthFilter,
     pub(in crate::robot) noise: NoiseScale,
+    /// Temperature of its first contact, degrees Celsius: the offset is stated for it.
+    pub(in crate::robot) reference_c: Option<f32>,
+    /// Places of its contacts.
+    pub(in crate::robot) spread: RatioSpread,
     pub(in crate::robot) detector: Detector,
     /// Contacts that were used.
     pub(in crate::robot) contacts: u64,
@@ -172,6 +180,8 @@ impl Whisker {
             array,
             filter: LengthFilter::new(sheet.length, &params.filter),
             noise: NoiseScale::default(),
+            reference_c: None,
+            spread: RatioSpread::default(),
             detector: Detector::default(),
             contacts: 0,
             condition: Condition::Learning,
@@ -211,13 +221,18 @@ impl Whisker {
     pub(in crate::robot) fn is_sound(&self) -> bool {
         let numbers = [self.noise.variance(), self.told_since_alarm.into(), self.detector.statistic(false)];
         let is_sound = |bin: Bin| bin.mean().is_finite() && bin.variance() > 0.0;
-        self.filter.is_sound() && numbers.iter().all(|one| one.is_finite()) && self.whole.felt().all(is_sound)
+        self.filter.is_sound()
+            && self.spread.is_sound()
+            && self.noise.is_sound()
+            && numbers.iter().all(|one| one.is_finite())
+            && self.whole.felt().all(is_sound)
     }
 
     /// Learns everything anew.
     pub(in crate::robot) fn mend(&mut self) {
         self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
+        (self.reference_c, self.spread) = (None, RatioSpread::default());
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
         (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
         if let Some(rare) = self.rare.get_mut() {
@@ -271,12 +286,16 @@ impl Whisker {
             Err(used) => return ContactResult::unused(used),
         };
         let morphology = model.morphology(contact.pressure);
+        let stated_sd = placed.ratio_sd.unwrap_or(params.noise.ratio);
+        let expected = self.spread.expected(placed.ratio, stated_sd);
+        let warmer_k = self.warmer_k(contact.temperature_c);
         let observation = Observation {
-            ratio: placed.ratio,
-            ratio_sd: placed.ratio_sd.unwrap_or(params.noise.ratio),
+            ratio: expected.ratio,
+            ratio_sd: expected.sd,
             informs_length: placed.informs_length,
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
+            warmer_k,
         };
         let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
         if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
@@ -286,29 +305,44 @@ impl Whisker {
             Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
             Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
             Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
-            Ok(seen) => self.take(params, &placed, &seen, others),
+            Ok(seen) => {
+                self.spread.learn(placed.ratio, stated_sd);
+                self.take(params, &placed, &seen, others)
+            }
         }
+    }
+
+    /// Temperature above that of the first contact, K; 0 if it is not known.
+    fn warmer_k(&mut self, temperature_c: Option<f64>) -> f64 {
+        let Some(temperature_c) = temperature_c.filter(|one| one.is_finite()) else { return 0.0 };
+        let reference_c = *self.reference_c.get_or_insert(temperature_c as f32);
+        (temperature_c - f64::from(reference_c)).clamp(-WARMER_MAX_K, WARMER_MAX_K)
     }
 
     fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
         self.contacts += 1;
         self.tell(seen);
-        let calm = self.detector.is_calm() && self.rare.pending_trim.is_none();
+        let learning = self.condition == Condition::Learning;
+        // While learning, a scale of the noise that is not known yet is the likeliest cause of a little doubt.
+        let calm = (self.detector.is_calm() || learning && self.detector.has_little_doubt())
+            && self.rare.pending_trim.is_none();
+        if self.detector.is_suspicious() || self.rare.pending_trim.is_some() {
+            self.noise.forget_doubtful();
+        } else {
+            self.noise.correlate(seen.alone.standardised, seen.alone.noise_share, calm);
+        }
         if calm {
             self.learn_noise(params, seen);
             if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
                 // Against the model at whole length: the residual is against the present estimate.
                 let shift = seen.row[LENGTH] * self.filter.log_length();
-                let deviation = seen.residual + self.filter.offset().at(placed.ratio) + shift;
+                let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                self.whole_waiting.add(&mut self.whole, placed.ratio, deviation, variance);
+                self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance);
             }
         }
-        let eroding = self.condition == Condition::Eroding;
-        let learning = self.condition == Condition::Learning;
-        let mut verdict =
-            if learning { Verdict::Quiet } else { self.detector.update(&params.detection, seen, eroding, others) };
+        let mut verdict = self.judge(params, seen, learning, others);
         if !self.filter.learn(seen, self.wander(params)) {
             return ContactResult::unused(ContactUse::Implausible);
         }
@@ -316,9 +350,7 @@ impl Whisker {
         if matches!(verdict, Verdict::Quiet | Verdict::Looking)
             && let Some(length) = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm))
         {
-            if !learning {
-                verdict = self.detector.update(&params.detection, &length, eroding, others);
-            }
+            verdict = self.judge(params, &length, learning, others);
             // The random walk of this contact is in the state already. An implausible length changes nothing.
             let _ = self.filter.learn(&length, Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 });
         }
@@ -351,8 +383,21 @@ impl Whisker {
         self.told_since_alarm += (left.powi(2) * square / seen.variance) as f32;
     }
 
+    /// Verdict on an innovation; none while learning.
+    fn judge(&mut self, params: &Params, seen: &Innovation, learning: bool, others: Others) -> Verdict {
+        let detection = &params.detection;
+        if !learning {
+            return self.detector.update(detection, seen, self.condition == Condition::Eroding, others);
+        }
+        if self.contacts > detection.followed_from.into() {
+            self.detector.follow(seen);
+        }
+        Verdict::Quiet
+    }
+
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
-        let factor = self.noise.learn(seen.standardised, seen.seen.sound, seen.noise_variance / seen.variance);
+        let alone = &seen.alone;
+        let factor = self.noise.learn(alone.standardised, alone.sound, alone.noise_share);
         if self.condition == Condition::Learning {
             self.filter.rescale(factor, &params.filter);
         }

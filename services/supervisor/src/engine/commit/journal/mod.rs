@@ -68,7 +68,6 @@ pub(crate) struct JournalContact {
     deflection_mm: f64,
     strain: f64,
     pressure_mpa: f64,
-    /// Not used by the core; only the aggregates contain its mean.
     temperature_c: f64,
 }
 
@@ -281,6 +280,7 @@ impl JournalContact {
             strain: Strain::new(self.strain).ok()?,
             pressure: Megapascal::new(self.pressure_mpa).ok()?,
             is_test: false,
+            temperature_c: Some(self.temperature_c),
         })
     }
 }

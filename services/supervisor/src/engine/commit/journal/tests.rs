@@ -42,6 +42,7 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         strain: Strain::known(0.001),
         pressure: Megapascal::known(0.1),
         is_test: false,
+        temperature_c: Some(21.0),
     };
     let mut journal = Journal::default();
     let contacts = [contact; 2];
