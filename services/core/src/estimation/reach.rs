@@ -35,6 +35,9 @@ const LEAST_WITHIN: f32 = 1e-3;
 const SHIRYAEV_MAX: f32 = 1e15;
 /// A suspicion is over when the statistic has fallen to this.
 const OVER: f32 = 1.0;
+/// Silence is proof of a lost reach, unless habits have changed, when the statistic exceeds the threshold of a suspicion
+/// by this factor: once in a billion contacts with the threshold of 100,000.
+const LOST_FACTOR: f64 = 1e4;
 
 /// The reach of one whisker.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -46,6 +49,7 @@ pub struct Reach {
     within: [f32; CUTS],
     shiryaev: [f32; CUTS],
     is_silent: bool,
+    is_lost: bool,
 }
 
 impl Reach {
@@ -53,7 +57,7 @@ impl Reach {
     #[must_use]
     pub fn new(length_mm: f64) -> Self {
         let length_mm = length_mm as f32;
-        Self { length_mm, contacts: 0.0, within: [0.0; CUTS], shiryaev: [0.0; CUTS], is_silent: false }
+        Self { length_mm, contacts: 0.0, within: [0.0; CUTS], shiryaev: [0.0; CUTS], is_silent: false, is_lost: false }
     }
 
     /// Adds a contact at a distance from the base with its standard deviation, both in mm.
@@ -81,6 +85,8 @@ impl Reach {
         let statistic = self.statistic();
         self.is_silent =
             if self.is_silent { statistic > OVER } else { f64::from(statistic) >= contacts_between_false_alarms };
+        let is_beyond_doubt = f64::from(statistic) >= LOST_FACTOR * contacts_between_false_alarms;
+        self.is_lost = self.is_silent && (self.is_lost || is_beyond_doubt);
     }
 
     fn statistic(&self) -> f32 {
@@ -91,6 +97,12 @@ impl Reach {
     #[must_use]
     pub fn is_silent(&self) -> bool {
         self.is_silent
+    }
+
+    /// Whether they have failed to come for so long that chance does not explain it.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.is_lost
     }
 
     /// Length at which the reach is learned, mm.

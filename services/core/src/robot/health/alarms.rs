@@ -113,7 +113,7 @@ impl Whisker {
             self.given_up,
             self.unserved,
             proposed,
-            self.rare.reach.as_ref().is_some_and(|reach| reach.is_silent()),
+            self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
         ];
         Standing { fault: self.fault, kinds: encoding::pack_flags(is) }
     }

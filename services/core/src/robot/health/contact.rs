@@ -69,7 +69,7 @@ impl Robot {
             Verdict::Dismissed => {
                 self.whiskers[index].cannot_deny();
                 let whisker = &self.whiskers[index];
-                if whisker.condition == Condition::Suspected && !whisker.is_reach_lost() {
+                if whisker.condition == Condition::Suspected && !whisker.keeps_suspicion() {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
             }

@@ -89,11 +89,13 @@ impl Robot {
         let whisker = &self.whiskers[index];
         let is_suspected = whisker.condition == Condition::Suspected;
         let is_measured = whisker.rare.length_test.is_some();
-        if whisker.is_reach_lost() {
-            if !is_measured {
+        if whisker.is_reach_silent() {
+            // A robot that states ratios has rather changed its habits: its readings go on being used, and only a long
+            // silence asks for a test.
+            let asks = is_distance || whisker.rare.reach.as_ref().is_some_and(|reach| reach.is_lost());
+            if asks && !is_measured {
                 self.whiskers[index].suspect_reach();
             }
-            // A robot that states ratios may have changed its habits: its readings go on being used.
             if is_distance && self.whiskers[index].condition == Condition::Healthy {
                 self.set_condition(index, Condition::Suspected, effects);
             }
@@ -116,7 +118,7 @@ impl Robot {
         let is_last = test.done >= TESTS_MAX;
         let sd_most_mm = if is_last { USABLE_SD_MM } else { CERTAIN_SD_MM };
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
-        let may_refute = test.in_flight.is_none() && (test.done > 0 || !whisker.is_reach_lost());
+        let may_refute = test.in_flight.is_none() && (test.done > 0 || !whisker.is_reach_silent());
         let length_before_mm = test.evidence.length_mm();
         let is_shorter = posterior.unchanged < UNCHANGED_MAX
             && test.touches >= TOUCHES_MIN
@@ -128,7 +130,7 @@ impl Robot {
         } else if posterior.unchanged > UNCHANGED_MIN && test.contacts >= CONTACTS_MIN && may_refute {
             let whisker = &mut self.whiskers[index];
             // Silence that is refuted was a change of habits.
-            if whisker.is_reach_lost() {
+            if whisker.is_reach_silent() {
                 whisker.forget_reach();
             }
             whisker.end_measurement();
@@ -169,8 +171,13 @@ impl Robot {
 
 impl Whisker {
     /// Whether contacts near the tip have failed to come for suspiciously long.
-    pub(in crate::robot) fn is_reach_lost(&self) -> bool {
+    pub(in crate::robot) fn is_reach_silent(&self) -> bool {
         self.rare.reach.as_ref().is_some_and(|reach| reach.is_silent())
+    }
+
+    /// Whether silence near the tip keeps it suspected, whatever its sensitivity says.
+    pub(in crate::robot) fn keeps_suspicion(&self) -> bool {
+        self.is_reach_silent() && self.rare.length_test.is_some()
     }
 
     fn touched_at(&mut self, params: &Params, is_test: bool, distance_mm: f64, sd_mm: f64) {
