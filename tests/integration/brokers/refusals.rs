@@ -184,7 +184,7 @@ async fn a_refused_subscription_does_not_count_as_connected() {
     server.abort();
 }
 
-/// Accepts the connection and all five subscriptions except the third.
+/// Accepts the connection and all six subscriptions except the third.
 async fn refuse_the_third(mut stream: tokio::net::TcpStream) {
     let mut buffer = vec![0; 4096];
     while let Ok(count @ 1..) = stream.read(&mut buffer).await {
@@ -193,7 +193,7 @@ async fn refuse_the_third(mut stream: tokio::net::TcpStream) {
             8 => {
                 // The packet id follows one or two bytes of length.
                 let at = if buffer[1] < 0x80 { 2 } else { 3 };
-                vec![0x90, 8, buffer[at], buffer[at + 1], 0, 1, 1, 0x87, 1, 1]
+                vec![0x90, 9, buffer[at], buffer[at + 1], 0, 1, 1, 0x87, 1, 1, 1]
             }
             _ => continue,
         };

@@ -52,7 +52,7 @@ fn the_newest_estimate_counts_until_the_restart() {
 
 #[test]
 fn a_robot_divides_by_the_estimated_length_and_sends_distances_before_it_knows_one() {
-    let mut contacts = |places| {
+    let contacts = |places| {
         let mut bench = Bench::connected(|scenario| scenario.behaviour.places = places);
         bench.run(30.0);
         estimate(&mut bench, (5, 3), &[(0, 60.0)]);
