@@ -253,7 +253,7 @@ impl BorshSerialize for Candidates {
 }
 
 impl Candidates {
-    /// Reads what was written with this number of states.
+    /// Reads bytes that were written with this number of states.
     pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
         let shiryaev = BorshDeserialize::deserialize_reader(reader)?;
         let mut read = Self { shiryaev, starts: Starts::read(states, reader)?, ..Self::default() };

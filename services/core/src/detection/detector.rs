@@ -388,7 +388,7 @@ impl BorshSerialize for Detector {
 }
 
 impl Detector {
-    /// Reads what was written while the filter had this number of states.
+    /// Reads bytes that were written while the filter had this number of states.
     ///
     /// # Errors
     /// The bytes end, or cannot have been written.

@@ -185,7 +185,7 @@ impl BorshSerialize for Starts {
 }
 
 impl Starts {
-    /// Reads what was written with this number of states. The others were unknown to the filter, so that it absorbed
+    /// Reads bytes that were written with this number of states. The others were unknown to the filter, so that it absorbed
     /// nothing of a change in them.
     pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();

@@ -561,8 +561,8 @@ pub enum AlarmKind {
     Fault(Fault),
     /// A compensation for this whisker waits for approval: until it is approved, refused or over.
     Proposed,
-    /// Contacts near the tip have failed to come for so long that chance does not explain it: the whisker is cut and the robot divides distances
-    /// by an old length or knows only distances, or the robot has changed its habits. Until such contacts come again, a
-    /// touch test decides, or a trim is called.
+    /// Contacts near the tip have failed to come for so long that chance does not explain it: the whisker is cut and the
+    /// robot divides distances by an old length or knows only distances, or the robot has changed its habits. Until such
+    /// contacts come again, a touch test decides, or a trim is called.
     ReachLost,
 }

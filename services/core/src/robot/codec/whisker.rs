@@ -173,7 +173,7 @@ impl BorshDeserialize for Whisker {
     }
 }
 
-/// What is learned from the contacts' strain.
+/// State that is learned from the contacts' strain.
 struct Learned {
     filter: LengthFilter,
     noise: NoiseScale,

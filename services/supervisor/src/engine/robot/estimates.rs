@@ -1,6 +1,6 @@
-//! When a robot is told the present lengths of its whiskers.
+//! Times at which the estimate of the whiskers' present lengths is published to a robot.
 //!
-//! None of this is stored: a robot is told again after each takeover.
+//! None of this is stored: the estimate is published again after each takeover.
 
 use std::time::{Duration, Instant};
 
@@ -41,25 +41,25 @@ pub(crate) struct WhiskerState {
 /// The estimates of one robot.
 #[derive(Debug)]
 pub(crate) struct Estimates {
-    /// What the robot was told last, by whisker.
+    /// The last published estimate, by whisker.
     told: Vec<WhiskerState>,
     told_at: Option<Instant>,
     due: Due,
 }
 
-/// Whether the robot must be told.
+/// Whether an estimate must be published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Due {
     /// Nothing but contacts since the last comparison, and no length has changed.
     No,
-    /// If anything differs from what the robot was told.
+    /// If anything differs from the last published estimate.
     IfChanged,
     /// In any case.
     Always,
 }
 
 impl Default for Estimates {
-    /// A robot that was told nothing by this supervisor.
+    /// A robot to which this supervisor has published no estimate.
     fn default() -> Self {
         Self { told: Vec::new(), told_at: None, due: Due::Always }
     }
@@ -84,7 +84,7 @@ impl Estimates {
         }
     }
 
-    /// Whether the robot may have to be told now.
+    /// Whether an estimate may be due now.
     pub(crate) fn is_due(&self, now: Instant) -> bool {
         let pause = INTERVAL.mul_f64((self.told.len() as f64 / WHISKERS_PER_INTERVAL as f64).max(1.0));
         self.due > Due::No && self.told_at.is_none_or(|told_at| now >= told_at + pause)
@@ -107,7 +107,7 @@ impl Estimates {
         told: &[WhiskerState],
         states: impl Iterator<Item = WhiskerState> + Clone,
     ) -> Option<Vec<WhiskerState>> {
-        // A robot without a factsheet is told later.
+        // A robot without a factsheet gets its estimate later.
         states.clone().next()?;
         let due = std::mem::replace(&mut self.due, Due::No);
         let mut left = told.iter();

@@ -55,7 +55,7 @@ pub(crate) struct KnownRobot {
     pub(crate) refused_boot: Option<BootId>,
     /// Next `seq` of each topic to this robot.
     pub(crate) seqs: Seqs,
-    /// What it was told of its whiskers.
+    /// Estimates published to it.
     pub(crate) estimates: Estimates,
     /// Last measured error of each compensation.
     pub(crate) errors: MeasuredErrors,
