@@ -93,23 +93,24 @@ struct HeadOfVersion4 {
     is_taken_up: bool,
 }
 
-impl From<HeadOfVersion4> for Head {
+impl From<HeadOfVersion4> for HeadOfVersion5 {
     /// The clock is estimated anew from the next messages: a single time may have been wrong.
     fn from(stored: HeadOfVersion4) -> Self {
-        let HeadOfVersion4 { next_trim, next_compensation, .. } = stored;
         Self {
+            epoch: stored.epoch,
             link: stored.link,
             boot_id: stored.boot_id,
             clock: Clock::default(),
             sequences: stored.sequences.into(),
-            arrays: stored.arrays.into_iter().map(Array::from).collect(),
+            arrays: stored.arrays,
             compensations: stored.compensations,
             next_version: stored.next_version,
+            next_trim: stored.next_trim,
+            next_compensation: stored.next_compensation,
             undecided: stored.undecided,
             held: stored.held,
             listening_since: stored.listening_since,
             is_taken_up: stored.is_taken_up,
-            ..Self::new(stored.epoch, Numbers { next_trim, next_compensation })
         }
     }
 }
@@ -120,7 +121,7 @@ fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let head = match version {
         STATE_VERSION => borsh::from_slice::<Head>(bytes),
         5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
-        4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(Head::from),
+        4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(HeadOfVersion5::from).map(Head::from),
         _ => return Err(RestoreError::Head),
     };
     head.map_err(|_| RestoreError::Head)
