@@ -15,7 +15,7 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::hypothesis::{ALL, COUNT, GRADUAL_FROM, Hypothesis, OF_ANY_SIZE};
-use super::start::Starts;
+use super::start::{Starts, Stored};
 use crate::estimation::Innovation;
 use crate::estimation::filter::{LENGTH, STATES};
 use crate::estimation::outlier::{Densities, LANES};
@@ -253,10 +253,10 @@ impl BorshSerialize for Candidates {
 }
 
 impl Candidates {
-    /// Reads bytes that were written with this number of states.
-    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
+    /// Reads stored bytes.
+    pub fn read<R: Read>(stored: &Stored, reader: &mut R) -> Result<Self> {
         let shiryaev = BorshDeserialize::deserialize_reader(reader)?;
-        let mut read = Self { shiryaev, starts: Starts::read(states, reader)?, ..Self::default() };
+        let mut read = Self { shiryaev, starts: Starts::read(stored, reader)?, ..Self::default() };
         for index in 0..COUNT {
             if read.contacts(index) > 0 {
                 (read.cusum[index], read.gg[index], read.gw[index]) = BorshDeserialize::deserialize_reader(reader)?;

@@ -8,7 +8,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::candidate::{Candidates, ContactSignature, Evidence};
 use super::hypothesis::CUTS;
-use super::start::STEPS;
+use super::start::{STEPS, Stored};
 use crate::estimation::Innovation;
 use crate::estimation::filter::{LENGTH, STATES};
 
@@ -108,11 +108,11 @@ impl Continuations {
         Ok(())
     }
 
-    /// Reads the output of [`Self::write`] with this number of states.
-    pub fn read<R: Read>(states: usize, candidates: &Candidates, reader: &mut R) -> Result<Self> {
+    /// Reads the output of [`Self::write`].
+    pub fn read<R: Read>(stored: &Stored, candidates: &Candidates, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
         for place in places(candidates) {
-            for one in read.lacking.iter_mut().take(states) {
+            for one in read.lacking.iter_mut().take(stored.states) {
                 one[place] = f32::deserialize_reader(reader)?;
             }
         }

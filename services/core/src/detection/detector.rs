@@ -12,7 +12,7 @@
 //!
 //! **After an alarm.** An alarm is a suspicion. A sequential probability ratio test on the contacts after it (error
 //! probabilities 2 %) confirms or dismisses it. Most false alarms end there, so false trims are rarer than the
-//! configured rate. Then the kind of change is determined ([`super::kinds`]), and the array's other whiskers are
+//! configured rate. Then the kind of change is determined (`decision.rs`), and the array's other whiskers are
 //! checked for the same change. After a decision everything starts anew.
 //!
 //! **A larger change meanwhile.** A suspected small change must not hide a large one: a step of at least twice its size
@@ -28,36 +28,22 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::candidate::{Candidates, Fit};
 use super::continuation::Continuations;
 use super::hypothesis::{ALL, Kind};
-use super::kinds::{Change, Explanation, best, limits};
+use super::kinds::{Change, best, limits};
+use super::start::Stored;
 use crate::estimation::Innovation;
 use crate::estimation::filter::LENGTH;
+use crate::estimation::gain_walk::Wandering;
 
 /// Threshold as a share of the configured mean number of contacts between false alarms. The statistic overshoots
 /// its threshold by a factor, and the mean number of contacts is the mean of the statistic at the crossing. With
 /// normal noise and a converged filter, thresholds of 1e3, 1e4 and 5.6e4 gave 1.7, 1.9 and 2.4 times as many
 /// contacts (2300, 400 and 150 alarms); with 2 % outliers the last gave 1.1. So below some 2000 configured contacts
 /// the share promises a few percent too much.
-const THRESHOLD_SHARE: f64 = 0.56;
+const THRESHOLD_SHARE: f64 = 0.62;
 /// Smallest step, in ln length, that is searched for on an eroding whisker: its filter lags behind.
 const LEAST_SHIFT_WHILE_ERODING: f64 = 0.02;
 /// ln 50: both error probabilities of the confirmation test are 2 %.
 const FRESH_LOOK_LOG_RATIO: f64 = 3.9;
-/// Log likelihood that a step must gain over any gradual change to be reported. A wrong trim changes pressures; a
-/// late one can wait.
-const STEP_LOG_RATIO: f64 = 9.0;
-/// Log likelihood that erosion must gain over a step.
-const GRADUAL_LOG_RATIO: f64 = 3.0;
-/// Log likelihood that a baseline drift must gain over a step.
-const DRIFT_LOG_RATIO: f64 = 6.0;
-/// Lead that excludes any gradual change, even if the step leaves a residual slope: far from the length at which
-/// the model is linearised, a large cut always leaves one.
-const SURELY_STEP_LOG_RATIO: f64 = 30.0;
-/// Log likelihood gained by a further loss beside the step that may still be chance: 0.9 standard deviations.
-const GOES_ON_LOG_RATIO: f64 = 0.4;
-/// Log likelihood gained by a further loss that is certainly not chance: two standard deviations.
-const SURELY_GOES_ON_LOG_RATIO: f64 = 2.0;
-/// After this multiple of the contacts at the alarm, plus this many, the kind is decided without a sufficient lead.
-const PATIENCE: (u32, u32) = (4, 400);
 /// A later change takes over the suspicion only if it is at least this many times as large: smaller ones belong to the
 /// suspected one.
 const LARGER: f64 = 2.0;
@@ -98,18 +84,18 @@ impl Default for DetectionParams {
 /// The detector's state for one whisker.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Detector {
-    candidates: Candidates,
-    continuations: Continuations,
+    pub(super) candidates: Candidates,
+    pub(super) continuations: Continuations,
     suspicion: Option<Box<Suspicion>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-struct Suspicion {
-    candidate: u8,
+pub(super) struct Suspicion {
+    pub candidate: u8,
     /// Fitted size at the alarm.
     size: f64,
-    contacts_at_alarm: u32,
-    contacts_since: u32,
+    pub contacts_at_alarm: u32,
+    pub contacts_since: u32,
     fresh_log_ratio: f64,
 }
 
@@ -124,6 +110,17 @@ pub enum Others {
     NotYet,
 }
 
+/// Everything beside its contacts that decides about a suspected change of a whisker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Situation {
+    /// The whisker is known to erode.
+    pub eroding: bool,
+    /// Evidence of the array's other whiskers. It matters only once a suspicion is confirmed.
+    pub others: Others,
+    /// What speaks for a wandering gain instead.
+    pub wandering: Wandering,
+}
+
 /// Result of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
@@ -135,6 +132,8 @@ pub enum Verdict {
     Looking,
     /// The test has dismissed the alarm.
     Dismissed,
+    /// Its gain has wandered, as it has done before: no change.
+    Wandered,
     /// The test has confirmed a change of this whisker.
     Changed(Change),
     /// The test has confirmed a change that the array's other whiskers share.
@@ -142,13 +141,13 @@ pub enum Verdict {
 }
 
 impl Detector {
-    /// Updates the detector with one innovation. `others` matters only once a suspicion is confirmed.
-    pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, eroding: bool, others: Others) -> Verdict {
+    /// Updates the detector with one innovation.
+    pub fn update(&mut self, params: &DetectionParams, seen: &Innovation, situation: &Situation) -> Verdict {
         let suspicion = self.suspicion.as_deref().map(|&suspicion| (suspicion, self.fresh_log_ratio(&suspicion, seen)));
         self.follow(seen);
         match suspicion {
-            Some((suspicion, fresh)) => self.look(params, suspicion, fresh, eroding, others),
-            None => self.watch(params, eroding),
+            Some((suspicion, fresh)) => self.look(params, suspicion, fresh, situation),
+            None => self.watch(params, situation.eroding),
         }
     }
 
@@ -165,6 +164,12 @@ impl Detector {
     #[must_use]
     pub fn is_calm(&self) -> bool {
         self.suspicion.is_none() && self.candidates.cusum_max() < CALM_BELOW
+    }
+
+    /// Log likelihood ratio of the likeliest change, of the sizes that are searched for.
+    #[must_use]
+    pub fn log_ratio_max(&self) -> f64 {
+        f64::from(self.candidates.cusum_max()).ln()
     }
 
     /// Whether nothing speaks for a change so strongly that it hardly comes from a scale that is not learned yet.
@@ -255,8 +260,7 @@ impl Detector {
         params: &DetectionParams,
         mut suspicion: Suspicion,
         fresh_log_ratio: f64,
-        eroding: bool,
-        others: Others,
+        situation: &Situation,
     ) -> Verdict {
         suspicion.fresh_log_ratio += fresh_log_ratio;
         suspicion.contacts_since = suspicion.contacts_since.saturating_add(1);
@@ -270,7 +274,7 @@ impl Detector {
             return Verdict::Dismissed;
         }
         let confirmed = suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO;
-        let verdict = if confirmed { self.decided(params, &suspicion, eroding, others) } else { Verdict::Looking };
+        let verdict = if confirmed { self.decided(params, &suspicion, situation) } else { Verdict::Looking };
         if verdict == Verdict::Looking {
             self.suspicion = Some(Box::new(suspicion));
         } else {
@@ -318,65 +322,6 @@ impl Detector {
         self.continuations = Continuations::default();
         self.candidates.dismiss();
     }
-
-    /// Verdict on a confirmed suspicion: `Looking` while its kind cannot be determined.
-    fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, eroding: bool, others: Others) -> Verdict {
-        let kind = ALL[usize::from(suspicion.candidate)].kind;
-        let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
-        match (kind, others) {
-            (Kind::Drifting, _) | (_, Others::Not) => {}
-            (_, Others::NotYet) if impatient => {}
-            (_, Others::NotYet) => return Verdict::Looking,
-            (_, Others::Too) => {
-                let felt = if kind == Kind::LessSensitive { kind } else { Kind::Shorter };
-                let felt = best(&self.candidates, felt, params.erosion_per_contact_max, suspicion.contacts_since);
-                return felt.map_or(Verdict::Looking, |felt| Verdict::Shared(Change::of(&self.candidates, &felt)));
-            }
-        }
-        match self.told_apart(params, suspicion.contacts_since, eroding, impatient) {
-            Some(explained) => Verdict::Changed(Change::of(&self.candidates, &explained)),
-            None => Verdict::Looking,
-        }
-    }
-
-    /// The kind that explains the contacts, or `None` while the evidence does not separate the kinds.
-    fn told_apart(
-        &self,
-        params: &DetectionParams,
-        contacts_since: u32,
-        eroding: bool,
-        impatient: bool,
-    ) -> Option<Explanation> {
-        let best_of = |kind| best(&self.candidates, kind, params.erosion_per_contact_max, contacts_since);
-        let gain = |one: &Option<Explanation>| one.map_or(0.0, |one| one.fit.gain);
-        let larger = |a: Option<Explanation>, b: Option<Explanation>| if gain(&b) > gain(&a) { b } else { a };
-        let step = larger(best_of(Kind::Shorter), best_of(Kind::LessSensitive));
-        let gradual = larger(best_of(Kind::Eroding), best_of(Kind::Drifting));
-        let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == Kind::Drifting);
-        let lead = gain(&step) - gain(&gradual);
-        let goes_on = step.map_or(0.0, |step| self.gain_of_going_on(step.index));
-        // Erosion must be shown to continue. A drift shows in small deflections, so it must lead by more.
-        let needed = match (drifts, goes_on > SURELY_GOES_ON_LOG_RATIO) {
-            (true, _) => DRIFT_LOG_RATIO,
-            (false, true) => GRADUAL_LOG_RATIO,
-            (false, false) => f64::INFINITY,
-        };
-        let surely = lead - goes_on > SURELY_STEP_LOG_RATIO;
-        if surely || (lead - goes_on > STEP_LOG_RATIO && goes_on < GOES_ON_LOG_RATIO) {
-            step
-        } else if eroding || lead < -needed {
-            // On an eroding whisker the filter lags behind or runs ahead: this is not a new change.
-            gradual.or(step)
-        } else if impatient {
-            if goes_on < SURELY_GOES_ON_LOG_RATIO && !drifts { step.or(gradual) } else { gradual.or(step) }
-        } else {
-            None
-        }
-    }
-
-    fn gain_of_going_on(&self, index: usize) -> f64 {
-        self.continuations.gain_of_going_on(index, &self.candidates.evidence(index))
-    }
 }
 
 impl BorshSerialize for Detector {
@@ -388,13 +333,13 @@ impl BorshSerialize for Detector {
 }
 
 impl Detector {
-    /// Reads bytes that were written while the filter had this number of states.
+    /// Reads stored bytes.
     ///
     /// # Errors
     /// The bytes end, or cannot have been written.
-    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
-        let candidates = Candidates::read(states, reader)?;
-        let continuations = Continuations::read(states, &candidates, reader)?;
+    pub fn read<R: Read>(stored: &Stored, reader: &mut R) -> Result<Self> {
+        let candidates = Candidates::read(stored, reader)?;
+        let continuations = Continuations::read(stored, &candidates, reader)?;
         Ok(Self { candidates, continuations, suspicion: BorshDeserialize::deserialize_reader(reader)? })
     }
 }

@@ -1,9 +1,9 @@
 //! Most likely starts of the change hypotheses. The state error per unit of a change depends on its start and not
 //! on its size, so all steps that began with the same contact share one start.
 //!
-//! There is room for [`STEPS`] starts of steps at a time. All five are in use at one contact in a thousand of an
-//! intact whisker; a step that finds no room then begins with a later contact. Gradual changes hardly ever restart,
-//! so each has a start of its own.
+//! There is room for [`STEPS`] starts of steps at a time. Five of them are in use at one contact in a thousand of an intact
+//! whisker, and all while a small change is suspected for long. A step that finds no room begins with a later contact.
+//! Gradual changes hardly ever restart, so each has a start of its own.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -13,7 +13,7 @@ use crate::encoding;
 use crate::estimation::filter::{BASELINE, LENGTH, STATES};
 
 /// Number of starts that all steps share.
-pub const STEPS: usize = 5;
+pub const STEPS: usize = 8;
 /// Number of starts: those of the steps, then one for each gradual change, in their order.
 pub const STARTS: usize = STEPS + COUNT - GRADUAL_FROM;
 /// Index of the first start of a baseline change.
@@ -184,28 +184,52 @@ impl BorshSerialize for Starts {
     }
 }
 
+/// Sizes of the detector in stored bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stored {
+    /// States of the filter. The others were unknown to it, so that it absorbed nothing of a change in them.
+    pub states: usize,
+    /// Places for the starts of steps.
+    pub steps: usize,
+}
+
+impl Stored {
+    /// Sizes of this version.
+    pub const NOW: Self = Self { states: STATES, steps: STEPS };
+
+    /// Present place of a stored one.
+    fn place(&self, stored: usize) -> usize {
+        if stored < self.steps { stored } else { stored - self.steps + STEPS }
+    }
+}
+
 impl Starts {
-    /// Reads bytes that were written with this number of states. The others were unknown to the filter, so that it absorbed
-    /// nothing of a change in them.
-    pub fn read<R: Read>(states: usize, reader: &mut R) -> Result<Self> {
+    /// Reads stored bytes.
+    pub fn read<R: Read>(stored: &Stored, reader: &mut R) -> Result<Self> {
         let mut read = Self::default();
+        let stored_places = stored.steps + STARTS - STEPS;
         let are: [bool; STARTS] = encoding::unpack_flags(u16::deserialize_reader(reader)?)?;
         for pair in read.of_steps.chunks_mut(2) {
             let both = u8::deserialize_reader(reader)?;
             (pair[0], pair[1]) = (both & 0xf, both >> 4);
         }
-        let is_step = |place: u8| usize::from(place) == NOW || usize::from(place) < STEPS && are[usize::from(place)];
-        if !read.of_steps.iter().all(|&place| is_step(place)) {
-            return Err(encoding::invalid("a step without a start"));
+        for place in &mut read.of_steps {
+            let at = usize::from(*place);
+            let is_step = at == stored_places || at < stored.steps && are[at];
+            if !is_step {
+                return Err(encoding::invalid("a step without a start"));
+            }
+            *place = stored.place(at) as u8;
         }
-        for place in (0..STARTS).filter(|&place| are[place]) {
+        for at in (0..stored_places).filter(|&at| are[at]) {
+            let place = stored.place(at);
             let contacts = encoding::read_u32(reader)?;
             if contacts == 0 {
                 read.take_before(place)?;
                 continue;
             }
             read.contacts[place] = contacts.min(CONTACTS_MAX) as u16;
-            for one in read.lacking.iter_mut().take(states) {
+            for one in read.lacking.iter_mut().take(stored.states) {
                 one[place] = f32::deserialize_reader(reader)?;
             }
         }

@@ -23,8 +23,10 @@ use std::ops::RangeInclusive;
 use borsh::io::{Error, Read, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::gain_walk::Moved;
 use super::noise::{NoiseScale, SensorNoise};
 use super::outlier::{InnovationDensity, Seen};
+use super::spread::ExpectedRatio;
 use super::symmetric::Symmetric;
 use crate::encoding;
 use crate::mechanics::{ContactOnChamber, Model, Morphology, Offset};
@@ -44,6 +46,11 @@ const BEND: usize = 5;
 pub const STATES_BEFORE_7: usize = PER_K;
 /// Deflection at which the offset is stated, mm: the middle of the usual ones.
 const CENTRE_MM: f64 = 3.0;
+/// Relative uncertainty of the share that an error of the ratios takes from their distance to the mean: the error itself
+/// is known to a factor of two, and it counts squared.
+const SHARE_DOUBT: f64 = 1.5;
+/// Usual size of the offset's slope, log sensitivity per unit of contact ratio.
+const SLOPE_SD: f64 = 0.2;
 /// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
 /// Relative standard deviation of the model's d ln s / d ln L, over calibrations 10 % off, in either formulation.
@@ -182,6 +189,10 @@ pub struct Innovation {
     pub seen: Seen,
     /// Contact ratio at which the contact was compared.
     pub ratio: ContactRatio,
+    /// Share of the play in the noise variance.
+    pub by_play: f64,
+    /// d(log sensitivity) / d(contact ratio), if the contact tells of the size of the ratios' errors.
+    pub tells_errors: Option<f64>,
     /// d(log strain) / d(state).
     pub row: [f64; STATES],
     /// Kalman gain, already reduced for a likely outlier.
@@ -208,10 +219,8 @@ pub struct Alone {
 /// Measurements of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
-    /// Contact ratio a.
-    pub ratio: ContactRatio,
-    /// Standard deviation of the contact ratio.
-    pub ratio_sd: f64,
+    /// Contact ratio.
+    pub place: ExpectedRatio,
     /// Whether the contact ratio is one of the present length. A contact at a known distance from the base has the same
     /// sensitivity whatever lies beyond it.
     pub informs_length: bool,
@@ -235,6 +244,16 @@ pub enum NoInformation {
     /// The contact would move the estimate out of its bounds.
     #[error("readings outside the range of any real whisker")]
     Implausible,
+}
+
+/// Contact ratio at which a contact tells of the offset's slope.
+///
+/// Within a narrow range of contacts the slope depends on the size of their ratios' errors, which is hardly known: the
+/// errors take a share of the distance from the mean, and that share is doubtful. If the doubt exceeds the slope's own
+/// uncertainty, contacts tell only of the range's mean.
+fn slope_at(place: &ExpectedRatio, per_ratio: f64) -> ContactRatio {
+    let doubt = SHARE_DOUBT * place.lost * per_ratio;
+    if doubt.abs() < SLOPE_SD { place.ratio } else { place.mean }
 }
 
 impl Innovation {
@@ -318,10 +337,13 @@ impl LengthFilter {
         contact: &Observation,
     ) -> Result<Innovation, NoInformation> {
         let length = self.length().length;
-        let (model_per_mm, log_slope) = model.sensitivity_and_slope(contact.ratio, length, morphology)?;
+        let ratio = contact.place.ratio;
+        let (model_per_mm, log_slope) = model.sensitivity_and_slope(ratio, length, morphology)?;
         let beyond_mm = contact.deflection_mm - CENTRE_MM;
         let by_circumstances = f64::from(self.mean[PER_K]) * contact.warmer_k + f64::from(self.mean[BEND]) * beyond_mm;
-        let predicted = model_per_mm * (self.offset().at(contact.ratio) + by_circumstances).exp();
+        let per_ratio = log_slope / ratio.a();
+        let slope_at = slope_at(&contact.place, per_ratio);
+        let predicted = model_per_mm * (self.offset().at(slope_at) + by_circumstances).exp();
         let by_deflection = predicted * contact.deflection_mm;
         let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
@@ -334,17 +356,25 @@ impl LengthFilter {
         let share = by_deflection / expected_strain;
         let row = [
             share,
-            share * (contact.ratio.a() - Offset::CENTRE),
+            share * (slope_at.a() - Offset::CENTRE),
             if contact.informs_length { share * log_slope * length.mm() / elongated_mm } else { 0.0 },
             1.0 / expected_strain,
             share * contact.warmer_k,
             share * beyond_mm,
         ];
-        let by_ratio = log_slope * contact.ratio_sd / contact.ratio.a();
-        let noise_variance = scale.variance() * (noise.log_variance(expected_strain) + by_ratio.powi(2));
+        let by_ratio = per_ratio * contact.place.sd;
+        let configured = noise.log_variance(expected_strain) + by_ratio.powi(2);
+        let (noise_variance, by_play) = scale.of_contact(configured, contact.deflection_mm);
         let seen = self.innovation(residual, row, (noise_variance, scale.inflation()), scale.density());
-        let (ratio, predicted_sensitivity_per_mm) = (contact.ratio, predicted);
-        let seen = Innovation { ratio, by_circumstances, predicted_sensitivity_per_mm, ..seen };
+        let tells_errors = (slope_at != ratio).then_some(per_ratio);
+        let seen = Innovation {
+            ratio,
+            by_play,
+            tells_errors,
+            by_circumstances,
+            predicted_sensitivity_per_mm: predicted,
+            ..seen
+        };
         if seen.is_bounded() { Ok(seen) } else { Err(NoInformation::Implausible) }
     }
 
@@ -391,6 +421,8 @@ impl LengthFilter {
             density,
             seen,
             ratio: ContactRatio::TIP,
+            tells_errors: None,
+            by_play: 0.0,
             row,
             gain,
             gain_noise_variance,
@@ -489,6 +521,16 @@ impl LengthFilter {
         let sd = params.offset_per_mpa * by_mpa;
         self.covariance.widen(0, sd.powi(2));
         self.covariance.widen(1, sd.powi(2));
+    }
+
+    /// The gain has wandered: the offset moves, and becomes uncertain by this variance.
+    ///
+    /// Returns false and changes nothing if the state would leave its bounds.
+    pub fn wandered(&mut self, moved: Moved) -> bool {
+        let mut after = self.clone();
+        after.mean[0] = (f64::from(after.mean[0]) + moved.by) as f32;
+        after.covariance.widen(0, moved.variance);
+        self.become_if_sound(after)
     }
 
     /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.

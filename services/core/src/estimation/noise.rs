@@ -65,8 +65,15 @@ pub struct NoiseScale {
     /// Sum of the products since the detector was calm, and their number.
     doubtful: f32,
     doubtful_contacts: f32,
+    /// Error of a deflection or strain that does not grow with it, as mm of deflection: a loop of the rubber, play.
+    play_mm: f32,
+    /// Contacts from which it was learned.
+    play_contacts: f32,
 }
 
+/// Play of a new whisker, and its range, mm. Its factor of growth is bounded, so that it must not become tiny.
+const PLAY_AT_FIRST_MM: f32 = 0.02;
+const PLAY_MIN_MAX_MM: (f64, f64) = (0.003, 1.0);
 /// Share of outliers of a new whisker, and the number of contacts that it counts as.
 const OUTLIERS_AT_FIRST: f64 = 0.005;
 const OUTLIERS_PRIOR_CONTACTS: f64 = 200.0;
@@ -98,6 +105,8 @@ impl Default for NoiseScale {
             together: 0.0,
             doubtful: 0.0,
             doubtful_contacts: 0.0,
+            play_mm: PLAY_AT_FIRST_MM,
+            play_contacts: Self::PRIOR_CONTACTS as f32,
         }
     }
 }
@@ -112,6 +121,15 @@ impl NoiseScale {
     #[must_use]
     pub fn variance(&self) -> f64 {
         f64::from(self.variance)
+    }
+
+    /// Variance of the noise of one contact in log sensitivity, and the share of it by [`Self::play_mm`]. `configured` is the
+    /// configured variance.
+    #[must_use]
+    pub fn of_contact(&self, configured: f64, deflection_mm: f64) -> (f64, f64) {
+        let by_play = (f64::from(self.play_mm) / deflection_mm).powi(2);
+        let variance = self.variance() * configured + by_play;
+        (variance, by_play / variance)
     }
 
     /// Density of an innovation standardised with this scale.
@@ -130,20 +148,29 @@ impl NoiseScale {
 
     /// Learns from one standardised innovation; call it only while no change is suspected. `sound` is the
     /// probability by [`Self::density`] that the contact is not an outlier. `share` is the share of noise in the
-    /// innovation's variance, 0 to 1: uncertainty of the state carries no information about the noise.
+    /// innovation's variance, 0 to 1: uncertainty of the state carries no information about the noise. `by_play` is the
+    /// share of the play in the noise.
     ///
     /// Returns the factor by which the scale's variance has changed.
-    pub fn learn(&mut self, standardised: f64, sound: f64, share: f64) -> f64 {
+    pub fn learn(&mut self, standardised: f64, sound: f64, noise_share: f64, by_play: f64) -> f64 {
         let before = self.variance();
         let square = sound * standardised.powi(2) / InnovationDensity::mean_square_seen(self.outliers.into());
+        let share = noise_share * (1.0 - by_play);
         self.contacts = (f64::from(self.contacts) + share).min(Self::MEMORY_CONTACTS) as f32;
         let contacts = f64::from(self.contacts);
         let after = before * (1.0 + share * (square - 1.0) / contacts);
         self.variance = after.clamp(0.0625, 16.0) as f32;
+        self.learn_play(square, noise_share * by_play);
         let outliers = f64::from(self.outliers);
         let outliers = outliers + share * (1.0 - sound - outliers) / (contacts + OUTLIERS_PRIOR_CONTACTS);
         self.outliers = outliers.clamp(OUTLIERS_MIN_MAX.0, OUTLIERS_MIN_MAX.1) as f32;
         self.variance() / before
+    }
+
+    fn learn_play(&mut self, square: f64, share: f64) {
+        self.play_contacts = (f64::from(self.play_contacts) + share).min(Self::MEMORY_CONTACTS) as f32;
+        let after = f64::from(self.play_mm) * (1.0 + 0.5 * share * (square - 1.0) / f64::from(self.play_contacts));
+        self.play_mm = after.clamp(PLAY_MIN_MAX_MM.0, PLAY_MIN_MAX_MM.1) as f32;
     }
 
     /// Learns the correlation from one standardised innovation; call it only while no alarm stands. `share` is as in
@@ -182,7 +209,18 @@ impl NoiseScale {
     #[must_use]
     pub fn is_sound(&self) -> bool {
         let correlation = [self.earlier, self.together, self.doubtful, self.doubtful_contacts];
-        [self.variance, self.contacts, self.outliers].iter().chain(&correlation).all(|one| one.is_finite())
+        let play = [self.play_mm, self.play_contacts];
+        [self.variance, self.contacts, self.outliers].iter().chain(&correlation).chain(&play).all(|one| one.is_finite())
+    }
+
+    /// Reads a scale as it was stored in version 7 of the whisker, without play.
+    ///
+    /// # Errors
+    /// The bytes end.
+    pub fn read_7<R: Read>(reader: &mut R) -> Result<Self> {
+        let [variance, contacts, outliers, earlier, together, doubtful, doubtful_contacts] =
+            BorshDeserialize::deserialize_reader(reader)?;
+        Ok(Self { variance, contacts, outliers, earlier, together, doubtful, doubtful_contacts, ..Self::default() })
     }
 
     /// Reads a scale as it was stored before version 7 of the whisker, without outliers and correlation.
@@ -221,7 +259,7 @@ mod tests {
         for _ in 0..contacts {
             noise = keeps * noise + (1.0 - keeps * keeps).sqrt() * random.next();
             let sound = scale.density().at(noise).sound;
-            scale.learn(noise / scale.variance().sqrt(), sound, 1.0);
+            scale.learn(noise / scale.variance().sqrt(), sound, 1.0, 0.0);
             scale.correlate(noise / scale.variance().sqrt(), 1.0, true);
         }
         scale
@@ -242,7 +280,7 @@ mod tests {
         for step in 0..20_000 {
             let one = random.next() * if step % 50 == 0 { 10.0 } else { 1.0 };
             let sound = scale.density().at(one).sound;
-            scale.learn(one, sound, 1.0);
+            scale.learn(one, sound, 1.0, 0.0);
         }
         // A third of the 2 % is within three standard deviations of the others.
         assert!((0.011..0.021).contains(&scale.outliers), "{scale:?}");
@@ -250,7 +288,7 @@ mod tests {
         for _ in 0..5000 {
             let one = random.next();
             let sound = quiet.density().at(one).sound;
-            quiet.learn(one, sound, 1.0);
+            quiet.learn(one, sound, 1.0, 0.0);
         }
         assert!((f64::from(quiet.outliers) - InnovationDensity::OUTLIERS_MIN).abs() < 1e-6, "{quiet:?}");
     }

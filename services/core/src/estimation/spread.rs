@@ -7,6 +7,7 @@
 //! cause: the model is evaluated at the expectation of the true ratio under the distribution of the robot's contacts,
 //! `m + v / (v + error^2) (stated - m)`, with mean m and variance v of the true ratios.
 
+use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::units::ContactRatio;
@@ -18,13 +19,30 @@ const MEMORY_CONTACTS: f32 = 300.0;
 /// A contact this many standard deviations off the mean belongs to another habit. Even distributions end at 1.7.
 const OTHER_HABIT_SD: f64 = 4.0;
 
-/// Distribution of the places at which a robot touches a whisker at present.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+/// Prior standard deviation of the scale of the errors' variance, and its range: robots state it to a factor of two or so.
+const SCALE_SD: f32 = 1.5;
+const SCALE_MIN_MAX: (f64, f64) = (1.0 / 16.0, 16.0);
+/// Random walk of that scale per square root of a contact.
+const SCALE_WANDER: f64 = 0.01;
+/// Largest share of the variance of the stated ratios that their errors have.
+const ERRORS_MOST: f64 = 0.95;
+
+/// Distribution of the places at which a robot touches a whisker at present, and the size of the ratios' errors.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct RatioSpread {
     mean: f32,
-    /// Variance of the true ratios: that of the stated ones less that of their errors, so chance may make it negative.
+    /// Variance of the stated ratios.
     variance: f32,
     contacts: f32,
+    /// Variance of the errors relative to the stated one, with its own variance.
+    scale: f32,
+    scale_variance: f32,
+}
+
+impl Default for RatioSpread {
+    fn default() -> Self {
+        Self { mean: 0.0, variance: 0.0, contacts: 0.0, scale: 1.0, scale_variance: SCALE_SD * SCALE_SD }
+    }
 }
 
 /// A contact ratio with its standard deviation.
@@ -34,23 +52,56 @@ pub struct ExpectedRatio {
     pub ratio: ContactRatio,
     /// Standard deviation of the true ratio around it.
     pub sd: f64,
+    /// Mean of the distribution.
+    pub mean: ContactRatio,
+    /// Share of the distance of the stated ratio from the mean that the errors take, 0 to 1; 1 while the distribution is
+    /// not known.
+    pub lost: f64,
+}
+
+impl ExpectedRatio {
+    /// A contact whose ratio is known without an error.
+    #[must_use]
+    pub fn exact(ratio: ContactRatio) -> Self {
+        Self { ratio, sd: 0.0, mean: ratio, lost: 0.0 }
+    }
+}
+
+/// A contact that tells of the errors' size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviation {
+    /// Deviation of log sensitivity from the prediction at the expected ratio.
+    pub residual: f64,
+    /// Variance of the residual, larger for a likely outlier.
+    pub variance: f64,
+    /// d(log sensitivity) / d(contact ratio).
+    pub per_ratio: f64,
 }
 
 impl RatioSpread {
-    /// The true ratio, given the stated one and the standard deviation of its error.
+    /// The true ratio, given the stated one and the stated standard deviation of its error.
     #[must_use]
     pub fn expected(&self, stated: ContactRatio, error_sd: f64) -> ExpectedRatio {
-        let as_stated = ExpectedRatio { ratio: stated, sd: error_sd };
-        if error_sd <= 0.0 || self.contacts < CONTACTS_MIN || self.is_elsewhere(stated, error_sd) {
-            return as_stated;
+        if error_sd <= 0.0 {
+            return ExpectedRatio::exact(stated);
         }
-        let variance = f64::from(self.variance).max(0.0);
-        let share = variance / (variance + error_sd * error_sd);
-        let mean = f64::from(self.mean);
-        match ContactRatio::new(mean + share * (stated.a() - mean)) {
-            Ok(ratio) => ExpectedRatio { ratio, sd: error_sd * share.sqrt() },
-            Err(_) => as_stated,
+        let sd = error_sd * f64::from(self.scale).sqrt();
+        if self.contacts == 0.0 || self.is_elsewhere(stated, error_sd) {
+            return ExpectedRatio { ratio: stated, sd, mean: stated, lost: 1.0 };
         }
+        let mean = ContactRatio::new(self.mean.into()).unwrap_or(stated);
+        if self.contacts < CONTACTS_MIN {
+            return ExpectedRatio { ratio: stated, sd, mean, lost: 1.0 };
+        }
+        let lost = self.errors_share(error_sd, self.scale.into());
+        let ratio = ContactRatio::new(stated.a() + lost * (mean.a() - stated.a())).unwrap_or(stated);
+        let lost_most = self.errors_share(error_sd, f64::from(self.scale).max(1.0));
+        ExpectedRatio { ratio, sd: sd * (1.0 - lost).sqrt(), mean, lost: lost_most }
+    }
+
+    /// Share of the errors in the variance of the stated ratios.
+    fn errors_share(&self, error_sd: f64, scale: f64) -> f64 {
+        (scale * error_sd * error_sd / f64::from(self.variance)).min(ERRORS_MOST)
     }
 
     /// Takes a stated ratio in. Contacts at the tip, which have no error, follow no distribution.
@@ -58,8 +109,8 @@ impl RatioSpread {
         if error_sd <= 0.0 {
             return;
         }
-        if self.contacts == 0.0 || self.contacts >= CONTACTS_MIN && self.is_elsewhere(stated, error_sd) {
-            *self = Self { mean: stated.a() as f32, variance: 0.0, contacts: 1.0 };
+        if self.contacts == 0.0 || self.is_elsewhere(stated, error_sd) {
+            *self = Self { mean: stated.a() as f32, variance: 0.0, contacts: 1.0, ..*self };
             return;
         }
         self.contacts = (self.contacts + 1.0).min(MEMORY_CONTACTS);
@@ -67,21 +118,50 @@ impl RatioSpread {
         let (mean, variance) = (f64::from(self.mean), f64::from(self.variance));
         let off = stated.a() - mean;
         // The mean moves towards the contact, so that the square is a share of a contact too small.
-        let square = (1.0 - weight) * off * off - error_sd * error_sd;
+        let square = (1.0 - weight) * off * off;
         self.mean = (mean + weight * off) as f32;
         self.variance = (variance + (square - variance) / (f64::from(self.contacts) - 1.0)) as f32;
     }
 
+    /// Takes in the deviation of a contact from the prediction. If the errors are larger than they are taken for, the
+    /// expected ratios are too far from the mean, and deviations go with their distance. The share that the errors take
+    /// depends on their variance, which a scalar Kalman filter estimates.
+    pub fn learn_errors(&mut self, stated: ContactRatio, error_sd: f64, seen: &Deviation) {
+        if error_sd <= 0.0 || self.contacts < CONTACTS_MIN || self.is_elsewhere(stated, error_sd) {
+            return;
+        }
+        // The expected ratio lies `scale share_of_one (mean - stated)` off the stated one, and the prediction follows it.
+        let share_of_one = error_sd * error_sd / f64::from(self.variance);
+        let row = seen.per_ratio * share_of_one * (f64::from(self.mean) - stated.a());
+        let uncertain = f64::from(self.scale_variance);
+        let gain = uncertain * row / (row * row * uncertain + seen.variance);
+        let scale = f64::from(self.scale) + gain * seen.residual;
+        self.scale = scale.clamp(SCALE_MIN_MAX.0, SCALE_MIN_MAX.1) as f32;
+        let left = (1.0 - gain * row) * uncertain + SCALE_WANDER * SCALE_WANDER;
+        self.scale_variance = left.min(f64::from(SCALE_SD * SCALE_SD)) as f32;
+    }
+
     /// Whether a contact shows that the robot touches the whisker elsewhere by now.
     fn is_elsewhere(&self, stated: ContactRatio, error_sd: f64) -> bool {
-        let variance = f64::from(self.variance).max(0.0) + error_sd * error_sd;
-        (stated.a() - f64::from(self.mean)).powi(2) > OTHER_HABIT_SD * OTHER_HABIT_SD * variance
+        let variance = f64::from(self.variance).max(error_sd * error_sd);
+        self.contacts >= CONTACTS_MIN
+            && (stated.a() - f64::from(self.mean)).powi(2) > OTHER_HABIT_SD * OTHER_HABIT_SD * variance
+    }
+
+    /// Reads a distribution as it was stored in version 7 of the whisker: with the variance of the true ratios instead of the
+    /// stated ones. It is learned anew.
+    ///
+    /// # Errors
+    /// The bytes end.
+    pub fn read_7<R: Read>(reader: &mut R) -> Result<Self> {
+        let _: [f32; 3] = BorshDeserialize::deserialize_reader(reader)?;
+        Ok(Self::default())
     }
 
     /// Whether all numbers are finite.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.mean.is_finite() && self.variance.is_finite() && self.contacts.is_finite()
+        [self.mean, self.variance, self.contacts, self.scale, self.scale_variance].iter().all(|one| one.is_finite())
     }
 }
 
@@ -133,8 +213,7 @@ mod tests {
         for step in 0..500 {
             spread.learn(contact(step, (0.8, 0.9), 0.01).1, 0.01);
         }
-        let tip = ExpectedRatio { ratio: ContactRatio::TIP, sd: 0.0 };
-        assert_eq!(spread.expected(ContactRatio::TIP, 0.0), tip);
+        assert_eq!(spread.expected(ContactRatio::TIP, 0.0), ExpectedRatio::exact(ContactRatio::TIP));
         let before = spread;
         spread.learn(ContactRatio::TIP, 0.0);
         assert_eq!(spread, before);

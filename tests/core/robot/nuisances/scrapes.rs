@@ -16,7 +16,7 @@ fn delays(rig: &Rig) -> Vec<u64> {
 }
 
 #[test]
-fn property_whiskers_scraped_along_a_wall_are_all_called_within_30_contacts() {
+fn property_whiskers_scraped_along_a_wall_are_all_called_within_32_contacts() {
     for seed in 0..SEEDS {
         for lost_mm in [5.0, 12.0] {
             let mut rig = Rig::new(1000 + seed, WHISKERS);
@@ -24,7 +24,7 @@ fn property_whiskers_scraped_along_a_wall_are_all_called_within_30_contacts() {
             rig.whiskers[..CUT].iter_mut().for_each(|one| one.length_mm -= lost_mm);
             rig.run(60);
             let delays = delays(&rig);
-            assert!(delays[..CUT].iter().all(|&delay| delay <= 30), "seed {seed}, {lost_mm} mm: {delays:?}");
+            assert!(delays[..CUT].iter().all(|&delay| delay <= 32), "seed {seed}, {lost_mm} mm: {delays:?}");
             assert_eq!(rig.trims().len(), CUT, "seed {seed}, {lost_mm} mm: no other whisker");
             assert_eq!(rig.alarms(AlarmKind::ArrayShift), [], "seed {seed}, {lost_mm} mm");
         }

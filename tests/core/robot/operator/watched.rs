@@ -198,8 +198,9 @@ fn brute_force_whatever_operators_do_holds_approvals_and_alarms_are_kept() {
     }
 }
 
-/// The effects, without those that only a proposal has.
-fn without_proposals(world: &World) -> Vec<Effect> {
+/// Alarms and the other effects, without those that only a proposal has. An approval comes after the step that decided, and
+/// the alarms of that step come before it: their order among the other effects is no difference.
+fn without_proposals(world: &World) -> (Vec<Effect>, Vec<Effect>) {
     let mut effects: Vec<Effect> = world.effects.iter().map(|(_, effect)| effect.clone()).collect();
     effects.retain(|effect| {
         let proposed = matches!(
@@ -213,7 +214,7 @@ fn without_proposals(world: &World) -> Vec<Effect> {
             decision.proposed = false;
         }
     }
-    effects
+    effects.into_iter().partition(|effect| matches!(effect, Effect::Alarm { .. } | Effect::AlarmCleared { .. }))
 }
 
 #[test]

@@ -3,10 +3,10 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::detection::Detector;
+use crate::detection::{Detector, Stored};
 use crate::encoding;
 use crate::estimation::filter::{STATES, STATES_BEFORE_7};
-use crate::estimation::{LengthFilter, NoiseScale, RatioSpread, ResponseBins};
+use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins};
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
@@ -14,11 +14,13 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
 const VERSION_MARK: u32 = 1 << 9;
+/// Places for the starts of steps in the detector before version 8.
+const STEPS_BEFORE_8: usize = 5;
 /// Stored as the time of a whisker that was never heard.
 const NEVER: Micros = Micros(u64::MAX);
 
@@ -64,7 +66,7 @@ impl BorshSerialize for Whisker {
         encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
-        (&self.filter, &self.noise, self.reference_c, &self.spread).serialize(writer)?;
+        (&self.filter, &self.noise, self.reference_c, &self.spread, &self.walks).serialize(writer)?;
         (&self.detector, &self.leak, &self.gauge).serialize(writer)?;
         (&self.whole_waiting, self.condition, self.holds, &self.standing).serialize(writer)?;
         if self.whole != ResponseBins::default() {
@@ -111,7 +113,7 @@ impl BorshDeserialize for Whisker {
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
         let air = Air::read(&sheet, reader)?;
-        let Learned { filter, noise, reference_c, spread, detector } = Learned::read(version, reader)?;
+        let Learned { filter, noise, reference_c, spread, walks, detector } = Learned::read(version, reader)?;
         let (leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
         let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
@@ -125,6 +127,7 @@ impl BorshDeserialize for Whisker {
             noise,
             reference_c,
             spread,
+            walks,
             detector,
             contacts,
             condition,
@@ -179,19 +182,32 @@ struct Learned {
     noise: NoiseScale,
     reference_c: Option<f32>,
     spread: RatioSpread,
+    walks: GainWalks,
     detector: Detector,
 }
 
 impl Learned {
     fn read<R: Read>(version: u32, reader: &mut R) -> Result<Self> {
-        let is_old = version < 7;
+        let (is_before_7, is_before_8) = (version < 7, version < 8);
         let filter =
-            if is_old { LengthFilter::read_before_7(reader)? } else { LengthFilter::deserialize_reader(reader)? };
-        let noise = if is_old { NoiseScale::read_before_7(reader)? } else { NoiseScale::deserialize_reader(reader)? };
-        let (reference_c, spread) =
-            if is_old { Default::default() } else { BorshDeserialize::deserialize_reader(reader)? };
-        let states = if is_old { STATES_BEFORE_7 } else { STATES };
-        Ok(Self { filter, noise, reference_c, spread, detector: Detector::read(states, reader)? })
+            if is_before_7 { LengthFilter::read_before_7(reader)? } else { LengthFilter::deserialize_reader(reader)? };
+        let noise = match version {
+            ..7 => NoiseScale::read_before_7(reader)?,
+            7 => NoiseScale::read_7(reader)?,
+            8.. => NoiseScale::deserialize_reader(reader)?,
+        };
+        let reference_c = if is_before_7 { None } else { Option::deserialize_reader(reader)? };
+        let spread = match version {
+            ..7 => RatioSpread::default(),
+            7 => RatioSpread::read_7(reader)?,
+            8.. => RatioSpread::deserialize_reader(reader)?,
+        };
+        let walks = if is_before_8 { GainWalks::default() } else { GainWalks::deserialize_reader(reader)? };
+        let stored = Stored {
+            states: if is_before_7 { STATES_BEFORE_7 } else { STATES },
+            steps: if is_before_8 { STEPS_BEFORE_8 } else { Stored::NOW.steps },
+        };
+        Ok(Self { filter, noise, reference_c, spread, walks, detector: Detector::read(&stored, reader)? })
     }
 }
 
@@ -240,6 +256,6 @@ mod tests {
     /// A million whiskers with the rest of their robots must fit into 2.5 GiB of memory.
     #[test]
     fn a_whisker_takes_no_more_room_than_was_meant() {
-        assert!(size_of::<Whisker>() <= 2048, "{}", size_of::<Whisker>());
+        assert!(size_of::<Whisker>() <= 2176, "{}", size_of::<Whisker>());
     }
 }

@@ -6,6 +6,8 @@
 //! whisker that is not touched does not matter. A trim is delayed by the contacts that one of the others needs to deny
 //! the shift: one or two for a large cut.
 
+use smallvec::SmallVec;
+
 use crate::detection::{Change, Fit, Others};
 use crate::estimation::filter::LENGTH;
 use crate::mechanics::Model;
@@ -125,26 +127,30 @@ impl Robot {
         }
     }
 
-    /// The other whiskers of the same array that are learned and without a fault.
-    fn witnesses_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
+    /// The whiskers that share temperature and scale with one: those of its array, or of the robot if the array is too
+    /// small to tell.
+    fn group_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + use<> {
         let array = self.whiskers[index].array;
+        let of_array = move |other: &WhiskerIndex, all: &[Whisker]| all[*other].array == array;
+        let members = (0..self.whiskers.len()).filter(|other| of_array(other, &self.whiskers)).count();
+        let group: SmallVec<[WhiskerIndex; 32]> =
+            (0..self.whiskers.len()).filter(|other| members <= OTHERS_MIN || of_array(other, &self.whiskers)).collect();
+        group.into_iter()
+    }
+
+    /// The other whiskers of the group that are learned and without a fault.
+    fn witnesses_of(&self, index: WhiskerIndex) -> impl Iterator<Item = WhiskerIndex> + '_ {
         let can_tell = move |&other: &WhiskerIndex| {
             let whisker = &self.whiskers[other];
-            other != index
-                && whisker.array == array
-                && whisker.fault.is_none()
-                && whisker.condition != Condition::Learning
+            other != index && whisker.fault.is_none() && whisker.condition != Condition::Learning
         };
-        (0..self.whiskers.len()).filter(can_tell)
+        self.group_of(index).filter(can_tell)
     }
 
     /// A whisker has raised an alarm: from now on the others' contacts count as answers to it.
     pub(in crate::robot) fn ask_others(&mut self, index: WhiskerIndex) {
-        let array = self.whiskers[index].array;
-        for index in 0..self.whiskers.len() {
-            if self.whiskers[index].array == array {
-                self.whiskers[index].told_since_alarm = 0.0;
-            }
+        for index in self.group_of(index) {
+            self.whiskers[index].told_since_alarm = 0.0;
         }
     }
 
@@ -158,10 +164,7 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let shift = self.median_shift(index, change);
-        let array = self.whiskers[index].array;
-        let members: Vec<WhiskerIndex> =
-            (0..self.whiskers.len()).filter(|&other| self.whiskers[other].array == array).collect();
-        for &member in &members {
+        for member in self.group_of(index) {
             let whisker = &mut self.whiskers[member];
             let Some(model) = whisker.model(params) else { continue };
             let log_shift = shift * whisker.log_slope_with_length(model);

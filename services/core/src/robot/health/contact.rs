@@ -10,6 +10,9 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::PendingTrim;
 use crate::units::Micros;
 
+/// Change of a compensator's gain, log sensitivity, from which its published gain is renewed.
+const RENEWED_FROM: f64 = 0.01;
+
 impl Robot {
     pub(in crate::robot) fn contact(
         &mut self,
@@ -43,6 +46,7 @@ impl Robot {
         }));
         self.refresh_fault(params, now, index, effects);
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
+            self.gain_wandered(index, felt.wandered);
             self.conclude(params, index, felt.verdict, effects);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
             self.follow_wear(params, index, effects);
@@ -66,7 +70,7 @@ impl Robot {
                     self.set_condition(index, Condition::Suspected, effects);
                 }
             }
-            Verdict::Dismissed => {
+            Verdict::Dismissed | Verdict::Wandered => {
                 self.whiskers[index].cannot_deny();
                 let whisker = &self.whiskers[index];
                 if whisker.condition == Condition::Suspected && !whisker.keeps_suspicion() {
@@ -146,7 +150,21 @@ impl Robot {
             whisker.rare.get_or_insert().whole_offset.get_or_insert(before);
         }
         self.shift_measured(index, log_shift);
-        for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == index) {
+        self.hasten_reviews(index);
+    }
+
+    /// A whisker's gain has wandered. If it compensates, the published gain is renewed.
+    fn gain_wandered(&mut self, index: WhiskerIndex, log_shift: f64) {
+        if log_shift.abs() < RENEWED_FROM {
+            return;
+        }
+        self.shift_measured(index, log_shift);
+        self.hasten_reviews(index);
+    }
+
+    /// The gains by this compensator are reviewed as soon as there are enough contacts.
+    fn hasten_reviews(&mut self, compensator: WhiskerIndex) {
+        for running in self.head.compensations.iter_mut().filter(|one| one.compensator() == compensator) {
             running.refining.hasten();
         }
     }

@@ -164,7 +164,7 @@ impl Level {
         Self {
             strain: contact.strain as f32,
             deflection_mm: contact.deflection_mm as f32,
-            ratio: contact.ratio.a() as f32,
+            ratio: contact.place.ratio.a() as f32,
             repeats: 0,
             far_above: 0,
             above: 0,
@@ -173,6 +173,6 @@ impl Level {
 
     fn is_another(&self, contact: &Observation) -> bool {
         (contact.deflection_mm / f64::from(self.deflection_mm) - 1.0).abs() > OTHER_DEFLECTION
-            || (contact.ratio.a() - f64::from(self.ratio)).abs() > OTHER_RATIO
+            || (contact.place.ratio.a() - f64::from(self.ratio)).abs() > OTHER_RATIO
     }
 }

@@ -13,7 +13,7 @@
 //!   measurements that it was decided on are dropped.
 
 use crate::detection::Detector;
-use crate::estimation::{NoiseScale, ResponseBins, Waiting};
+use crate::estimation::{GainWalks, NoiseScale, ResponseBins, Waiting};
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, EndReason, WhiskerIndex};
 use crate::robot::params::Params;
@@ -42,6 +42,7 @@ impl Whisker {
     fn forget_readings(&mut self, params: &Params) {
         self.filter = self.filter.learned_anew(&params.filter);
         self.noise = NoiseScale::default();
+        self.walks = GainWalks::default();
         self.detector = Detector::default();
         self.contacts = 0;
         self.whole = ResponseBins::default();

@@ -2,11 +2,12 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::detection::{Change, Detector, Others, Verdict};
+use crate::detection::{Change, Detector, Others, Situation, Verdict};
 use crate::estimation::filter::{FilterParams, LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
+use crate::estimation::spread::Deviation;
 use crate::estimation::{
-    Bin, ErosionWatch, Innovation, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting,
+    Bin, ErosionWatch, GainWalks, Innovation, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting,
 };
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
 use crate::robot::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
@@ -35,6 +36,8 @@ pub struct Whisker {
     pub(in crate::robot) sheet: Sheet,
     pub(in crate::robot) filter: LengthFilter,
     pub(in crate::robot) noise: NoiseScale,
+    /// How fast its gain wanders.
+    pub(in crate::robot) walks: GainWalks,
     /// Temperature of its first contact, degrees Celsius: the offset is stated for it.
     pub(in crate::robot) reference_c: Option<f32>,
     /// Places of its contacts.
@@ -172,6 +175,8 @@ pub(in crate::robot) struct ContactResult {
     pub used: ContactUse,
     pub innovation: Option<Innovation>,
     pub verdict: Verdict,
+    /// Found change of the gain, log sensitivity, that is no change of the whisker; 0 for most contacts.
+    pub wandered: f64,
 }
 
 impl Whisker {
@@ -180,6 +185,7 @@ impl Whisker {
             array,
             filter: LengthFilter::new(sheet.length, &params.filter),
             noise: NoiseScale::default(),
+            walks: GainWalks::default(),
             reference_c: None,
             spread: RatioSpread::default(),
             detector: Detector::default(),
@@ -224,6 +230,7 @@ impl Whisker {
         self.filter.is_sound()
             && self.spread.is_sound()
             && self.noise.is_sound()
+            && self.walks.is_sound()
             && numbers.iter().all(|one| one.is_finite())
             && self.whole.felt().all(is_sound)
     }
@@ -233,6 +240,7 @@ impl Whisker {
         self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
         (self.reference_c, self.spread) = (None, RatioSpread::default());
+        self.walks = GainWalks::default();
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
         (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
         if let Some(rare) = self.rare.get_mut() {
@@ -290,8 +298,7 @@ impl Whisker {
         let expected = self.spread.expected(placed.ratio, stated_sd);
         let warmer_k = self.warmer_k(contact.temperature_c);
         let observation = Observation {
-            ratio: expected.ratio,
-            ratio_sd: expected.sd,
+            place: expected,
             informs_length: placed.informs_length,
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
@@ -306,10 +313,20 @@ impl Whisker {
             Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
             Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
             Ok(seen) => {
-                self.spread.learn(placed.ratio, stated_sd);
+                self.learn_places(placed.ratio, stated_sd, &seen);
                 self.take(params, &placed, &seen, others)
             }
         }
+    }
+
+    /// Takes in a stated contact ratio, and what the contact tells of its error.
+    fn learn_places(&mut self, stated: ContactRatio, stated_sd: f64, seen: &Innovation) {
+        if let Some(per_ratio) = seen.tells_errors {
+            let variance = seen.variance / seen.seen.sound.max(1e-3);
+            let seen = Deviation { residual: seen.residual, variance, per_ratio };
+            self.spread.learn_errors(stated, stated_sd, &seen);
+        }
+        self.spread.learn(stated, stated_sd);
     }
 
     /// Temperature above that of the first contact, K; 0 if it is not known.
@@ -342,10 +359,15 @@ impl Whisker {
                 self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance);
             }
         }
+        // Wear is known to change the sensitivity: a gain that wanders instead would keep the length from following.
+        if self.contacts > params.detection.followed_from.into() && self.condition != Condition::Eroding {
+            self.walks.see(seen);
+        }
         let mut verdict = self.judge(params, seen, learning, others);
         if !self.filter.learn(seen, self.wander(params)) {
             return ContactResult::unused(ContactUse::Implausible);
         }
+        let wandered = self.follow_gain(verdict);
         // After another verdict the detector starts anew, and its caller moves the state first.
         if matches!(verdict, Verdict::Quiet | Verdict::Looking)
             && let Some(length) = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm))
@@ -360,7 +382,7 @@ impl Whisker {
         self.shift_told &= self.rare.unsteady.is_some();
         self.follow_erosion(params);
         let used = if learning { ContactUse::Learning } else { ContactUse::Used };
-        ContactResult { ratio: None, used, innovation: Some(*seen), verdict }
+        ContactResult { ratio: None, used, innovation: Some(*seen), verdict, wandered }
     }
 
     /// Adds the information of a contact about a change of log length before the last alarm in the array.
@@ -387,7 +409,9 @@ impl Whisker {
     fn judge(&mut self, params: &Params, seen: &Innovation, learning: bool, others: Others) -> Verdict {
         let detection = &params.detection;
         if !learning {
-            return self.detector.update(detection, seen, self.condition == Condition::Eroding, others);
+            let eroding = self.condition == Condition::Eroding;
+            let situation = Situation { eroding, others, wandering: self.walks.evidence() };
+            return self.detector.update(detection, seen, &situation);
         }
         if self.contacts > detection.followed_from.into() {
             self.detector.follow(seen);
@@ -395,9 +419,31 @@ impl Whisker {
         Verdict::Quiet
     }
 
+    /// Takes the rate at which the gain wanders from the contacts that show no change. Returns the change of the gain that was
+    /// found with it, log sensitivity.
+    fn follow_gain(&mut self, verdict: Verdict) -> f64 {
+        let moved = match verdict {
+            Verdict::Changed(_) | Verdict::Shared(_) => {
+                self.walks.changed();
+                None
+            }
+            Verdict::Wandered => Some(self.walks.wandered()),
+            // A change while learning is called later; it must not pass for a walk.
+            Verdict::Quiet if !matches!(self.condition, Condition::Learning | Condition::Eroding) => {
+                self.walks.quiet(self.detector.is_calm(), self.detector.log_ratio_max())
+            }
+            Verdict::Quiet | Verdict::Looking | Verdict::Alarm | Verdict::Dismissed => None,
+        };
+        let Some(moved) = moved else { return 0.0 };
+        let is_moved = self.filter.wandered(moved);
+        self.detector = Detector::default();
+        self.cannot_deny();
+        if is_moved { moved.by } else { 0.0 }
+    }
+
     fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
         let alone = &seen.alone;
-        let factor = self.noise.learn(alone.standardised, alone.sound, alone.noise_share);
+        let factor = self.noise.learn(alone.standardised, alone.sound, alone.noise_share, seen.by_play);
         if self.condition == Condition::Learning {
             self.filter.rescale(factor, &params.filter);
         }
@@ -413,7 +459,11 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
-            offset: self.rare.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift),
+            offset: self
+                .rare
+                .unsteady
+                .map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift)
+                .hypot(if eroding { 0.0 } else { self.walks.rate() }),
         }
     }
 
@@ -495,6 +545,6 @@ impl Whisker {
 
 impl ContactResult {
     fn unused(used: ContactUse) -> Self {
-        Self { ratio: None, used, innovation: None, verdict: Verdict::Quiet }
+        Self { ratio: None, used, innovation: None, verdict: Verdict::Quiet, wandered: 0.0 }
     }
 }
