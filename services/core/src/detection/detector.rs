@@ -169,7 +169,7 @@ impl Detector {
     /// Log likelihood ratio of the likeliest change, of the sizes that are searched for.
     #[must_use]
     pub fn log_ratio_max(&self) -> f64 {
-        f64::from(self.candidates.cusum_max()).ln()
+        self.candidates.cusum_max().ln()
     }
 
     /// Whether nothing speaks for a change so strongly that it hardly comes from a scale that is not learned yet.
