@@ -8,6 +8,7 @@
 //! [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`ledger`], [`obedience`] and
 //! [`recorded`] (the comparison), [`refusals`], [`report`].
 
+mod forget;
 mod hostile;
 mod ledger;
 mod obedience;

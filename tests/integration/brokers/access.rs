@@ -128,8 +128,8 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
     heard.sort();
     robots.sort_by_key(|kind| kind.as_str());
     let mut expected: Vec<_> = robots.into_iter().map(|kind| topic("lab/one", kind)).collect();
-    // The supervisor must receive messages in its own name, to correct them.
-    expected.push("whisker/v1/lab/supervisor/state".to_owned());
+    // The supervisor must receive messages in its own name, to correct them. Every user may read requests to all robots.
+    expected.extend(["state", "request"].map(|last| format!("whisker/v1/lab/supervisor/{last}")));
     expected.sort();
     assert_eq!(heard, expected);
 }
