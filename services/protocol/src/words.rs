@@ -198,7 +198,7 @@ words!(
     }
 );
 words!(
-    /// What all robots of a fleet shall send.
+    /// Messages that all robots of a fleet shall send.
     SupervisorRequestKind {
         /// `connection` with `ONLINE` and then `factsheet`, in the present boot, within 2 s at a random time.
         Birth = "BIRTH",

@@ -1,4 +1,4 @@
-//! Why the supervisor asks all robots of a fleet for their births and factsheets.
+//! Causes for which the supervisor requests the births and factsheets of all robots of a fleet.
 //!
 //! Robots announce themselves at each of their connections. A supervisor that connects later would know them only from
 //! retained messages, which a broker may have forgotten.
@@ -19,7 +19,7 @@ pub enum BirthCause {
 }
 
 impl BirthCause {
-    /// All causes.
+    /// All causes, in the order of the variants.
     pub const ALL: [Self; 5] = [Self::Connected, Self::Shed, Self::Allowed, Self::Unheard, Self::Unannounced];
 
     /// Word of the cause in metrics.

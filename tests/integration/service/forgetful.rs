@@ -171,7 +171,7 @@ async fn a_broker_that_retains_nothing_is_enough_for_contacts_setpoints_estimate
     let begun = Instant::now();
     let running = Running::on(folder, quick(), Some(broker.port())).await;
     all_are_known(&running, &fleet).await;
-    // Both robots are told their lengths after the takeover, although nothing is retained.
+    // Both robots receive their lengths after the takeover, although nothing is retained.
     let mut told = std::collections::BTreeSet::new();
     while told.len() < ROBOTS.len() {
         let estimate = |heard: vibrissa_tests::observer::Heard| match heard.message {

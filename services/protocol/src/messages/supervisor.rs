@@ -41,7 +41,7 @@ pub struct SupervisorRequest {
     pub epoch: u64,
     /// Time at which the message was written, by the supervisor's clock.
     pub timestamp: Timestamp,
-    /// What every robot of the fleet shall send.
+    /// The messages that every robot of the fleet shall send.
     pub request: SupervisorRequestKind,
 }
 

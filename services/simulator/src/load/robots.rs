@@ -58,7 +58,7 @@ impl Robot {
             pressures_mpa: vec![WhiskerScenario::default().pressure_mpa; plan.whiskers],
             array_whiskers: plan.array_whiskers,
             birth_at_us: None,
-            delays: stream(0, &plan.robot(number).to_string(), "", 0, Purpose::Birth),
+            delays: stream(0, plan.robot(number).as_str(), "", 0, Purpose::Birth),
             connection_seq: 0,
             status_seq: 0,
             factsheet_seq: 0,

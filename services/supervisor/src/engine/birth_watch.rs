@@ -1,4 +1,4 @@
-//! Watches for robots whose births were not received, so that they are asked for again.
+//! Watches for robots whose births were not received, and has the supervisor request them again.
 //!
 //! The receiving connection asks all robots once it is up. That request, or an answer to it, may be lost.
 
@@ -8,8 +8,8 @@ use crate::births::BirthCause;
 
 /// Time for answers after the robots are heard: the contract allows them 2 s.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// First and longest pause between two requests because of robots without a birth. The pause doubles, because a robot
-/// that never announces itself must not make the whole fleet answer all the time.
+/// First and longest pause between two requests because of robots without a birth. The pause doubles: otherwise a robot
+/// without a birth would make the whole fleet answer all the time.
 const PAUSE: Duration = Duration::from_secs(10);
 const PAUSE_MAX: Duration = Duration::from_secs(3600);
 

@@ -222,7 +222,7 @@ fn say_online(client: &AsyncClient, topic: &str, online: &[u8], retains: bool) {
     }
 }
 
-/// What a message on the supervisor's own state says.
+/// Meaning of a message on the topic of the supervisor's own state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Claim {
     /// This supervisor is online, or the message cannot be read.

@@ -79,7 +79,7 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
     Ok(flushed?)
 }
 
-/// Reports on standard error what was refused.
+/// Reports the refused messages on standard error.
 fn tell(refusals: &Refusals) {
     for line in refusals.lines() {
         eprintln!("vibrissa: {line}");

@@ -134,7 +134,7 @@ impl Comparison {
         )
     }
 
-    /// What the replay with the first policy refused. That of the second one gets the same messages.
+    /// Refusals of the replay with the first policy. The other replay gets the same messages.
     #[must_use]
     pub fn refusals(&self) -> &Refusals {
         self.sides[0].replayer.refusals()

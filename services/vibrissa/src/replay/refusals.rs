@@ -1,4 +1,4 @@
-//! Counts of what a replay refused, by robot and reason, for the report at its end.
+//! Counts of the messages that a replay refused, by robot and reason, for the report at its end.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use vibrissa_protocol::Name;
 
 /// Limit of robots with counts of their own; those of further robots are counted together.
 const ROBOTS_MAX: usize = 10_000;
-/// Limit of robots in the report; of further ones only the number is told.
+/// Limit of robots in the report, which states only the number of further ones.
 const ROBOTS_TOLD_MAX: usize = 20;
 
 /// Counts by reason.

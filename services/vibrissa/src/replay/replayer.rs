@@ -100,7 +100,7 @@ impl Replayer {
         self.robots.iter().map(|((fleet, name), known)| (fleet, name, &known.robot))
     }
 
-    /// What was refused so far.
+    /// Refused messages so far, by robot.
     #[must_use]
     pub fn refusals(&self) -> &Refusals {
         &self.refusals
