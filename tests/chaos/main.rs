@@ -4,10 +4,11 @@
 //!
 //! Some of the robots are hostile. The harness judges only the others.
 //!
-//! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`replay`] and
-//! [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`ledger`], [`obedience`] and
+//! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`forget`],
+//! [`replay`] and [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`ledger`], [`obedience`] and
 //! [`recorded`] (the comparison), [`refusals`], [`report`].
 
+mod forget;
 mod hostile;
 mod ledger;
 mod obedience;

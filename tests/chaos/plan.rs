@@ -23,7 +23,7 @@ pub const LEASE_S: f64 = 2.0;
 /// A fault. The owner is the supervisor that owns the fleet when the fault strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fault {
-    /// SIGKILL to the owner; it is started again later.
+    /// SIGKILL to the owner, and the broker forgets all retained messages; the owner is started again later.
     OwnerKilled,
     /// SIGTERM to the owner; it is started again later.
     OwnerTerminated,

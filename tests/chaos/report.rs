@@ -136,7 +136,7 @@ impl Report {
             ("messages dropped by robots", self.dropped),
             ("messages without a receipt at the end", self.undelivered),
             ("supervisors ended unexpectedly", self.ended_by_themselves),
-            ("supervisors not ended by SIGTERM", self.stuck),
+            ("supervisors not ended by SIGTERM, brokers that forgot nothing", self.stuck),
             ("faults without an owner to hit", self.ownerless),
             ("panics of supervisors", self.panics),
             ("owners hit without a takeover", takeovers.filter(|one| one.seconds.is_none()).count() as u64),

@@ -23,6 +23,8 @@ use crate::scenario::FLEET;
 const ACL: &str = include_str!("../../deploy/mosquitto/acl");
 /// User of the client that repeats setpoints.
 pub const REPLAY_USER: &str = "replay";
+/// User of the client that deletes retained messages.
+pub const FORGET_USER: &str = "forget";
 /// Password of every robot; each has a user of its own.
 pub const ROBOT_PASSWORD: &str = "robot's own";
 /// Password of the supervisors and of the harness.
@@ -72,6 +74,8 @@ pub struct Stage {
     pub supervisors: [Supervisor; 2],
     /// Links between robots and broker.
     pub robot_links: Vec<Proxy>,
+    /// Names of the robots.
+    pub robots: Vec<Name>,
 }
 
 impl Stage {
@@ -86,7 +90,7 @@ impl Stage {
         let [a, b] = SUPERVISORS;
         let a = supervisor(a, program, control, logs, &broker, &database).await;
         let b = supervisor(b, program, control, logs, &broker, &database).await;
-        Self { broker, database, supervisors: [a, b], robot_links }
+        Self { broker, database, supervisors: [a, b], robot_links, robots: robots.to_vec() }
     }
 
     /// Restarts supervisors that have ended unexpectedly, and returns their number.
@@ -107,9 +111,11 @@ impl Stage {
 
 /// A broker with one user per robot.
 fn broker(robots: &[Name]) -> Mosquitto {
-    let acl = format!("{ACL}\nuser {REPLAY_USER}\ntopic readwrite whisker/v1/+/+/setpoint\n");
+    let acl = format!(
+        "{ACL}\nuser {REPLAY_USER}\ntopic readwrite whisker/v1/+/+/setpoint\nuser {FORGET_USER}\ntopic write whisker/v1/#\n"
+    );
     let builder = Mosquitto::builder().default_limits().acl(&acl);
-    let builder = [SUPERVISOR_USER, REPLAY_USER]
+    let builder = [SUPERVISOR_USER, REPLAY_USER, FORGET_USER]
         .into_iter()
         .fold(builder, |builder, user| builder.user(user, SUPERVISOR_PASSWORD));
     let of_robot = |robot: &Name| format!("{FLEET}/{robot}");

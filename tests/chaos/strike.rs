@@ -6,6 +6,7 @@ use nix::sys::signal::Signal;
 use tokio::time::sleep;
 use vibrissa_tests::proxy::Proxy;
 
+use crate::forget::forget;
 use crate::owner::{Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
 use crate::stage::{Stage, Supervisor};
@@ -29,7 +30,7 @@ pub struct Struck {
 pub struct Surprises {
     /// Number of supervisors that ended unexpectedly.
     pub ended: u64,
-    /// Number of supervisors that failed or did not end after SIGTERM.
+    /// Number of supervisors that failed or did not end after SIGTERM, and of brokers that forgot nothing.
     pub stuck: u64,
     /// Number of faults that found no owner in time.
     pub ownerless: u64,
@@ -85,7 +86,12 @@ impl<'a> Striker<'a> {
         match strike.fault {
             Fault::OwnerKilled => {
                 let hit = self.kill(owner);
-                sleep(lasts).await;
+                // Before the other supervisor may take the fleet over, so that only robots can tell it who they are.
+                if !forget(self.stage.broker.port(), &self.stage.robots).await {
+                    eprintln!("chaos: the broker did not forget its retained messages");
+                    self.surprises.stuck += 1;
+                }
+                sleep(lasts.saturating_sub(hit.elapsed())).await;
                 self.stage.supervisors[owner].process.restart();
                 Some(hit)
             }

@@ -11,7 +11,7 @@ use serde_json::error::Category;
 use crate::messages::Checked;
 use crate::{
     BootId, Connection, Contact, Contacts, Estimate, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal,
-    Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorState, TestState, Topic,
+    Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, Topic,
 };
 
 /// A message that satisfies the contract.
@@ -40,6 +40,8 @@ pub enum Message {
     Estimate(Estimate),
     /// From the supervisor: whether it owns the fleet.
     SupervisorState(SupervisorState),
+    /// From the supervisor: asks all robots of the fleet for something.
+    SupervisorRequest(SupervisorRequest),
 }
 
 /// Decodes and checks the payload received on a topic.
@@ -50,6 +52,7 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
     limited(payload)?;
     match topic {
         Topic::SupervisorState { .. } => read(payload).map(Message::SupervisorState),
+        Topic::SupervisorRequest { .. } => read(payload).map(Message::SupervisorRequest),
         Topic::Robot { kind, .. } => match kind {
             RobotTopic::Connection => read(payload).map(Message::Connection),
             RobotTopic::Factsheet => read(payload).map(Message::Factsheet),

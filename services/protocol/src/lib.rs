@@ -23,8 +23,8 @@ pub mod words;
 pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
 pub use messages::{
     ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
-    Request, Setpoint, SetpointState, Status, SupervisorState, TestState, TouchTest, WhiskerEstimate, WhiskerFacts,
-    WhiskerStatus,
+    Request, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,
+    WhiskerEstimate, WhiskerFacts, WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;
@@ -33,8 +33,8 @@ pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
     ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
-    SetpointOutcome, SetpointReason, SupervisorPresence, Task, TouchTestError, TouchTestKind, TouchTestOutcome,
-    TouchTestReason, WhiskerCondition,
+    SetpointOutcome, SetpointReason, SupervisorPresence, SupervisorRequestKind, Task, TouchTestError, TouchTestKind,
+    TouchTestOutcome, TouchTestReason, WhiskerCondition,
 };
 
 /// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers

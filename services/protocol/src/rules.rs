@@ -85,6 +85,8 @@ rules! {
         "The last will is retained.";
     BootIdNew = "boot-id-new", "connection", Every, Restarting,
         "Each start of the robot has a boot_id that was never used before.";
+    BirthOnRequest = "birth-on-request", "connection", Every, Talking,
+        "On a request for BIRTH to its fleet, the robot sends ONLINE and then its factsheet within 2 s, in the same boot.";
     Farewell = "farewell", "connection", Every, Not("no message makes a robot disconnect"),
         "Before a deliberate disconnect the robot publishes OFFLINE, retained.";
 
@@ -193,7 +195,7 @@ rules! {
     MalformedHarmless = "malformed-harmless", "all", Every, Talking,
         "An invalid message has no effect: the robot continues in the same boot.";
     OwnLevel = "own-level", "all", Every, Not("the broker's access list controls the permissions of its users"),
-        "A robot publishes and subscribes only below its own topic level.";
+        "A robot publishes only below its own topic level, and subscribes only there and to supervisor/request of its fleet.";
 }
 
 impl Rule {

@@ -1,11 +1,17 @@
-//! Topic levels: `whisker/v1/{fleet}/{robot}/{topic}` and `whisker/v1/{fleet}/supervisor/state`.
+//! Topic levels: `whisker/v1/{fleet}/{robot}/{topic}`, `whisker/v1/{fleet}/supervisor/state` and
+//! `whisker/v1/{fleet}/supervisor/request`.
 
 use std::fmt;
 
 use crate::{Name, Refusal};
 
 const ROOT: &str = "whisker/v1/";
-const EXPECTED: &str = "expected whisker/v1/{fleet}/{robot}/{topic} or whisker/v1/{fleet}/supervisor/state";
+const EXPECTED: &str =
+    "expected whisker/v1/{fleet}/{robot}/{topic} or whisker/v1/{fleet}/supervisor/state or .../supervisor/request";
+/// Last level of [`Topic::SupervisorState`].
+const STATE: &str = "state";
+/// Last level of [`Topic::SupervisorRequest`].
+const REQUEST: &str = "request";
 
 /// The two MQTT qualities of service that the contract uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -169,6 +175,11 @@ pub enum Topic {
         /// Name of the fleet.
         fleet: Name,
     },
+    /// The topic on which the supervisor asks all robots of the fleet for something.
+    SupervisorRequest {
+        /// Name of the fleet.
+        fleet: Name,
+    },
 }
 
 impl Topic {
@@ -186,7 +197,11 @@ impl Topic {
         };
         let fleet = Name::new(fleet).map_err(|source| Refusal::BadName { level: "fleet", source })?;
         if robot == Name::RESERVED {
-            return if last == "state" { Ok(Self::SupervisorState { fleet }) } else { Err(unknown()) };
+            return match last {
+                STATE => Ok(Self::SupervisorState { fleet }),
+                REQUEST => Ok(Self::SupervisorRequest { fleet }),
+                _ => Err(unknown()),
+            };
         }
         let robot = Name::robot(robot).map_err(|source| Refusal::BadName { level: "robot", source })?;
         let kind = RobotTopic::ALL.into_iter().find(|kind| kind.as_str() == last).ok_or_else(unknown)?;
@@ -197,7 +212,7 @@ impl Topic {
     #[must_use]
     pub fn fleet(&self) -> &Name {
         match self {
-            Self::Robot { fleet, .. } | Self::SupervisorState { fleet } => fleet,
+            Self::Robot { fleet, .. } | Self::SupervisorState { fleet } | Self::SupervisorRequest { fleet } => fleet,
         }
     }
 }
@@ -206,7 +221,8 @@ impl fmt::Display for Topic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Robot { fleet, robot, kind } => write!(f, "{ROOT}{fleet}/{robot}/{kind}"),
-            Self::SupervisorState { fleet } => write!(f, "{ROOT}{fleet}/{}/state", Name::RESERVED),
+            Self::SupervisorState { fleet } => write!(f, "{ROOT}{fleet}/{}/{STATE}", Name::RESERVED),
+            Self::SupervisorRequest { fleet } => write!(f, "{ROOT}{fleet}/{}/{REQUEST}", Name::RESERVED),
         }
     }
 }
@@ -223,8 +239,12 @@ mod tests {
             assert_eq!(topic.to_string(), format!("whisker/v1/f1/r-1/{kind}"));
             assert_eq!(Topic::parse(&topic.to_string()), Ok(topic));
         }
-        let state = Topic::SupervisorState { fleet };
-        assert_eq!(Topic::parse("whisker/v1/f1/supervisor/state"), Ok(state));
+        let (state, request) = (Topic::SupervisorState { fleet: fleet.clone() }, Topic::SupervisorRequest { fleet });
+        for (topic, text) in [(state, "whisker/v1/f1/supervisor/state"), (request, "whisker/v1/f1/supervisor/request")]
+        {
+            assert_eq!(topic.to_string(), text);
+            assert_eq!(Topic::parse(text), Ok(topic));
+        }
     }
 
     #[test]
@@ -240,7 +260,9 @@ mod tests {
             let topic = kind.probe_topic(&fleet);
             assert_eq!(topic, kind.fleet_filter(&fleet).replace('+', "supervisor"));
             assert_eq!(RobotTopic::probed_on(&topic), Some(kind).filter(|kind| kind.is_from_robot()));
-            assert!(Topic::parse(&topic).is_err(), "{topic}");
+            let is_request_to_all = Topic::parse(&topic) == Ok(Topic::SupervisorRequest { fleet: fleet.clone() });
+            assert_eq!(is_request_to_all, kind == RobotTopic::Request, "{topic}");
+            assert!(is_request_to_all || Topic::parse(&topic).is_err(), "{topic}");
         }
         for other in ["whisker/v1/f1/r/contacts", "whisker/v1/f1/supervisor/state", "whisker/v1/supervisor/contacts"] {
             assert_eq!(RobotTopic::probed_on(other), None, "{other}");

@@ -198,6 +198,13 @@ words!(
     }
 );
 words!(
+    /// Messages that all robots of a fleet shall send.
+    SupervisorRequestKind {
+        /// `connection` with `ONLINE` and then `factsheet`, in the present boot, within 2 s at a random time.
+        Birth = "BIRTH",
+    }
+);
+words!(
     /// Place of a contact on the whisker, as far as a robot can know it.
     PlaceKind {
         /// Contact distance / present length.

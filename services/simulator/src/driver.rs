@@ -6,8 +6,8 @@
 use std::time::Duration;
 
 use rumqttc::{
-    AsyncClient, Event, EventLoop, LastWill, MqttOptions, NetworkOptions, Packet, PublishOptions, QoS,
-    SubscribeFilterInput, Transport,
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, NetworkOptions, Packet,
+    PublishOptions, QoS, SubscribeFilterInput, Transport,
 };
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
@@ -33,12 +33,16 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Report of the polling task.
 enum Report {
-    /// The broker has accepted the connection.
-    Connected,
+    /// The broker has accepted the connection; `retains` is whether it retains messages.
+    Connected { retains: bool },
+    /// The broker has refused the connection, because it retains no messages and the will asked for it.
+    RetainRefused,
     /// The broker has confirmed the subscriptions.
     Subscribed,
-    /// A message has arrived.
+    /// A message to the robot has arrived.
     Received(RobotTopic, Vec<u8>),
+    /// A message to all robots of the fleet has arrived, on `supervisor/request`.
+    ReceivedByAll(Vec<u8>),
     /// The connection has ended, for this reason.
     Gone(String),
 }
@@ -89,6 +93,8 @@ struct Driver {
     reconnect_pause: Duration,
     wake_at: Instant,
     fault: Option<Misbehaviour>,
+    /// Whether the broker retains messages, as far as it has said.
+    retains: bool,
 }
 
 impl Driver {
@@ -105,6 +111,7 @@ impl Driver {
             reconnect_pause: RECONNECT_START,
             wake_at: now,
             fault,
+            retains: true,
         }
     }
 
@@ -127,7 +134,7 @@ impl Driver {
 
     fn connect(&mut self) {
         let will = self.robot.with(|robot| robot.will(now_us()));
-        let is_will_retained = self.fault != Some(Misbehaviour::WillNotRetained);
+        let is_will_retained = self.retains && self.fault != Some(Misbehaviour::WillNotRetained);
         let topic = self.topic(RobotTopic::Connection);
         // The client id is the robot's topic prefix in the contract: a second robot of that name takes over the
         // session.
@@ -160,7 +167,14 @@ impl Driver {
 
     async fn take(&mut self, report: Report) {
         match report {
-            Report::Connected => self.subscribe().await,
+            Report::Connected { retains } => {
+                self.retains = retains;
+                self.subscribe().await;
+            }
+            Report::RetainRefused => {
+                self.retains = false;
+                self.lose("the broker retains no messages");
+            }
             Report::Subscribed => {
                 self.reconnect_pause = RECONNECT_START;
                 let outgoing = self.robot.with(|robot| robot.connected(now_us()));
@@ -173,13 +187,24 @@ impl Driver {
                 // A receipt may have made the next window due immediately.
                 self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
             }
+            Report::ReceivedByAll(payload) => {
+                self.robot.with(|robot| robot.receive_request_to_all(&payload, now_us()));
+                self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
+            }
             Report::Gone(reason) => self.lose(&reason),
         }
+    }
+
+    fn publish_options(&self, kind: RobotTopic) -> PublishOptions {
+        publish_options(kind, self.fault, self.retains)
     }
 
     async fn subscribe(&mut self) {
         let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
             .map(|kind| SubscribeFilterInput::new(self.topic(kind), qos(kind)));
+        // A broker with an older access list may refuse the last one; the robot works without it.
+        let to_all = Topic::SupervisorRequest { fleet: self.fleet.clone() }.to_string();
+        let filters = filters.into_iter().chain([SubscribeFilterInput::new(to_all, QoS::AtLeastOnce)]);
         if let Some(connection) = &self.connection
             && let Err(error) = connection.client.subscribe_many(filters).await
         {
@@ -200,8 +225,7 @@ impl Driver {
                     return;
                 }
                 Outgoing::Publish { topic, payload } => {
-                    let publish =
-                        connection.client.publish(self.topic(topic), payload, publish_options(topic, self.fault));
+                    let publish = connection.client.publish(self.topic(topic), payload, self.publish_options(topic));
                     timeout(PUBLISH_TIMEOUT, publish).await
                 }
             };
@@ -231,13 +255,14 @@ impl Driver {
             return;
         };
         let topic = self.topic(RobotTopic::Connection);
+        let (fault, retains) = (self.fault, self.retains);
+        let options = |kind| publish_options(kind, fault, retains);
         let end = async {
             for item in outgoing {
                 let Outgoing::Publish { topic: kind, payload } = item else {
                     continue;
                 };
-                let publish =
-                    connection.client.publish_tracked(topic.clone(), payload, publish_options(kind, self.fault));
+                let publish = connection.client.publish_tracked(topic.clone(), payload, options(kind));
                 // A disconnect may overtake queued messages, so wait for the broker's acknowledgement of the
                 // farewell.
                 if let Ok(notice) = publish.await
@@ -264,7 +289,8 @@ fn qos(kind: RobotTopic) -> QoS {
     }
 }
 
-fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>) -> PublishOptions {
+/// Without the retain flag if the broker retains no messages: it would end the connection (MQTT 5, 3.2.2.3.5).
+fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>, retains: bool) -> PublishOptions {
     let (quality, is_retained) = match (fault, kind) {
         (Some(Misbehaviour::BirthNotRetained), RobotTopic::Connection)
         | (Some(Misbehaviour::FactsheetNotRetained), RobotTopic::Factsheet) => (qos(kind), false),
@@ -272,7 +298,7 @@ fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>) -> PublishOpti
         (Some(Misbehaviour::AnswersAtMostOnce), RobotTopic::SetpointState) => (QoS::AtMostOnce, false),
         (Some(_) | None, _) => (qos(kind), kind.is_retained()),
     };
-    PublishOptions::new(quality).retain(is_retained)
+    PublishOptions::new(quality).retain(is_retained && retains)
 }
 
 /// Polls the connection until it ends.
@@ -281,10 +307,13 @@ async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>)
         let report = match event_loop.poll().await {
             Ok(Event::Incoming(packet)) => report_of(packet),
             Ok(Event::Outgoing(_) | Event::Auth(_)) => None,
+            Err(ConnectionError::ConnectionRefused(ConnectReturnCode::RetainNotSupported)) => {
+                Some(Report::RetainRefused)
+            }
             Err(error) => Some(Report::Gone(error.to_string())),
         };
         let Some(report) = report else { continue };
-        let ends = matches!(report, Report::Gone(_));
+        let ends = matches!(report, Report::Gone(_) | Report::RetainRefused);
         // Without a receiver, the driver has dropped the connection.
         if reports.send(report).is_err() || ends {
             return;
@@ -296,10 +325,14 @@ async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>)
 #[expect(clippy::wildcard_enum_match_arm, reason = "the other packets of the library do not matter to a robot")]
 fn report_of(packet: Packet) -> Option<Report> {
     match packet {
-        Packet::ConnAck(_) => Some(Report::Connected),
+        Packet::ConnAck(ack) => {
+            let retain_available = ack.properties.and_then(|properties| properties.retain_available);
+            Some(Report::Connected { retains: retain_available != Some(0) })
+        }
         Packet::SubAck(_) => Some(Report::Subscribed),
         Packet::Publish(publish) => match Topic::parse(std::str::from_utf8(&publish.topic).ok()?) {
             Ok(Topic::Robot { kind, .. }) => Some(Report::Received(kind, publish.payload.to_vec())),
+            Ok(Topic::SupervisorRequest { .. }) => Some(Report::ReceivedByAll(publish.payload.to_vec())),
             Ok(Topic::SupervisorState { .. }) | Err(_) => None,
         },
         _ => None,

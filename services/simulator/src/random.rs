@@ -22,6 +22,8 @@ pub(crate) enum Purpose {
     Link,
     /// Noise of touches on request.
     Test,
+    /// Delays of answers to requests for births.
+    Birth,
 }
 
 /// Independent stream for a seed, robot, array, whisker and purpose.

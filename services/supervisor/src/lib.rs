@@ -16,6 +16,7 @@ mod sharing;
 mod thread;
 mod upkeep;
 
+pub mod births;
 pub mod broker;
 pub mod inbox;
 pub mod mqtt;

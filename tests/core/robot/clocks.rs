@@ -83,6 +83,27 @@ fn a_clock_that_is_years_behind_is_followed_and_may_go_back_with_a_new_boot() {
 }
 
 #[test]
+fn a_clock_that_is_years_ahead_is_followed_from_the_third_message_on() {
+    let mut one = ByHand::born(70.0);
+    let contacts = |one: &ByHand| one.robot.whisker(0).unwrap().contacts;
+    for message in 0..10 {
+        one.passes_s(1.0);
+        one.status(YEAR_US);
+        assert_eq!(one.touched(&[(PLAIN, YEAR_US)]), Outcome::Taken);
+        assert_eq!(contacts(&one), message, "the first contact is refused: one message may be wrong");
+    }
+    assert_eq!(one.bad_times(), 1);
+    assert_eq!(left_us(&mut one, YEAR_US), VALID_FOR_US as i64);
+    // A new boot may set it right, which is back by a year.
+    one.boots("b2", 70.0);
+    for _ in 0..3 {
+        one.passes_s(1.0);
+        assert_eq!(one.status(0), Outcome::Taken);
+    }
+    assert_eq!(left_us(&mut one, 0), VALID_FOR_US as i64);
+}
+
+#[test]
 fn a_setpoint_is_not_sent_again_beyond_its_time_to_live() {
     let mut one = ByHand::born(70.0);
     one.status(0);

@@ -9,8 +9,8 @@ use crate::link::PASSWORD;
 const CONFIGURATION: &str = include_str!("../../../deploy/mosquitto/mosquitto.conf");
 const ACL: &str = include_str!("../../../deploy/mosquitto/acl");
 
-/// Topics that a robot must not read, and as the last one its own `setpoint`.
-const CURIOUS: [&str; 9] = [
+/// Topics that a robot must not read, and as the last ones the requests to all robots and its own `setpoint`.
+const CURIOUS: [&str; 10] = [
     "#",
     "+/+/+/+/+",
     "whisker/v1/#",
@@ -19,6 +19,7 @@ const CURIOUS: [&str; 9] = [
     "whisker/v1/+/+/contacts",
     "whisker/v1/lab/two/setpoint",
     "whisker/v1/lab/supervisor/state",
+    "whisker/v1/lab/supervisor/request",
     "whisker/v1/lab/one/setpoint",
 ];
 
@@ -51,6 +52,8 @@ async fn a_robot_writes_its_own_level_in_the_contracts_direction_and_nothing_els
     }
     for forbidden in [
         "whisker/v1/lab/supervisor/state",
+        "whisker/v1/lab/supervisor/request",
+        "whisker/v1/yard/supervisor/request",
         "whisker/v1/lab/supervisor/contacts",
         "whisker/v1/yard/supervisor/state",
         "whisker/v1/lab/supervisor/contacts/more",
@@ -84,13 +87,16 @@ async fn a_robot_hears_what_is_meant_for_it_and_nothing_else() {
     }
     assert!(other.publish("whisker/v1/lab/two/contacts", false).await);
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", true).await);
+    assert!(supervisor.publish("whisker/v1/lab/supervisor/request", false).await);
     for kind in [RobotTopic::Estimate, RobotTopic::Receipt, RobotTopic::Request, RobotTopic::Setpoint] {
         assert!(supervisor.publish(&topic("lab/one", kind), false).await);
     }
     let mut heard = robot.heard_until("whisker/v1/lab/one/setpoint").await;
     heard.sort();
     heard.dedup();
-    let own = ["estimate", "receipt", "request", "setpoint"].map(|kind| format!("whisker/v1/lab/one/{kind}"));
+    let mut own =
+        ["estimate", "receipt", "request", "setpoint"].map(|kind| format!("whisker/v1/lab/one/{kind}")).to_vec();
+    own.push("whisker/v1/lab/supervisor/request".to_owned());
     assert_eq!(heard, own);
 }
 
@@ -104,6 +110,7 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
         assert_eq!(supervisor.publish(&topic("lab/one", kind), false).await, !kind.is_from_robot(), "{kind}");
     }
     assert!(supervisor.publish("whisker/v1/lab/supervisor/state", false).await);
+    assert!(supervisor.publish("whisker/v1/lab/supervisor/request", false).await);
     for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot()) {
         // The supervisor's probes. `listener` receives them, too; they are removed below.
         assert!(supervisor.publish(&topic("lab/supervisor", kind), false).await, "a probe of {kind}");
@@ -121,8 +128,8 @@ async fn the_supervisor_hears_robots_and_answers_them_and_nothing_else() {
     heard.sort();
     robots.sort_by_key(|kind| kind.as_str());
     let mut expected: Vec<_> = robots.into_iter().map(|kind| topic("lab/one", kind)).collect();
-    // The supervisor must receive messages in its own name, to correct them.
-    expected.push("whisker/v1/lab/supervisor/state".to_owned());
+    // The supervisor must receive messages in its own name, to correct them. Every user may read requests to all robots.
+    expected.extend(["state", "request"].map(|last| format!("whisker/v1/lab/supervisor/{last}")));
     expected.sort();
     assert_eq!(heard, expected);
 }

@@ -6,17 +6,22 @@ use tokio::sync::Semaphore;
 use tokio::task::{JoinSet, LocalSet};
 use vibrissa::check::{Outcome, Report};
 use vibrissa_protocol::{Rule, SupervisorPresence};
+use vibrissa_simulator::Broker;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_tests::mosquitto::Mosquitto;
 
-use super::{checked, robot, supervisor};
+use super::{checked, robot_of, supervisor_of};
 
 /// Number of robots that are checked at the same time.
 const AT_A_TIME: usize = 48;
 
 async fn report(broker: &Mosquitto, fault: Option<Misbehaviour>) -> Report {
     let name = fault.map_or("honest", Misbehaviour::as_str);
-    let (fleet, robot) = robot(broker, name, fault).await;
+    // A fleet for each: a request for births reaches all robots of a fleet, and their answers would hide faults.
+    let own = format!("fleet-{name}");
+    supervisor_of(&own, broker, SupervisorPresence::Offline).await;
+    let address = Broker::new("127.0.0.1", broker.port());
+    let (fleet, robot) = robot_of(&address, &own, name, fault).await;
     let report = checked(broker, &robot).await;
     fleet.stop().await;
     report
@@ -46,7 +51,6 @@ async fn the_simulator_passes_and_each_planted_fault_fails_its_rule_alone() {
 
 async fn complaints() -> Vec<String> {
     let broker = Rc::new(Mosquitto::start());
-    supervisor(&broker, SupervisorPresence::Offline).await;
     let places = Rc::new(Semaphore::new(AT_A_TIME));
     let mut checks = JoinSet::new();
     let faults = Misbehaviour::ALL.iter().copied().filter(|fault| fault.rule().is_some());

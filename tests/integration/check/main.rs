@@ -47,8 +47,12 @@ fn timings() -> Timings {
 }
 
 fn options(robot: &str) -> CheckOptions {
+    options_in(FLEET, robot)
+}
+
+fn options_in(fleet: &str, robot: &str) -> CheckOptions {
     CheckOptions {
-        fleet: Name::new(FLEET).unwrap(),
+        fleet: Name::new(fleet).unwrap(),
         robot: Name::robot(robot).unwrap(),
         whisker: None,
         epoch: None,
@@ -58,11 +62,15 @@ fn options(robot: &str) -> CheckOptions {
 }
 
 fn connection(broker: &Mosquitto, name: &str) -> Connection {
+    connection_in(FLEET, broker, name)
+}
+
+fn connection_in(fleet: &str, broker: &Mosquitto, name: &str) -> Connection {
     let address = BrokerAddress::new("127.0.0.1", broker.port());
     Connection {
         prepared: prepare(&address).unwrap(),
         broker: address,
-        fleet: Name::new(FLEET).unwrap(),
+        fleet: Name::new(fleet).unwrap(),
         boot_id: BootId::new(&format!("check-{name}")).unwrap(),
         epoch: 0,
         link: LinkState::default(),
@@ -71,14 +79,14 @@ fn connection(broker: &Mosquitto, name: &str) -> Connection {
 
 /// Starts a robot of that name with continuous contacts, and waits until it is connected.
 async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
-    robot_of(&Broker::new("127.0.0.1", broker.port()), name, fault).await
+    robot_of(&Broker::new("127.0.0.1", broker.port()), FLEET, name, fault).await
 }
 
 /// The same with a broker that may require credentials.
-async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
+async fn robot_of(broker: &Broker, fleet: &str, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
     let text = format!(
         r#"
-        fleet = "{FLEET}"
+        fleet = "{fleet}"
         seed = 1
         [behaviour]
         contacts_per_second = 4.0
@@ -103,22 +111,27 @@ async fn robot_of(broker: &Broker, name: &str, fault: Option<Misbehaviour>) -> (
 
 /// Publishes the retained state of a supervisor.
 async fn supervisor(broker: &Mosquitto, state: SupervisorPresence) {
-    let observer = Observer::subscribed(broker.port(), &format!("supervisor-{state}"), &[]).await;
-    let topic = Topic::SupervisorState { fleet: Name::new(FLEET).unwrap() };
+    supervisor_of(FLEET, broker, state).await;
+}
+
+async fn supervisor_of(fleet: &str, broker: &Mosquitto, state: SupervisorPresence) {
+    let observer = Observer::subscribed(broker.port(), &format!("{fleet}-supervisor-{state}"), &[]).await;
+    let topic = Topic::SupervisorState { fleet: Name::new(fleet).unwrap() };
     let told = SupervisorState { boot_id: BootId::new("s1").unwrap(), seq: 0, state, epoch: EPOCH };
     observer.publish(&topic.to_string(), encode(&told), true).await;
 }
 
 /// Checks a robot and restarts it when the check requests that.
 async fn checked(broker: &Mosquitto, robot: &RobotHandle) -> Report {
-    let name = robot.name().as_str();
+    let (fleet, name) = (robot.with(|robot| robot.fleet().clone()), robot.name().as_str());
     let mut progress = |progress| {
         if matches!(progress, Progress::RestartNow(_)) {
             robot.with(vibrissa_simulator::Robot::restart_soon);
         }
     };
     let never = std::future::pending();
-    check(&connection(broker, name), options(name), &mut progress, never).await.unwrap()
+    let (connection, options) = (connection_in(fleet.as_str(), broker, name), options_in(fleet.as_str(), name));
+    check(&connection, options, &mut progress, never).await.unwrap()
 }
 
 /// Topic of a robot.

@@ -28,6 +28,13 @@ async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_broker_that_retains_nothing_is_told_so() {
+    let broker = Mosquitto::builder().line("retain_available false").start();
+    let why = refusal(&broker).await;
+    assert!(why.contains("retains no messages"), "{why}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_robot_that_is_not_there_is_told_so() {
     let broker = Mosquitto::start();
     let why = refusal(&broker).await;

@@ -42,8 +42,8 @@ fn robots_broker(broker: &Mosquitto) -> Broker {
 async fn the_exit_code_says_whether_a_rule_was_broken() {
     let (broker, password) = guarded(include_str!("../../../deploy/mosquitto/acl"));
     let robots = robots_broker(&broker);
-    let (good, _) = robot_of(&robots, "good", None).await;
-    let (bad, _) = robot_of(&robots, "bad", Some(Misbehaviour::StatusRetained)).await;
+    let (good, _) = robot_of(&robots, FLEET, "good", None).await;
+    let (bad, _) = robot_of(&robots, FLEET, "bad", Some(Misbehaviour::StatusRetained)).await;
     let (passed, failed) =
         tokio::join!(run(&broker, "good", &password, &["--json"]), run(&broker, "bad", &password, &[]));
 
@@ -75,7 +75,7 @@ async fn a_broker_that_does_not_let_it_write_is_named() {
     let acl = "user vibrissa\ntopic read whisker/v1/#\npattern readwrite whisker/v1/%u/#\n";
     let (broker, password) = guarded(acl);
     // Without a factsheet the check's first message is a request for one.
-    let (robot, _) = robot_of(&robots_broker(&broker), "r", Some(Misbehaviour::NoFactsheetAtBirth)).await;
+    let (robot, _) = robot_of(&robots_broker(&broker), FLEET, "r", Some(Misbehaviour::NoFactsheetAtBirth)).await;
     let done = run(&broker, "r", &password, &[]).await;
     let told = String::from_utf8(done.stderr).unwrap();
     assert_eq!(done.status.code(), Some(1), "{told}");

@@ -127,7 +127,8 @@ impl<'a> Subject<'a> {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
-            | Message::SupervisorState(_) => {
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => {
                 unreachable!("robots do not say this")
             }
         }

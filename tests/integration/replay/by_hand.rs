@@ -97,6 +97,68 @@ fn what_the_service_refuses_is_told_by_its_label() {
     assert_eq!((&refused[0]["robot"], &refused[1]["robot"]), (&json!("r"), &Value::Null));
 }
 
+/// Contacts of a boot, with the numbers 0 and 1.
+fn contacts(at_us: u64, boot_id: &str) -> Vec<String> {
+    let contact = |at_us: u64| {
+        json!({ "array": "left", "whisker": 0, "t_us": START_US + at_us, "ratio": 0.85, "deflection_mm": 2.4,
+            "strain": 0.0117, "pressure_mpa": 0.1, "temperature_c": 24.0 })
+    };
+    let message = |seq: u64| {
+        let at_us = at_us + seq;
+        line(at_us, "contacts", &json!({ "boot_id": boot_id, "seq": seq, "contacts": [contact(at_us)] }))
+    };
+    vec![message(0), message(1)]
+}
+
+/// Brokers send retained messages in any order.
+#[test]
+fn regress_a_factsheet_may_come_before_the_birth_of_its_boot() {
+    let [connection, factsheet] = birth(0).try_into().unwrap();
+    let renewed = |line: &str| line.replace(r#""boot_id":"b""#, r#""boot_id":"c""#);
+    let second = [renewed(&factsheet), renewed(&connection)].to_vec();
+    let in_order = [vec![connection.clone(), factsheet.clone()], contacts(10, "b")].concat();
+    let reversed = [vec![factsheet, connection], contacts(10, "b"), second, contacts(20, "c")].concat();
+    for (lines, expected) in [(in_order, 2), (reversed, 4)] {
+        let (_folder, path) = file(&lines);
+        let output = run(&["replay", path.to_str().unwrap()]);
+        let told = String::from_utf8(output.stdout.clone()).unwrap();
+        assert_eq!(effects(&told, "CONTACT").len(), expected, "{told}");
+        assert!(!errors(&output).contains("refused"), "{}", errors(&output));
+    }
+}
+
+#[test]
+fn what_was_refused_is_told_at_the_end_by_robot_with_one_policy_and_with_two() {
+    let request = json!({ "boot_id": "s", "seq": 0, "epoch": 1, "timestamp": "2026-11-21T08:00:00.000Z",
+        "request": "BIRTH" });
+    let to_all = json!({ "received_us": START_US, "topic": "whisker/v1/f/supervisor/request", "payload": request });
+    let of_stranger = |line: String| line.replace("/f/r/", "/f/stranger/");
+    let lines = [
+        vec![to_all.to_string()],
+        birth(0),
+        contacts(10, "never announced"),
+        contacts(20, "b"),
+        contacts(30, "b").into_iter().take(1).collect(),
+        contacts(40, "b").into_iter().map(of_stranger).collect(),
+        vec![line(50, "contacts", &json!({ "boot_id": "b", "seq": 2, "contacts": [] }))],
+    ]
+    .concat();
+    let (folder, path) = file(&lines);
+    let other = folder.path().join("other.toml");
+    std::fs::write(&other, "[policy]\nobjective = \"mean\"\n").unwrap();
+    for more in [&[][..], &["--policy", other.to_str().unwrap()]] {
+        let output = run(&[&["replay", path.to_str().unwrap()], more].concat());
+        assert!(output.status.success(), "{output:?}");
+        let told = errors(&output);
+        let refused: Vec<&str> = told.lines().filter(|line| line.contains("refused")).collect();
+        let expected = [
+            "vibrissa: refused of f/r: 3 (duplicate 1, unknown_boot 2)",
+            "vibrissa: refused of f/stranger: 2 (unknown_robot 2)",
+        ];
+        assert_eq!(refused, expected, "the request to all robots is no input");
+    }
+}
+
 #[test]
 fn time_passes_between_messages_and_a_long_silence_takes_no_time() {
     let hours = 1_000 * 3_600_000_000;

@@ -17,6 +17,7 @@ mod api;
 mod bad_input;
 mod config;
 mod estimates;
+mod forgetful;
 mod http;
 mod metrics;
 mod quickstart;

@@ -51,8 +51,8 @@ impl Document {
                 security_schemes: json!({
                     "password": {
                         "type": "userPassword",
-                        "description": "If the broker has users: a robot's user is FLEET/ROBOT, and may publish and \
-                                        subscribe below its own level only.",
+                        "description": "If the broker has users: a robot's user is FLEET/ROBOT. It may publish below \
+                                        its own level only, and subscribe there and to supervisor/request.",
                     }
                 }),
                 schemas: components(),
@@ -76,8 +76,11 @@ fn info() -> Value {
          the messages concerned.\n\n\
          Level `{}` of a fleet belongs to the supervisor. Every few seconds it publishes a probe there for each topic \
          that robots send, such as `whisker/v1/lab/supervisor/contacts`, and expects to receive it through its own \
-         subscriptions. The broker must let the supervisor publish there, and no robot.",
+         subscriptions. The broker must let the supervisor publish there, and no robot. Robots read `{}/request` there.\n\n\
+         **Retained messages are a convenience.** A broker may forget all of them, or refuse to retain any (MQTT 5, Retain \
+         Available = 0; then clients publish without the retain flag). Requests for births replace them.",
         beyond.join("\n"),
+        Name::RESERVED,
         Name::RESERVED
     );
     json!({

@@ -11,11 +11,13 @@ pub enum Channel {
     Robot(RobotTopic),
     /// The topic that states whether a supervisor owns the fleet.
     SupervisorState,
+    /// The topic on which the supervisor asks all robots of the fleet for something.
+    SupervisorRequest,
 }
 
 impl Channel {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Robot(RobotTopic::Connection),
         Self::Robot(RobotTopic::Factsheet),
         Self::Robot(RobotTopic::Contacts),
@@ -27,6 +29,7 @@ impl Channel {
         Self::Robot(RobotTopic::TestState),
         Self::Robot(RobotTopic::Estimate),
         Self::SupervisorState,
+        Self::SupervisorRequest,
     ];
 
     /// Name of the topic in documents, such as `contacts`.
@@ -35,6 +38,7 @@ impl Channel {
         match self {
             Self::Robot(topic) => topic.as_str(),
             Self::SupervisorState => "supervisor_state",
+            Self::SupervisorRequest => "supervisor_request",
         }
     }
 
@@ -44,6 +48,7 @@ impl Channel {
         match self {
             Self::Robot(topic) => format!("whisker/v1/{{fleet}}/{{robot}}/{topic}"),
             Self::SupervisorState => "whisker/v1/{fleet}/supervisor/state".to_owned(),
+            Self::SupervisorRequest => "whisker/v1/{fleet}/supervisor/request".to_owned(),
         }
     }
 
@@ -52,7 +57,7 @@ impl Channel {
     pub const fn is_from_robot(self) -> bool {
         match self {
             Self::Robot(topic) => topic.is_from_robot(),
-            Self::SupervisorState => false,
+            Self::SupervisorState | Self::SupervisorRequest => false,
         }
     }
 
@@ -64,7 +69,7 @@ impl Channel {
                 QualityOfService::AtMostOnce => 0,
                 QualityOfService::AtLeastOnce => 1,
             },
-            Self::SupervisorState => 1,
+            Self::SupervisorState | Self::SupervisorRequest => 1,
         }
     }
 
@@ -74,6 +79,7 @@ impl Channel {
         match self {
             Self::Robot(topic) => topic.is_retained(),
             Self::SupervisorState => true,
+            Self::SupervisorRequest => false,
         }
     }
 
@@ -82,11 +88,12 @@ impl Channel {
     pub const fn purpose(self) -> &'static str {
         match self {
             Self::Robot(RobotTopic::Connection) => {
-                "Retained. ONLINE at each connection, OFFLINE before a deliberate disconnect, and CONNECTION_BROKEN as \
+                "Retained. ONLINE at each connection and on a request for BIRTH, OFFLINE before a deliberate disconnect, and CONNECTION_BROKEN as \
                  the last will, with the boot_id of the same connection."
             }
             Self::Robot(RobotTopic::Factsheet) => {
-                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, and again on request."
+                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, and again on request. A \
+                 robot whose broker has no retained messages (Retain Available is 0) publishes without the retain flag."
             }
             Self::Robot(RobotTopic::Contacts) => {
                 "Contacts in batches. The robot stores each message, up to a limit, until a receipt covers its seq, \
@@ -124,8 +131,16 @@ impl Channel {
                  evidence of them, so it sends distances instead of ratios."
             }
             Self::SupervisorState => {
-                "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. For tools: robots \
-                 do not need it, and the shipped access lists do not let them read it."
+                "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. ONLINE is published \
+                 at each connection and repeated every 5 s, because brokers forget. For tools: robots do not need it, \
+                 and the shipped access lists do not let them read it."
+            }
+            Self::SupervisorRequest => {
+                "Asks all robots of the fleet for BIRTH: each sends connection with ONLINE, then factsheet, in its present \
+                 boot, at a random time within 2 s. So a supervisor knows its robots although the broker has forgotten \
+                 their retained messages. Sent when a supervisor takes the fleet over, after each of its connections, and \
+                 when it misses a birth; at most 10 times a minute. Never retained. Only supervisors may publish here. A \
+                 robot that does not know this topic works with brokers that retain messages."
             }
         }
     }
@@ -157,6 +172,7 @@ impl Channel {
             }
             Self::Robot(RobotTopic::Estimate) => &[("trimmed_and_compensated", examples::ESTIMATE)],
             Self::SupervisorState => &[("online", examples::SUPERVISOR_STATE)],
+            Self::SupervisorRequest => &[("birth", examples::SUPERVISOR_REQUEST)],
         }
     }
 }

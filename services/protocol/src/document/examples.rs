@@ -27,6 +27,9 @@ pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 pub const ESTIMATE: &str = r#"{"boot_id":"s3","seq":4,"epoch":1795248000000,"version":5,"timestamp":"2026-11-21T08:00:09.000Z","whiskers":[{"array":"left","whisker":0,"length_mm":62.1,"length_low_mm":61.82,"length_high_mm":62.38,"condition":"TRIMMED","pressure_mpa":0.048,"gain":[[0.45,1.02],[1.0,0.99]]},{"array":"left","whisker":1,"length_mm":65.0,"length_low_mm":64.8,"length_high_mm":65.2,"condition":"HEALTHY","pressure_mpa":0.1,"gain":[]}]}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;
+/// Asks every robot of the fleet for its birth and factsheet.
+pub const SUPERVISOR_REQUEST: &str =
+    r#"{"boot_id":"s3","seq":0,"epoch":1795248000000,"timestamp":"2026-11-21T08:00:00.000Z","request":"BIRTH"}"#;
 /// Asks for touches near the tip of a whisker that feels nothing there any more.
 pub const REQUEST_TOUCH_TEST: &str = r#"{"boot_id":"s3","seq":3,"request":"TOUCH_TEST","touch_test":{"test_id":"0198c5d2-9b3c-7e21-a4f0-6b7c8d9e0f12","epoch":1795248000000,"version":58,"robot_boot_id":"b7","array":"left","whisker":0,"kind":"WALL","distances_mm":[58.0,62.0,66.0,70.0],"deflections_mm":[1.0,2.0],"contacts":8,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SUSPICION"}}"#;
 /// Two touches of the test: one came, one did not.

@@ -12,7 +12,7 @@ use super::Channel;
 use crate::messages::{
     Connection, Contacts, Estimate, Factsheet, Receipt, Request, Setpoint, SetpointState, Status, TestState,
 };
-use crate::{RobotTopic, SupervisorState, schema};
+use crate::{RobotTopic, SupervisorRequest, SupervisorState, schema};
 
 /// The JSON Schema 2020-12 of a channel's message, with examples.
 #[must_use]
@@ -42,6 +42,7 @@ fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
         Channel::Robot(RobotTopic::TestState) => generator.into_root_schema_for::<TestState>(),
         Channel::Robot(RobotTopic::Estimate) => generator.into_root_schema_for::<Estimate>(),
         Channel::SupervisorState => generator.into_root_schema_for::<SupervisorState>(),
+        Channel::SupervisorRequest => generator.into_root_schema_for::<SupervisorRequest>(),
     }
 }
 

@@ -25,7 +25,7 @@ pub use receipt::Receipt;
 pub use request::Request;
 pub use setpoint::{Setpoint, SetpointState};
 pub use status::{Status, WhiskerStatus};
-pub use supervisor::SupervisorState;
+pub use supervisor::{SupervisorRequest, SupervisorState};
 pub use touch_test::{TestState, TouchTest};
 
 use crate::Refusal;

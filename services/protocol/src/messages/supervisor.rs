@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::{BootId, Refusal, SupervisorPresence, check};
+use crate::{BootId, Refusal, SupervisorPresence, SupervisorRequestKind, Timestamp, check};
 
 /// `whisker/v1/{fleet}/supervisor/state`: states whether a supervisor owns the fleet, and its epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,6 +21,31 @@ pub struct SupervisorState {
 }
 
 impl Checked for SupervisorState {
+    fn check(&self) -> Result<(), Refusal> {
+        check::integer("seq", self.seq)?;
+        check::integer("epoch", self.epoch)
+    }
+}
+
+/// `whisker/v1/{fleet}/supervisor/request`: the supervisor asks all robots of the fleet for something.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+pub struct SupervisorRequest {
+    /// Boot id of the supervisor.
+    pub boot_id: BootId,
+    /// Sequence number, from 0 in each boot.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub seq: u64,
+    /// Epoch of the supervisor, as in `supervisor/state`.
+    #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    pub epoch: u64,
+    /// Time at which the message was written, by the supervisor's clock.
+    pub timestamp: Timestamp,
+    /// The messages that every robot of the fleet shall send.
+    pub request: SupervisorRequestKind,
+}
+
+impl Checked for SupervisorRequest {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("seq", self.seq)?;
         check::integer("epoch", self.epoch)

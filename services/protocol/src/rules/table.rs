@@ -16,8 +16,8 @@ robot off and on again (`--restart`).
 
 The contract defines no times for the following, so the check is patient: 5 s for an answer to a request and for the
 first answer to a setpoint, 30 s for the final state of a setpoint, 60 s until a contacts message is sent again, and 1 s
-in which a message may still arrive although a receipt covers it. A pressure counts as reached within 0.005 MPa of its
-setpoint, and may be as far ahead of its ramp.
+in which a message may still arrive although a receipt covers it. It waits 7 s for the answer to a request for births. A
+pressure counts as reached within 0.005 MPa of its setpoint, and may be as far ahead of its ramp.
 
 | rule | topic | applies to | tested | requirement |
 | --- | --- | --- | --- | --- |

@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic};
+use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic, Topic};
 
 use super::packet::{self, Inbound, Manner};
 use super::plan::{LoadPlan, Quality};
@@ -115,7 +115,8 @@ impl Line {
         if !line.common.plan.no_receipts {
             let heard = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate];
             let of = |robot: &Robot| heard.map(|kind| format!("{}{kind}", robot.level));
-            let filters: Vec<String> = line.robots.iter().flat_map(of).collect();
+            let to_all = Topic::SupervisorRequest { fleet: line.common.plan.fleet.clone() }.to_string();
+            let filters: Vec<String> = line.robots.iter().flat_map(of).chain([to_all]).collect();
             line.waited_for = packet::subscribe(&mut line.out, &filters);
             line.settle().await?;
         }
@@ -141,10 +142,7 @@ impl Line {
     pub(super) async fn introduce(&mut self) -> io::Result<()> {
         for at in 0..self.robots.len() {
             let now_us = now_us();
-            let birth = self.robots[at].connection(now_us, ConnectionState::Online);
-            self.publish(at, RobotTopic::Connection, &birth);
-            let factsheet = self.robots[at].factsheet(now_us);
-            self.publish(at, RobotTopic::Factsheet, &factsheet);
+            self.publish_birth(at, now_us);
             self.publish_status(at, now_us);
             if self.out.len() > OUT_BYTES {
                 self.settle().await?;
@@ -294,7 +292,18 @@ impl Line {
             if now_us >= self.robots[at].status_at_us {
                 self.publish_status(at, now_us);
             }
+            if self.robots[at].takes_birth(now_us) {
+                self.publish_birth(at, now_us);
+            }
         }
+    }
+
+    /// Publishes birth and factsheet of a robot.
+    fn publish_birth(&mut self, at: usize, now_us: u64) {
+        let birth = self.robots[at].connection(now_us, ConnectionState::Online);
+        self.publish(at, RobotTopic::Connection, &birth);
+        let factsheet = self.robots[at].factsheet(now_us);
+        self.publish(at, RobotTopic::Factsheet, &factsheet);
     }
 
     fn publish_status(&mut self, at: usize, now_us: u64) {

@@ -5,9 +5,14 @@ use vibrissa_protocol::{
     Setpoint, SetpointOutcome, SetpointState, Status, Timestamp, WhiskerFacts, WhiskerStatus, encode,
 };
 
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+
 use super::cuts::Cuts;
 use super::kept::Outbox;
 use super::plan::LoadPlan;
+use crate::random::{Purpose, stream};
+use crate::robot::BIRTH_DELAY_MAX_US as DELAY_MAX_US;
 use crate::scenario::WhiskerScenario;
 
 /// One robot of the load.
@@ -27,6 +32,10 @@ pub struct Robot {
     arrays: Vec<Name>,
     pressures_mpa: Vec<f64>,
     array_whiskers: usize,
+    /// Time of the answer to a request for births, if one waits for it.
+    birth_at_us: Option<u64>,
+    delays: ChaCha8Rng,
+    connection_seq: u64,
     status_seq: u64,
     factsheet_seq: u64,
     answer_seq: u64,
@@ -48,6 +57,9 @@ impl Robot {
             arrays: (0..arrays).map(array).collect(),
             pressures_mpa: vec![WhiskerScenario::default().pressure_mpa; plan.whiskers],
             array_whiskers: plan.array_whiskers,
+            birth_at_us: None,
+            delays: stream(0, plan.robot(number).as_str(), "", 0, Purpose::Birth),
+            connection_seq: 0,
             status_seq: 0,
             factsheet_seq: 0,
             answer_seq: 0,
@@ -56,9 +68,20 @@ impl Robot {
 
     /// The encoded birth or farewell.
     #[must_use]
-    pub fn connection(&self, now_us: u64, state: ConnectionState) -> Vec<u8> {
-        let seq = u64::from(state != ConnectionState::Online);
+    pub fn connection(&mut self, now_us: u64, state: ConnectionState) -> Vec<u8> {
+        let seq = take(&mut self.connection_seq);
         encode(&Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(now_us), state })
+    }
+
+    /// Handles a request for births: the answer is due at a random time, and serves all requests before it.
+    pub fn birth_requested(&mut self, now_us: u64) {
+        let delay_us = self.delays.random_range(0..DELAY_MAX_US);
+        self.birth_at_us.get_or_insert(now_us + delay_us);
+    }
+
+    /// True once if a birth is due.
+    pub fn takes_birth(&mut self, now_us: u64) -> bool {
+        self.birth_at_us.take_if(|at_us| *at_us <= now_us).is_some()
     }
 
     /// The encoded factsheet.

@@ -1,10 +1,12 @@
 //! One robot: the contract's rules around whiskers and their regulators, without sockets and clock.
 //!
 //! Call [`Robot::will`] before connecting, [`Robot::connected`] after subscribing, then [`Robot::poll`] at each
-//! [`Robot::next_deadline`] and [`Robot::receive`] for each message; send the returned messages in order. Call
+//! [`Robot::next_deadline`], [`Robot::receive`] for each message, and [`Robot::receive_request_to_all`] for each one on
+//! `supervisor/request`; send the returned messages in order. Call
 //! [`Robot::disconnected`] after the connection is lost: the robot continues and keeps its contacts. All times are
 //! in microseconds since 1970 UTC by the robot's clock.
 
+mod births;
 mod estimates;
 mod events;
 mod misbehaviour;
@@ -26,6 +28,8 @@ pub use outgoing::Outgoing;
 pub(crate) use resume::RobotState;
 pub use whisker::Whisker;
 
+use births::Births;
+pub(crate) use births::DELAY_MAX_US as BIRTH_DELAY_MAX_US;
 use touch_tests::TouchTests;
 
 use crate::commands::Commands;
@@ -83,6 +87,7 @@ pub struct Robot {
     places: BTreeMap<(Name, u16), usize>,
     supply_mpa: f64,
     commands: Commands,
+    births: Births,
     /// Epoch and version of the newest estimate of this boot.
     estimate: Option<(u64, u64)>,
     outbox: Outbox,
@@ -133,6 +138,7 @@ impl Robot {
             places,
             supply_mpa: SUPPLY_MPA,
             commands: Commands::default(),
+            births: Births::new(stream(seed, name.as_str(), "", 0, Purpose::Birth)),
             estimate: None,
             outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
@@ -164,6 +170,7 @@ impl Robot {
         self.connected = true;
         self.link.reconnected();
         self.outbox.reconnected();
+        self.births.sent();
         self.birth(now_us, &mut out);
         if !self.breaks(Misbehaviour::NoFactsheetAtBirth) {
             self.factsheet(now_us, &mut out);
@@ -228,7 +235,8 @@ impl Robot {
             | Message::Status(_)
             | Message::SetpointState(_)
             | Message::TestState(_)
-            | Message::SupervisorState(_) => self.refused += 1,
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => self.refused += 1,
         }
         out
     }

@@ -30,6 +30,8 @@ pub(super) enum Timer {
     Resend,
     /// A status is due.
     Status,
+    /// A request for births is answered.
+    Birth,
 }
 
 /// Times of the whiskers' next contacts: irregular, at an exact mean rate.
@@ -80,6 +82,7 @@ impl Robot {
             (self.batch_until_us, Timer::Flush),
             (connected(self.outbox.resend_at_us()), Timer::Resend),
             (connected(Some(self.status_at_us)), Timer::Status),
+            (connected(self.births.due_us()), Timer::Birth),
         ]
         .into_iter()
         .filter_map(|(at_us, timer)| Some((at_us?, timer)))
@@ -109,6 +112,7 @@ impl Robot {
             // These refer to the present: a late robot does not repeat them for each missed time.
             Timer::Resend => self.resend(now_us, out),
             Timer::Status => self.status(now_us, out),
+            Timer::Birth => self.answer_birth_request(now_us, out),
         }
     }
 

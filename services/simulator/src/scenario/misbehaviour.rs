@@ -40,6 +40,8 @@ misbehaviours! {
     WillNotRetained = "will-not-retained", Some(Rule::WillRetained);
     /// After a restart, the boot id and the sequence numbers continue.
     KeepsBootId = "keeps-boot-id", Some(Rule::BootIdNew);
+    /// Requests for births are ignored.
+    IgnoresBirthRequest = "ignores-birth-request", Some(Rule::BirthOnRequest);
     /// The factsheet is sent only on request.
     NoFactsheetAtBirth = "no-factsheet-at-birth", Some(Rule::FactsheetAfterBirth);
     /// The factsheet is not retained.

@@ -7,6 +7,7 @@
 //!   setpoints and receipts are published.
 //! - [`quarantine`]: robots whose rows the database rejects.
 //! - [`actions`], [`allow_list_sources`]: changes by operators.
+//! - [`birth_watch`]: robots whose births were not received.
 //! - [`start`]: loads a fleet.
 //!
 //! Everything published is committed, and robots send again whatever is not committed.
@@ -14,6 +15,7 @@
 mod actions;
 mod allow_list;
 mod allow_list_sources;
+mod birth_watch;
 mod commit;
 mod dispatch;
 mod fleet_metrics;
@@ -45,8 +47,10 @@ use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
+use crate::births::BirthCause;
 use actions::{ACTIONS_MAX, Execution, ParamsInForce};
 use allow_list_sources::AllowListSources;
+use birth_watch::BirthWatch;
 use commit::committer::{LeaseLost, Written};
 use commit::pipeline::Pipeline;
 use commit::schedule::{RECEIPTS, TICK};
@@ -75,6 +79,7 @@ pub(crate) struct Engine {
     action_notifier: ActionNotifier,
     /// Notified when an action for the fleet is sent to this supervisor.
     action_sent: Arc<Notify>,
+    birth_watch: BirthWatch,
     limits: Limits,
     /// Limits the rate of new robots.
     new_robots: Bucket,
@@ -145,7 +150,7 @@ impl Engine {
                 self.step_suspects().await?;
             }
             if self.allow_list.take_changed() {
-                inbox.want_retained();
+                inbox.want_births(BirthCause::Allowed);
             }
             if is_ticking && self.shards.has_room() {
                 is_ticking = !self.shards.tick(now(&inbox));
@@ -174,6 +179,7 @@ impl Engine {
         if number.is_multiple_of(TICKS_PER_SURVEY) {
             // Actions may have been sent to another supervisor.
             self.handle_actions(now(inbox)).await?;
+            self.watch_births(inbox);
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
@@ -184,6 +190,18 @@ impl Engine {
             self.pipeline.stepped(0, &self.shards);
         }
         Ok(())
+    }
+
+    /// Requests births that were not received.
+    fn watch_births(&mut self, inbox: &Inbox) {
+        if self.metrics.broker_connected.get() == 0 {
+            return;
+        }
+        let has_unannounced = self.shards.take_unannounced();
+        let has_unheard = || self.shards.robots().any(|known| !known.is_heard);
+        if let Some(cause) = self.birth_watch.due(Instant::now().into_std(), has_unannounced, has_unheard) {
+            inbox.want_births(cause);
+        }
     }
 
     /// Commits and receipts everything. Checkpoints are written, too, so that the next owner need not replay the

@@ -11,6 +11,7 @@ use vibrissa_protocol::{BootId, Name};
 
 use super::actions::ParamsInForce;
 use super::allow_list_sources::AllowListSources;
+use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
 use super::commit::pipeline::Pipeline;
 use super::commit::recovery::recover;
@@ -102,6 +103,7 @@ impl EngineOptions {
             in_force: ParamsInForce { params, policy_version },
             action_sent: action_notifier.subscribe(&fleet),
             action_notifier,
+            birth_watch: BirthWatch::new(),
             limits: self.limits,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             survey_from: Instant::now(),

@@ -10,6 +10,7 @@ use vibrissa_protocol::RobotTopic;
 
 use super::fair::{Bounds, ShedReason};
 use super::{BOUNDS, Inbox, Incoming, Shared};
+use crate::births::BirthCause;
 use crate::metrics::FleetMetrics;
 use vibrissa_edge::clock::wall_clock;
 
@@ -64,7 +65,7 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
 
 impl Intake {
     /// Receives a message, or sheds and counts it. Shed messages come again: robots send contacts again, setpoints are
-    /// sent again until they are answered, and retained messages are requested again, see [`Self::take_missed`]. The
+    /// sent again until they are answered, and births and factsheets are requested again, see [`Self::take_wanted`]. The
     /// message is in the inbox after the next [`Self::hand_over`], which must follow before the task waits.
     pub(crate) fn take(&mut self, topic: Bytes, payload: Bytes) {
         if self.together.is_empty() {
@@ -151,21 +152,19 @@ impl Intake {
         }
     }
 
-    /// True once if the retained messages must be requested again: after [`Inbox::want_retained`], or when the inbox
-    /// has space again after one was shed.
-    pub(crate) fn take_missed(&mut self) -> bool {
-        if std::mem::take(&mut self.shared.waiting().wants_retained) {
-            return true;
-        }
-        if !self.shedding {
-            return false;
+    /// The cause, once, for which births and factsheets must be requested again: that of [`Inbox::want_births`], or the
+    /// inbox has space again after one was shed.
+    pub(crate) fn take_wanted(&mut self) -> Option<BirthCause> {
+        let wanted = self.shared.waiting().wants_births.take();
+        if wanted.is_some() || !self.shedding {
+            return wanted;
         }
         let filling = self.shared.filling();
         if filling.messages >= self.bounds.messages / 2 || filling.bytes >= self.bounds.bytes / 2 {
-            return false;
+            return None;
         }
         self.shedding = false;
-        std::mem::take(&mut self.missed)
+        std::mem::take(&mut self.missed).then_some(BirthCause::Shed)
     }
 }
 

@@ -15,6 +15,7 @@ use vibrissa_core::units::Micros;
 pub use fair::{Filling, Shed};
 pub(crate) use intake::{Intake, inbox};
 
+use crate::births::BirthCause;
 use fair::{Bounds, FairQueues};
 
 /// A message as received from the broker.
@@ -43,8 +44,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Waiting {
     messages: FairQueues,
-    /// The broker's retained messages are to be requested again.
-    wants_retained: bool,
+    /// Births and factsheets are to be requested again, for this cause.
+    wants_births: Option<BirthCause>,
     /// The receiving end has gone: no more messages can arrive.
     ended: bool,
     /// The engine's end has gone: nobody takes messages any more.
@@ -130,9 +131,9 @@ impl Inbox {
         self.shared.waiting().messages.take_shed()
     }
 
-    /// Requests the broker's retained messages again: births and factsheets that were refused may be acceptable now.
-    pub fn want_retained(&self) {
-        self.shared.waiting().wants_retained = true;
+    /// Requests births and factsheets again, from the broker and from the robots.
+    pub fn want_births(&self, cause: BirthCause) {
+        self.shared.waiting().wants_births.get_or_insert(cause);
     }
 
     /// Amount of waiting messages.

@@ -194,6 +194,9 @@ of_fleet! {
     /// Time from the sending of the newest probes to the return of the last of them, s.
     mqtt_probe_round_trip_seconds: Gauge = "vibrissa_mqtt_probe_round_trip_seconds",
         "Time from the sending of the newest probes through the broker to the return of the last of them.";
+    /// Requests to all robots for their births and factsheets, by cause.
+    birth_requests: Counters = "vibrissa_birth_requests_total",
+        "Requests to all robots of the fleet for their births and factsheets, by cause.", labels::BIRTH_CAUSE;
     /// 1 while this supervisor holds the fleet's lease, else 0.
     lease_held: IntGauge = "vibrissa_lease_held", "1 while this supervisor holds the fleet's lease.";
     /// Epoch of this supervisor's newest lease of the fleet.

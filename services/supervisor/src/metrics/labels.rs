@@ -10,6 +10,7 @@ use vibrissa_edge::words::{Word as _, Words};
 use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
+use crate::births::BirthCause;
 use vibrissa_edge::actions::CALIBRATION;
 use vibrissa_store::RejectionCause;
 
@@ -95,6 +96,7 @@ pub(super) const REFINEMENT: Labels<1> = by_one("outcome", all::<RefinementOutco
 pub(super) const STATE: Labels<1> = by_one("state", all::<CommandState>);
 pub(super) const REJECTION_CAUSE: Labels<1> =
     by_one("cause", || RejectionCause::ALL.map(|cause| [cause.word()]).to_vec());
+pub(super) const BIRTH_CAUSE: Labels<1> = by_one("cause", || BirthCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const TEST_STATE: Labels<1> = by_one("state", all::<TestState>);
 pub(super) const REJECTION: Labels<1> = by_one("error", all::<Rejection>);
 pub(super) const SETPOINT_REASON: Labels<1> = by_one("reason", all::<Reason>);

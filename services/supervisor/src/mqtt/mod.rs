@@ -1,8 +1,8 @@
 //! The connections to the broker: one receives and one publishes, so that setpoints never wait behind a burst.
 //!
 //! The broker's sessions are not relied on: each connection starts clean under an unguessable client id (`identity`),
-//! and subscribes again, so that the broker sends the retained births and factsheets. The receiving connection proves
-//! that it hears robots (`hearing`).
+//! and subscribes again. Then it asks all robots for births and factsheets (`births`), because the broker may have
+//! forgotten the retained ones. The receiving connection proves that it hears robots (`hearing`).
 //!
 //! Further connections: [`record`] records, [`TestClient`] tests a robot, and [`try_hearing`] tests for a short time whether a
 //! fleet can be heard. [`prepare`] reads certificates before the first attempt; [`LinkState`] gives the reason of an
@@ -11,6 +11,7 @@
 mod address;
 mod tls;
 
+mod births;
 mod receive;
 
 mod hearing;

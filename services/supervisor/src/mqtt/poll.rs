@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use rumqttc::{ConnAck, ConnectionError, Event, EventLoop, Packet};
+use rumqttc::{ConnAck, ConnectionError, Event, EventLoop, LastWill, Packet};
 use tokio::time::sleep_until;
 
 use super::Connection;
@@ -97,6 +97,13 @@ impl Poller {
         connection.show_secrets(options);
         if let Some(client_id) = client_id {
             options.set_client_id(client_id);
+        }
+    }
+
+    /// Sets whether the broker shall retain the last will of the next connection.
+    pub(super) fn set_will_retained(&mut self, is_retained: bool) {
+        if let Some(will) = self.events.options.last_will() {
+            self.events.options.set_last_will(LastWill { retain: is_retained, ..will });
         }
     }
 

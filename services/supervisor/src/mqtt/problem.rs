@@ -117,6 +117,11 @@ impl Problem {
         self.cause == Cause::TakenOver
     }
 
+    /// Whether the broker has refused the connection because it retains no messages, and the last will asked for it.
+    pub(super) fn is_retain_refused(&self) -> bool {
+        self.cause == Cause::NotAccepted(ConnectReturnCode::RetainNotSupported)
+    }
+
     /// Whether the broker has closed the connection without an understandable reason. After a takeover Mosquitto 2.0.11
     /// gives none, and newer versions send a DISCONNECT without the length of its properties, which the client library
     /// cannot parse.
@@ -285,7 +290,7 @@ impl fmt::Display for Problem {
             Cause::Unheard { .. } => self.unheard(f),
             Cause::ProbeRefused { fleet, why } => write!(
                 f,
-                "it does not let {} publish the probes for its subscriptions ({why}): allow \
+                "it does not let {} publish probes and requests to its robots ({why}): allow \
                  whisker/v1/{fleet}/supervisor/+ in the broker's access list",
                 self.user()
             ),

@@ -9,7 +9,7 @@ use rumqttc::{
 };
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
-use tokio::time::timeout;
+use tokio::time::{MissedTickBehavior, interval_at, timeout};
 use tracing::warn;
 use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
 
@@ -26,6 +26,8 @@ use crate::outbox::{Losses, Publication};
 const WAITING: usize = super::WRITE_BATCH;
 /// How often a wait for the connection checks whether the outbox is closed.
 const LOOK: Duration = Duration::from_millis(100);
+/// How often the supervisor states again that it is online, for clients of a broker that has forgotten it.
+const PRESENCE_INTERVAL: Duration = Duration::from_secs(5);
 /// Time limit for the farewell.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -44,19 +46,34 @@ pub fn publish(
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
     options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
+    let (_, online) = presence(connection, SupervisorPresence::Online, 0);
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
     let (connected, mut is_connected) = watch::channel(false);
-    let leaving = Arc::new(AtomicBool::new(false));
-    let signals = Signals { connected, leaving: leaving.clone(), losses: losses.clone() };
+    let signals = Signals { connected, losses: losses.clone(), flags: Arc::default() };
+    let flags = signals.flags.clone();
     let keeping_up = keep_up(connection.clone(), metrics, client.clone(), poller, signals);
     let mut polling = tokio::spawn(keeping_up);
     tokio::spawn(async move {
-        while let Some(publication) = outbox.recv().await {
+        let mut repeats = interval_at(tokio::time::Instant::now() + PRESENCE_INTERVAL, PRESENCE_INTERVAL);
+        repeats.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            let publication = tokio::select! {
+                publication = outbox.recv() => publication,
+                _ = repeats.tick() => {
+                    let is_due = *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
+                    let options = presence_options(flags.retains());
+                    if is_due && client.publish(topic.clone(), online.clone(), options).await.is_err() {
+                        break;
+                    }
+                    continue;
+                }
+            };
+            let Some(publication) = publication else { break };
             if !connection_stands(&mut is_connected, &outbox).await {
                 break;
             }
-            let Some(options) = options_of(&publication, Instant::now()) else {
+            let Some(options) = options_of(&publication, Instant::now(), flags.retains()) else {
                 if publication.is_retained {
                     dropped.inc();
                     losses.note();
@@ -73,9 +90,9 @@ pub fn publish(
                 stopwatch.stop();
             }
         }
-        leaving.store(true, Ordering::Relaxed);
+        flags.leaving.store(true, Ordering::Relaxed);
         let farewell = async {
-            client.publish(topic, offline, retained()).await?;
+            client.publish(topic, offline, presence_options(flags.retains())).await?;
             client.disconnect().await?;
             // Ends when the disconnect is sent.
             let _ = (&mut polling).await;
@@ -107,9 +124,26 @@ async fn connection_stands(is_connected: &mut watch::Receiver<bool>, outbox: &mp
 struct Signals {
     /// Whether the connection is up.
     connected: watch::Sender<bool>,
-    /// Whether the supervisor leaves.
-    leaving: Arc<AtomicBool>,
     losses: Losses,
+    flags: Arc<Flags>,
+}
+
+/// State that both tasks share.
+#[derive(Debug, Default)]
+struct Flags {
+    /// The supervisor leaves.
+    leaving: AtomicBool,
+    /// A supervisor with a higher epoch has spoken: it owns the fleet.
+    outranked: AtomicBool,
+    /// The broker retains no messages.
+    forgets: AtomicBool,
+}
+
+impl Flags {
+    /// Whether the broker retains messages.
+    fn retains(&self) -> bool {
+        !self.forgets.load(Ordering::Relaxed)
+    }
 }
 
 /// Polls the client, reconnects it, and announces after each connection that the supervisor is online.
@@ -122,14 +156,18 @@ async fn keep_up(
     metrics: FleetMetrics,
     client: AsyncClient,
     mut poller: Poller,
-    Signals { connected, leaving, losses }: Signals,
+    Signals { connected, losses, flags }: Signals,
 ) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut backoff = Backoff::new();
     let mut was_broken = false;
     loop {
         match poller.next().await {
-            Ok(Event::Incoming(Packet::ConnAck(_))) => {
+            Ok(Event::Incoming(Packet::ConnAck(ack))) => {
+                // With the retain flag, a broker that retains nothing would end the connection (MQTT 5, 3.2.2.3.5).
+                let is_retaining = ack.properties.and_then(|properties| properties.retain_available) != Some(0);
+                flags.forgets.store(!is_retaining, Ordering::Relaxed);
+                poller.set_will_retained(is_retaining);
                 if std::mem::take(&mut was_broken) {
                     losses.note();
                 }
@@ -137,14 +175,16 @@ async fn keep_up(
                 if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
                     warn!(%problem, "cannot subscribe to the supervisor's own state");
                 }
-                say_online(&client, &topic, &online);
+                say_online(&client, &topic, &online, is_retaining);
                 connected.send_replace(true);
             }
-            Ok(Event::Incoming(Packet::Publish(publish))) => {
-                if !leaving.load(Ordering::Relaxed) && is_outdated(&connection, &publish.payload) {
-                    say_online(&client, &topic, &online);
+            Ok(Event::Incoming(Packet::Publish(publish))) => match claim(&connection, &publish.payload) {
+                Claim::Outdated if !flags.leaving.load(Ordering::Relaxed) => {
+                    say_online(&client, &topic, &online, flags.retains());
                 }
-            }
+                Claim::Higher => flags.outranked.store(true, Ordering::Relaxed),
+                Claim::Outdated | Claim::Own => {}
+            },
             Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
                 let problem = Problem::new(&connection.broker, Cause::Publication(format!("{:?}", ack.reason)));
                 connection.link.broken(Side::Publishing, &problem);
@@ -164,6 +204,9 @@ async fn keep_up(
                 if problem.is_takeover() {
                     metrics.mqtt_session_takeovers.inc();
                 }
+                if problem.is_retain_refused() {
+                    poller.set_will_retained(false);
+                }
                 tokio::time::sleep(backoff.pause()).await;
                 let is_known = problem.is_takeover() || problem.is_unexplained_end();
                 let client_id = is_known.then(|| client_id(&connection.fleet, ROLE));
@@ -173,21 +216,32 @@ async fn keep_up(
     }
 }
 
-fn say_online(client: &AsyncClient, topic: &str, online: &[u8]) {
-    if let Err(problem) = client.try_publish(topic, online.to_vec(), retained()) {
+fn say_online(client: &AsyncClient, topic: &str, online: &[u8], retains: bool) {
+    if let Err(problem) = client.try_publish(topic, online.to_vec(), presence_options(retains)) {
         warn!(%problem, "cannot announce that the supervisor is online");
     }
 }
 
-/// Whether a message says wrongly that this supervisor is offline: the late last will of an earlier owner of the fleet,
-/// or of an earlier connection of this supervisor, which has replaced the retained message.
-fn is_outdated(connection: &Connection, payload: &[u8]) -> bool {
+/// Meaning of a message on the topic of the supervisor's own state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Claim {
+    /// This supervisor is online, or the message cannot be read.
+    Own,
+    /// An earlier owner has spoken late, or the last will of an earlier connection of this supervisor came late. The
+    /// message has replaced the retained one.
+    Outdated,
+    /// A later owner has spoken.
+    Higher,
+}
+
+fn claim(connection: &Connection, payload: &[u8]) -> Claim {
     let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
-    match decode(&topic, payload) {
-        Ok(Message::SupervisorState(state)) => {
-            state.epoch <= connection.epoch && state.state == SupervisorPresence::Offline
-        }
-        Ok(_) | Err(_) => false,
+    let Ok(Message::SupervisorState(state)) = decode(&topic, payload) else { return Claim::Own };
+    match state.epoch.cmp(&connection.epoch) {
+        std::cmp::Ordering::Less => Claim::Outdated,
+        std::cmp::Ordering::Equal if state.state == SupervisorPresence::Offline => Claim::Outdated,
+        std::cmp::Ordering::Equal => Claim::Own,
+        std::cmp::Ordering::Greater => Claim::Higher,
     }
 }
 
@@ -197,18 +251,20 @@ fn presence(connection: &Connection, state: SupervisorPresence, seq: u64) -> (St
     (topic.to_string(), encode(&message))
 }
 
-fn retained() -> PublishOptions {
-    PublishOptions::at_least_once().retained()
+/// Retained, if the broker retains messages.
+fn presence_options(retains: bool) -> PublishOptions {
+    PublishOptions::at_least_once().retain(retains)
 }
 
 /// MQTT options for a publication at `now`; `None` if it has expired. The remaining time becomes the MQTT message
-/// expiry, except for a retained message: robots that connect later need it.
-fn options_of(publication: &Publication, now: Instant) -> Option<PublishOptions> {
+/// expiry, except for a retained message: robots that connect later need it. `retains` is whether the broker retains
+/// messages.
+fn options_of(publication: &Publication, now: Instant, retains: bool) -> Option<PublishOptions> {
     let options = PublishOptions::new(match publication.qos {
         QualityOfService::AtMostOnce => QoS::AtMostOnce,
         QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
     });
-    let options = if publication.is_retained { options.retained() } else { options };
+    let options = options.retain(publication.is_retained && retains);
     let Some(until) = publication.until else { return Some(options) };
     let left = until.checked_duration_since(now).filter(|left| !left.is_zero())?;
     if publication.is_retained {
@@ -242,7 +298,7 @@ mod tests {
         };
         let goes_out = |left_ms: u64| {
             let until = now + Duration::from_millis(left_ms);
-            options_of(&publication(Some(until)), now).map(|options| format!("{options:?}"))
+            options_of(&publication(Some(until)), now, true).map(|options| format!("{options:?}"))
         };
         for (left_ms, expiry_s) in [(1, 1), (999, 1), (1001, 2), (9_500, 10)] {
             let options = goes_out(left_ms).expect("not expired yet");
@@ -250,8 +306,8 @@ mod tests {
         }
         assert_eq!(goes_out(0), None);
         let late = publication(Some(now));
-        assert!(options_of(&late, now + Duration::from_secs(1)).is_none());
-        assert!(options_of(&publication(None), now).is_some());
+        assert!(options_of(&late, now + Duration::from_secs(1), true).is_none());
+        assert!(options_of(&publication(None), now, true).is_some());
     }
 
     #[test]
@@ -265,9 +321,11 @@ mod tests {
             until: Some(now + Duration::from_secs(5)),
             stopwatch: None,
         };
-        let options = format!("{:?}", options_of(&publication, now).expect("not too late yet"));
+        let options = format!("{:?}", options_of(&publication, now, true).expect("not too late yet"));
         assert!(options.contains("retain: true"), "{options}");
         assert!(!options.contains("Some(5)"), "{options}");
-        assert!(options_of(&publication, now + Duration::from_secs(6)).is_none());
+        assert!(options_of(&publication, now + Duration::from_secs(6), true).is_none());
+        let options = format!("{:?}", options_of(&publication, now, false));
+        assert!(options.contains("retain: false"), "{options}");
     }
 }

@@ -11,6 +11,7 @@ use tokio::sync::watch;
 use tokio::task::yield_now;
 use vibrissa_protocol::{Name, RobotTopic};
 
+use super::births::BirthRequests;
 use super::coalescing::{PAUSE, PollCoalescing};
 use super::hearing::{Hearing, Tick};
 use super::link::{Backoff, Side};
@@ -18,14 +19,15 @@ use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::{Connection, stopped};
+use crate::births::BirthCause;
 use crate::inbox::{Inbox, Intake, inbox};
 use crate::metrics::FleetMetrics;
 
-/// Limit of this connection's publications without an acknowledgement: one probe per topic. The client scans a table of
+/// Limit of this connection's publications without an acknowledgement: one probe per topic, and a request for births. The client scans a table of
 /// this size at each write.
 const IN_FLIGHT: u16 = 8;
-/// MQTT message expiry of a probe, s.
-const PROBE_EXPIRY_S: u32 = 15;
+/// MQTT message expiry of a probe and of a request for births, s. Robots that connect later announce themselves.
+const EXPIRY_S: u32 = 15;
 
 /// Returns the inbox, and the future that fills it until `stop`. The future needs a thread of its own, which it may
 /// share only with the engine, because it sleeps between two reads ([`super::coalescing`]).
@@ -36,7 +38,8 @@ pub fn receive(
 ) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
     let connection = connection.with_secrets_read_again();
-    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff: Backoff::new() };
+    let (backoff, births) = (Backoff::new(), BirthRequests::default());
+    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff, births };
     let receiving = async move {
         tokio::select! {
             () = receiver.run() => {}
@@ -52,6 +55,7 @@ struct Receiver {
     metrics: FleetMetrics,
     intake: Intake,
     backoff: Backoff,
+    births: BirthRequests,
 }
 
 impl Receiver {
@@ -85,6 +89,7 @@ impl Receiver {
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
         let mut hearing = Hearing::new(&self.connection.fleet, heard(), Instant::now());
+        let mut is_subscribed = false;
         loop {
             let event = match poller.ready() {
                 Some(event) => event,
@@ -94,8 +99,13 @@ impl Receiver {
                         // Let the engine process the messages before the next read.
                         yield_now().await;
                     }
-                    // A new subscription makes the broker send its retained messages again.
-                    if self.intake.take_missed() {
+                    if is_subscribed {
+                        self.request_births(&client)?;
+                    }
+                    if let Some(cause) = self.intake.take_wanted() {
+                        self.births.want(cause);
+                        // A new subscription makes the broker send its retained messages again: for robots that do not
+                        // know the request.
                         let retained = filters(&self.connection.fleet, RobotTopic::is_retained);
                         client.try_subscribe_many(retained).map_err(|error| self.lost(&error))?;
                     }
@@ -132,6 +142,9 @@ impl Receiver {
                     if let Some(refused) = refused(&ack, &self.connection.fleet) {
                         return Err(self.problem(Cause::Subscription(refused)));
                     }
+                    if !std::mem::replace(&mut is_subscribed, true) {
+                        self.births.want(BirthCause::Connected);
+                    }
                     hearing.subscribed(Instant::now());
                 }
                 Event::Incoming(Packet::PubAck(ack)) if is_failure(&ack) => {
@@ -154,6 +167,15 @@ impl Receiver {
                 Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_) => {}
             }
         }
+    }
+
+    /// Publishes a request for births, if one is due.
+    fn request_births(&mut self, client: &AsyncClient) -> Result<(), Problem> {
+        let Some(cause) = self.births.take_due(Instant::now()) else { return Ok(()) };
+        let (topic, payload) = self.births.message(&self.connection);
+        client.try_publish(topic, payload, expiring()).map_err(|error| self.lost(&error))?;
+        self.metrics.birth_requests.count([cause.word()]);
+        Ok(())
     }
 
     /// Records that every subscription is proven: robots are heard.
@@ -194,7 +216,7 @@ pub(super) fn judge(
     match hearing.tick(Instant::now()) {
         Tick::Wait => Ok(()),
         Tick::Probe => hearing.probes().try_for_each(|(topic, payload)| {
-            let sent = client.try_publish(topic, payload.to_vec(), probe_options());
+            let sent = client.try_publish(topic, payload.to_vec(), expiring());
             sent.map_err(|error| problem(Cause::Lost(error.to_string())))
         }),
         Tick::Deaf { topics, is_silent } => {
@@ -204,9 +226,9 @@ pub(super) fn judge(
     }
 }
 
-/// QoS 1, so that the broker acknowledges or rejects the probes.
-fn probe_options() -> PublishOptions {
-    let expiry = PublishProperties { message_expiry_interval: Some(PROBE_EXPIRY_S), ..PublishProperties::default() };
+/// QoS 1, so that the broker acknowledges or rejects the message.
+fn expiring() -> PublishOptions {
+    let expiry = PublishProperties { message_expiry_interval: Some(EXPIRY_S), ..PublishProperties::default() };
     PublishOptions::at_least_once().properties(expiry)
 }
 

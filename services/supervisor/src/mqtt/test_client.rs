@@ -47,6 +47,7 @@ pub struct TestClient {
     client: AsyncClient,
     received: mpsc::UnboundedReceiver<Result<ReceivedMessage, ConnectionEnded>>,
     polling: JoinHandle<()>,
+    retains: bool,
 }
 
 impl TestClient {
@@ -63,9 +64,11 @@ impl TestClient {
         let filters =
             topics.iter().map(|topic| SubscribeFilterInput::new(topic, QoS::ExactlyOnce).preserve_retain(true));
         let mut filters = Some(filters.collect::<Vec<_>>());
+        let mut retains = true;
         loop {
             match poller.next().await.map_err(ended)? {
-                Event::Incoming(Packet::ConnAck(_)) => {
+                Event::Incoming(Packet::ConnAck(ack)) => {
+                    retains = ack.properties.and_then(|properties| properties.retain_available) != Some(0);
                     let subscribed = client.try_subscribe_many(filters.take().unwrap_or_default());
                     subscribed.map_err(|error| problem(Cause::Lost(error.to_string())))?;
                 }
@@ -81,7 +84,13 @@ impl TestClient {
         }
         // Unbounded: a robot sends little, and the test keeps all of it anyway.
         let (sender, received) = mpsc::unbounded_channel();
-        Ok(Self { client, received, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)) })
+        Ok(Self { client, received, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)), retains })
+    }
+
+    /// Whether the broker retains messages.
+    #[must_use]
+    pub fn retains(&self) -> bool {
+        self.retains
     }
 
     /// Publishes a message that is not retained; `expiry_s` is its MQTT message expiry, s.

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use anyhow::bail;
 use serde::Serialize;
 use vibrissa_protocol::{
-    BootId, Message, Name, Receipt, Request, RequestKind, RobotTopic, Rule, Setpoint, SetpointOutcome, SetpointReason,
-    SetpointState, Timestamp, TouchTest, TouchTestKind, TouchTestReason, encode,
+    BootId, Message, Name, QualityOfService, Receipt, Request, RequestKind, RobotTopic, Rule, Setpoint,
+    SetpointOutcome, SetpointReason, SetpointState, SupervisorRequest, SupervisorRequestKind, Timestamp, Topic,
+    TouchTest, TouchTestKind, TouchTestReason, encode,
 };
 
 use super::CheckOptions;
@@ -43,7 +44,7 @@ pub(super) struct Bench {
     /// Whether the chamber may have another setpoint than at the beginning.
     pub(super) is_away: bool,
     boot_id: BootId,
-    seqs: [u64; 3],
+    seqs: [u64; 4],
     version: u64,
     commands: u64,
 }
@@ -58,7 +59,7 @@ impl Bench {
             trial: None,
             is_away: false,
             boot_id,
-            seqs: [0; 3],
+            seqs: [0; 4],
             // Higher than versions that a supervisor counts from one, and rising from check to check.
             version: wall_clock().0,
             commands: 0,
@@ -124,6 +125,19 @@ impl Bench {
     pub(super) async fn request(&mut self, request: RequestKind) -> anyhow::Result<()> {
         let request = Request { boot_id: self.boot_id.clone(), seq: self.seq(0), request, touch_test: None };
         self.tell(RobotTopic::Request, &request).await
+    }
+
+    /// Asks all robots of the fleet for their births.
+    pub(super) async fn request_births(&mut self) -> anyhow::Result<()> {
+        let request = SupervisorRequest {
+            boot_id: self.boot_id.clone(),
+            seq: self.seq(3),
+            epoch: self.epoch,
+            timestamp: Timestamp(wall_clock().0),
+            request: SupervisorRequestKind::Birth,
+        };
+        let topic = Topic::SupervisorRequest { fleet: self.options.fleet.clone() }.to_string();
+        Ok(self.client.publish(topic, encode(&request), QualityOfService::AtLeastOnce, None).await?)
     }
 
     /// A valid touch test of the whisker on trial with one contact, with the next version.

@@ -75,6 +75,8 @@ impl Listener {
                 }
                 return;
             }
+            // Asked by this check, or by another one.
+            Topic::SupervisorRequest { .. } => return,
         };
         self.judge_delivery(kind, received);
         let decoded = decode(&topic, &received.payload);
@@ -209,7 +211,8 @@ impl Listener {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
-            | Message::SupervisorState(_) => {}
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => {}
         }
     }
 
@@ -286,6 +289,7 @@ fn time_us(message: &Message) -> Option<u64> {
         | Message::Setpoint(_)
         | Message::Request(_)
         | Message::Estimate(_)
-        | Message::SupervisorState(_) => None,
+        | Message::SupervisorState(_)
+        | Message::SupervisorRequest(_) => None,
     }
 }

@@ -34,7 +34,8 @@ impl Listener {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
-            | Message::SupervisorState(_) => None,
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => None,
         })
     }
 

@@ -26,6 +26,7 @@ mod touch_tests;
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use anyhow::bail;
 use vibrissa_protocol::{Message, Name, RobotTopic, Topic};
 
 pub use report::{Finding, Outcome, Report};
@@ -74,7 +75,7 @@ impl fmt::Display for Progress {
 /// Checks a robot until the end or until `stop`. Then it restores the pressure and reports what was found so far.
 ///
 /// # Errors
-/// There is no broker, a supervisor owns the fleet, the robot is not connected, or it has seen a higher epoch.
+/// There is no broker, or it retains no messages, a supervisor owns the fleet, the robot is not connected, or it has seen a higher epoch.
 pub async fn check(
     connection: &Connection,
     options: CheckOptions,
@@ -87,6 +88,9 @@ pub async fn check(
     let supervisor = Topic::SupervisorState { fleet: fleet.clone() };
     let topics: Vec<String> = of_robot.chain([supervisor]).map(|topic| topic.to_string()).collect();
     let client = TestClient::open(connection, &topics).await?;
+    if !client.retains() {
+        bail!("the broker retains no messages, but several rules are about retained ones: use a broker that retains");
+    }
     let mut bench = Bench::new(client, options, connection.boot_id.clone());
     let ended = tokio::select! {
         ended = run(&mut bench, progress) => Some(ended),

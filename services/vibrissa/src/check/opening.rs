@@ -3,11 +3,12 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use vibrissa_protocol::{ConnectionState, RequestKind, Rule, Status};
+use vibrissa_protocol::{BootId, ConnectionState, Message, RequestKind, Rule, Status};
 
 use super::bench::{Bench, Trial};
 use super::log::whiskers;
 use super::report::seconds;
+use super::timings::BIRTHS_WITHIN;
 
 /// Number of statuses whose period is measured.
 const WATCHED: usize = 4;
@@ -109,7 +110,26 @@ impl Bench {
         let came = self.until(limit, is_there).await?;
         let seen = came.map_or("no answer".to_owned(), |()| format!("answered after {}", seconds(asked.elapsed())));
         self.judge(Rule::FactsheetOnRequest, came.is_some(), seen);
+        self.ask_births().await?;
         self.ask_status().await
+    }
+
+    /// Asks the fleet for births: the robot must answer with its birth and then its factsheet.
+    async fn ask_births(&mut self) -> anyhow::Result<()> {
+        let (limit, mark, asked) = (BIRTHS_WITHIN + self.timings().answer, self.mark(), Instant::now());
+        let boot = self.heard.boot.clone();
+        self.request_births().await?;
+        let answer = |heard: &super::listener::Listener| {
+            let mut after = heard.log[mark..].iter().skip_while(|entry| !is_birth_of(&entry.message, boot.as_ref()));
+            after.any(|entry| super::is_factsheet(&entry.message)).then_some(())
+        };
+        let came = self.until(limit, answer).await?;
+        let seen = match came {
+            Some(()) => format!("answered after {}", seconds(asked.elapsed())),
+            None => format!("no ONLINE followed by a factsheet within {}", seconds(limit)),
+        };
+        self.judge(Rule::BirthOnRequest, came.is_some(), seen);
+        Ok(())
     }
 
     /// Requests a status right after one has arrived: an early next one is the answer.
@@ -172,6 +192,12 @@ impl Bench {
         self.trial = Some(trial);
         Ok(())
     }
+}
+
+/// Whether a message is a birth of this boot.
+fn is_birth_of(message: &Message, boot: Option<&BootId>) -> bool {
+    matches!(message, Message::Connection(told)
+        if told.state == ConnectionState::Online && boot.is_none_or(|boot| told.boot_id == *boot))
 }
 
 fn conditions(status: &Status) -> Vec<(vibrissa_protocol::Regulator, vibrissa_protocol::Gauge)> {

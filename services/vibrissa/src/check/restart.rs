@@ -106,7 +106,8 @@ fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(
         | Message::Setpoint(_)
         | Message::Request(_)
         | Message::Estimate(_)
-        | Message::SupervisorState(_) => None,
+        | Message::SupervisorState(_)
+        | Message::SupervisorRequest(_) => None,
     };
     heard.log[mark..].iter().enumerate().find_map(find)
 }

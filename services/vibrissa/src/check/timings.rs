@@ -2,6 +2,10 @@
 
 use std::time::Duration;
 
+/// Time within which robots answer a request for births, by the contract. The check waits for the time of an answer in
+/// addition.
+pub(super) const BIRTHS_WITHIN: Duration = Duration::from_secs(2);
+
 /// Time limits of a check. The defaults are those of the contract; tests with fast simulated robots use shorter ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timings {
@@ -52,10 +56,11 @@ impl Timings {
     /// Expected duration for a robot that conforms to the contract, and longest duration for any robot.
     #[must_use]
     pub fn expected(&self, with_restart: bool) -> (Duration, Duration) {
-        let usual = self.retained + 3 * self.status.0 + 4 * self.answer + self.slew + 5 * self.grace;
+        let usual = BIRTHS_WITHIN + self.retained + 3 * self.status.0 + 4 * self.answer + self.slew + 5 * self.grace;
         let setpoints = 6 * self.apply + 20 * self.answer + self.slew;
+        let births = BIRTHS_WITHIN + self.answer;
         let contacts = self.contacts + 3 * self.resend + self.backoff;
         let restart = if with_restart { self.restart + 3 * self.answer } else { Duration::ZERO };
-        (usual, self.retained + 8 * self.status.1 + setpoints + contacts + restart)
+        (usual, self.retained + births + 8 * self.status.1 + setpoints + contacts + restart)
     }
 }

@@ -38,7 +38,7 @@ macro_rules! schemas {
     };
 }
 
-schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "test_state" "estimate" "supervisor_state");
+schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "test_state" "estimate" "supervisor_state" "supervisor_request");
 
 /// Prints or writes the documents.
 ///

@@ -15,7 +15,7 @@ use vibrissa_protocol::Name;
 use super::config::ConfigArgs;
 use super::stop::{self, Stopped};
 use crate::config::{Key, policy_over};
-use crate::replay::{Comparison, Lines, Recorded, Replayer, told};
+use crate::replay::{Comparison, Lines, Recorded, Refusals, Replayer, told};
 
 /// Arguments of `vibrissa replay`.
 #[derive(Debug, Args)]
@@ -24,6 +24,7 @@ FILE is a recording of `vibrissa record`. Times come from the file: nothing wait
 
 Setpoints of the replay get the recorded answers to the recorded setpoints. One without a recorded answer is assumed
 to be applied (effects that depend on it have \"assumed\"); contacts at another pressure then count as UNSETTLED.
+Standard error ends with the number of refused messages and parts of messages of each robot, by reason.
 If the recording is silent for more than a minute, only the first minute and the end of the silence are simulated.")]
 pub struct ReplayArgs {
     /// Recording; - is standard input.
@@ -58,12 +59,16 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
     let replayed = match other {
         None => {
             let mut replayer = Replayer::new(params, fleets);
-            input.each(|recorded| replayer.take(recorded, &mut |happened| told::write(happened, &mut out)))
+            let replayed =
+                input.each(|recorded| replayer.take(recorded, &mut |happened| told::write(happened, &mut out)));
+            tell(replayer.refusals());
+            replayed
         }
         Some((name, other)) => {
             let sides = [("this".to_owned(), params), (name, other)];
             let mut comparison = Comparison::new(sides, fleets.as_ref());
             let compared = input.each(|recorded| comparison.take(recorded, &mut out));
+            tell(comparison.refusals());
             compared.and_then(|()| Ok(comparison.summary(&mut out)?))
         }
     };
@@ -72,6 +77,13 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
     let flushed = out.flush();
     replayed?;
     Ok(flushed?)
+}
+
+/// Reports the refused messages on standard error.
+fn tell(refusals: &Refusals) {
+    for line in refusals.lines() {
+        eprintln!("vibrissa: {line}");
+    }
 }
 
 /// The parameters with another policy, and the name of that policy.

@@ -11,6 +11,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
 use super::line::Recorded;
+use super::refusals::Refusals;
 use super::replayer::{Happened, Replayer, What};
 
 /// Two replays that run in step.
@@ -131,6 +132,12 @@ impl Comparison {
             "\nserved and unserved count decisions; the error is predicted (Eq. 35); decisions that differ: {}",
             self.differing
         )
+    }
+
+    /// Refusals of the replay with the first policy. The other replay gets the same messages.
+    #[must_use]
+    pub fn refusals(&self) -> &Refusals {
+        self.sides[0].replayer.refusals()
     }
 
     /// Totals of both policies so far.

@@ -10,6 +10,7 @@ pub mod lines;
 
 mod answers;
 mod recorded_tests;
+mod refusals;
 pub mod replayer;
 mod status;
 
@@ -20,4 +21,5 @@ pub mod comparison;
 pub use comparison::Comparison;
 pub use line::{LineError, Recorded};
 pub use lines::Lines;
+pub use refusals::Refusals;
 pub use replayer::{Happened, Replayer, What};

@@ -14,6 +14,7 @@ use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 use super::answers::{Answer, Answers};
 use super::line::Recorded;
 use super::recorded_tests::RecordedTests;
+use super::refusals::Refusals;
 use super::status;
 
 /// Interval of the core's ticks, as in the service.
@@ -66,12 +67,17 @@ pub struct Replayer {
     fleets: Option<BTreeSet<Name>>,
     robots: BTreeMap<(Name, Name), Known>,
     next_tick: Option<Micros>,
+    refusals: Refusals,
 }
 
 struct Known {
     robot: Robot,
     answers: Answers,
     tests: RecordedTests,
+    /// The newest factsheet of a boot whose birth has not come yet: brokers send retained messages in any order.
+    early: Option<protocol::Factsheet>,
+    /// Contacts with implausible times since the last message.
+    bad_times: u64,
 }
 
 /// A message that is being processed.
@@ -86,12 +92,18 @@ impl Replayer {
     /// Starts without known robots. Only `fleets` are replayed; all of them if `None`.
     #[must_use]
     pub fn new(params: Arc<Params>, fleets: Option<BTreeSet<Name>>) -> Self {
-        Self { params, fleets, robots: BTreeMap::new(), next_tick: None }
+        Self { params, fleets, robots: BTreeMap::new(), next_tick: None, refusals: Refusals::default() }
     }
 
     /// All robots that appeared so far.
     pub fn robots(&self) -> impl Iterator<Item = (&Name, &Name, &Robot)> {
         self.robots.iter().map(|((fleet, name), known)| (fleet, name, &known.robot))
+    }
+
+    /// Refused messages so far, by robot.
+    #[must_use]
+    pub fn refusals(&self) -> &Refusals {
+        &self.refusals
     }
 
     /// Lets time pass until a message, and processes it.
@@ -103,6 +115,7 @@ impl Replayer {
             Ok(topic) => topic,
             Err(refusal) => {
                 self.advance(recorded.received, sink)?;
+                self.refusals.count(None, refusal.label());
                 let what =
                     What::Refused { reason: refusal.label(), problem: refusal.to_string(), topic: &recorded.topic };
                 return sink(&Happened { at: recorded.received, robot: None, what });
@@ -170,12 +183,13 @@ impl Replayer {
     }
 
     fn refuse(
-        &self,
+        &mut self,
         step: &Step<'_>,
         reason: &'static str,
         problem: &dyn std::fmt::Display,
         sink: &mut Sink<'_>,
     ) -> io::Result<()> {
+        self.refusals.count(Some((step.fleet, step.name)), reason);
         let known = self.robots.get(&(step.fleet.clone(), step.name.clone()));
         let robot = known.map(|known| (step.fleet, step.name, &known.robot));
         sink(&Happened {
@@ -194,7 +208,8 @@ impl Replayer {
                 | Message::Receipt(_)
                 | Message::Request(_)
                 | Message::Estimate(_)
-                | Message::SupervisorState(_) => return Ok(()),
+                | Message::SupervisorState(_)
+                | Message::SupervisorRequest(_) => return Ok(()),
                 Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) | Message::TestState(_) => {
                     let problem = "the recording has neither a birth nor a factsheet of this robot";
                     return self.refuse(step, "unknown_robot", &problem, sink);
@@ -204,6 +219,9 @@ impl Replayer {
         let params = self.params.clone();
         let known = self.robots.entry(key).or_insert_with(Known::new);
         let refused = known.message(&params, step, message, sink)?;
+        for _ in 0..std::mem::take(&mut known.bad_times) {
+            self.refusals.count(Some((step.fleet, step.name)), "bad_time");
+        }
         for (reason, problem) in refused {
             self.refuse(step, reason, &problem, sink)?;
         }
@@ -217,7 +235,7 @@ type Refused = (&'static str, String);
 impl Known {
     fn new() -> Self {
         let robot = Robot::new(EPOCH, Numbers::default());
-        Self { robot, answers: Answers::default(), tests: RecordedTests::default() }
+        Self { robot, answers: Answers::default(), tests: RecordedTests::default(), early: None, bad_times: 0 }
     }
 
     /// Passes a message to the core; returns the refused parts.
@@ -237,16 +255,14 @@ impl Known {
                 }
                 let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
                 self.step(params, step, &event, (None, false), sink)?;
+                let is_its = |early: &mut protocol::Factsheet| early.boot_id == told.boot_id;
+                if told.state == protocol::ConnectionState::Online
+                    && let Some(early) = self.early.take_if(is_its)
+                {
+                    return self.factsheet(params, step, &early, sink);
+                }
             }
-            Message::Factsheet(told) => {
-                let models: Vec<&str> = params.models.iter().map(|(name, _)| name.as_str()).collect();
-                let factsheet = match edge::factsheet(told, &models) {
-                    Ok(factsheet) => factsheet,
-                    Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
-                };
-                let event = Event::Factsheet { boot_id: told.boot_id.as_str(), factsheet: &factsheet };
-                self.step(params, step, &event, (None, false), sink)?;
-            }
+            Message::Factsheet(told) => return self.factsheet(params, step, told, sink),
             Message::Contacts(told) => return self.contacts(params, step, told, sink),
             Message::Status(told) => {
                 let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
@@ -273,7 +289,32 @@ impl Known {
                     self.step(params, step, &event, (None, false), sink)?;
                 }
             }
-            Message::Receipt(_) | Message::Request(_) | Message::Estimate(_) | Message::SupervisorState(_) => {}
+            Message::Receipt(_)
+            | Message::Request(_)
+            | Message::Estimate(_)
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => {}
+        }
+        Ok(Vec::new())
+    }
+
+    fn factsheet(
+        &mut self,
+        params: &Params,
+        step: &Step<'_>,
+        told: &protocol::Factsheet,
+        sink: &mut Sink<'_>,
+    ) -> io::Result<Vec<Refused>> {
+        let models: Vec<&str> = params.models.iter().map(|(name, _)| name.as_str()).collect();
+        let factsheet = match edge::factsheet(told, &models) {
+            Ok(factsheet) => factsheet,
+            Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
+        };
+        let boot_id = told.boot_id.as_str();
+        let event = Event::Factsheet { boot_id, factsheet: &factsheet };
+        let outcome = self.step(params, step, &event, (None, false), sink)?;
+        if outcome == Outcome::OldBoot && self.robot.sequence(boot_id).is_none() {
+            self.early = Some(told.clone());
         }
         Ok(Vec::new())
     }
@@ -349,6 +390,7 @@ impl Known {
         let mut effects = Vec::new();
         let outcome = self.robot.step(params, step.at, event, &mut effects);
         for effect in &effects {
+            self.bad_times += u64::from(matches!(effect, Effect::BadTime { .. }));
             if let Effect::Command(command) = effect
                 && let Some(view) = self.robot.whisker(command.whisker)
             {

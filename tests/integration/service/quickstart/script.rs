@@ -81,7 +81,7 @@ fn the_whole_robot_has_less_than_100_lines_that_fit_a_screen() {
 /// The block's functions with estimates in any order.
 #[test]
 fn its_robot_orders_estimates_divides_by_the_newest_length_and_interpolates_the_gain() {
-    const BEFORE: &str = "import types\nARRAY, HANDLERS = 'left', {}\n";
+    const BEFORE: &str = "import types\nARRAY, LEVEL, HANDLERS = 'left', '', {}\n";
     const AFTER: &str = r#"
 w = types.SimpleNamespace(number=1)
 def tell(epoch, version, length_mm, gain):

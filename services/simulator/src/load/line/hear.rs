@@ -3,7 +3,9 @@
 use std::io;
 
 use tokio::time::Instant;
-use vibrissa_protocol::{Receipt, Request, RequestKind, RobotTopic, Setpoint};
+use vibrissa_protocol::{
+    Name, Receipt, Request, RequestKind, RobotTopic, Setpoint, SupervisorRequest, SupervisorRequestKind,
+};
 
 use super::Line;
 use crate::fleet::now_us;
@@ -55,6 +57,9 @@ impl Line {
         let now_us = now_us();
         let mut levels = topic.rsplit(|&byte| byte == b'/');
         let (kind, robot) = (levels.next().unwrap_or_default(), levels.next().unwrap_or_default());
+        if robot == Name::RESERVED.as_bytes() {
+            return self.hear_request_to_all(payload, now_us);
+        }
         let number =
             robot.strip_prefix(b"r").and_then(|digits| std::str::from_utf8(digits).ok()?.parse::<usize>().ok());
         let at = number
@@ -77,6 +82,14 @@ impl Line {
                 // Its factsheet names no touch test.
                 RequestKind::TouchTest => {}
             }
+        }
+    }
+
+    /// Handles a request to all robots: each answers at a time of its own.
+    fn hear_request_to_all(&mut self, payload: &[u8], now_us: u64) {
+        let Ok(request) = serde_json::from_slice::<SupervisorRequest>(payload) else { return };
+        match request.request {
+            SupervisorRequestKind::Birth => self.robots.iter_mut().for_each(|robot| robot.birth_requested(now_us)),
         }
     }
 

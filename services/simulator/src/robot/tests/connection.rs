@@ -50,6 +50,65 @@ fn a_request_is_answered() {
     assert!(matches!(&sent[1], Message::Status(Status { seq: 1, .. })));
 }
 
+fn birth_request() -> Vec<u8> {
+    let (boot_id, timestamp, request) = (supervisor(), Timestamp(START), SupervisorRequestKind::Birth);
+    encode(&SupervisorRequest { boot_id, seq: 0, epoch: 1, timestamp, request })
+}
+
+/// Time until the answer to a request for births, in seconds. Further requests come before it.
+fn answered_after_s(seed: u64) -> f64 {
+    let mut bench = Bench::connected(|scenario| scenario.seed = seed);
+    bench.run(0.3);
+    bench.sent();
+    let (asked_us, boot_id) = (bench.now_us, bench.robot.boot_id().clone());
+    for _ in 0..3 {
+        bench.robot.receive_request_to_all(&birth_request(), bench.now_us);
+    }
+    bench.run(2.5);
+    let mut sent = bench.sent();
+    sent.retain(|message| matches!(message, Message::Connection(_) | Message::Factsheet(_)));
+    let [Message::Connection(birth), Message::Factsheet(facts)] = &sent[..] else {
+        panic!("not one birth and one factsheet: {sent:?}")
+    };
+    assert_eq!((birth.state, &birth.boot_id, birth.seq), (ConnectionState::Online, &boot_id, 2));
+    assert_eq!((&facts.boot_id, facts.seq), (&boot_id, 1));
+    (birth.timestamp.0 - asked_us) as f64 / 1e6
+}
+
+#[test]
+fn requests_for_births_are_answered_once_in_the_same_boot_within_two_seconds_at_random_times() {
+    let mut delays_s: Vec<f64> = (1..=20).map(answered_after_s).collect();
+    assert_eq!(answered_after_s(5), delays_s[4], "the seed decides");
+    delays_s.sort_by(f64::total_cmp);
+    assert!(delays_s[0] < 0.7 && delays_s[19] > 1.3 && delays_s[19] < 2.0, "{delays_s:?}");
+}
+
+#[test]
+fn a_robot_that_is_not_connected_answers_with_the_birth_of_its_next_connection_alone() {
+    let mut bench = Bench::connected(|_| {});
+    bench.robot.receive_request_to_all(&birth_request(), bench.now_us);
+    bench.robot.disconnected();
+    bench.sent();
+    bench.run(3.0);
+    assert!(bench.sent().is_empty());
+    bench.connect();
+    bench.run(3.0);
+    assert_eq!(bench.sent().iter().filter(|message| matches!(message, Message::Connection(_))).count(), 1);
+}
+
+#[test]
+fn a_request_to_all_that_is_refused_is_counted_and_changes_nothing() {
+    let mut bench = Bench::connected(|_| {});
+    bench.run(0.1);
+    bench.sent();
+    for payload in [&b"{}"[..], b"nonsense", br#"{"boot_id":"s","seq":0,"epoch":1,"request":"DANCE"}"#] {
+        bench.robot.receive_request_to_all(payload, bench.now_us);
+    }
+    bench.run(3.0);
+    assert!(!bench.sent().iter().any(|message| matches!(message, Message::Connection(_) | Message::Factsheet(_))));
+    assert_eq!(bench.robot.messages_refused(), 3);
+}
+
 #[test]
 fn a_refused_message_is_counted_and_changes_nothing() {
     let mut bench = Bench::connected(|_| {});

@@ -9,7 +9,8 @@ mod setpoints;
 
 use vibrissa_protocol::{
     Connection, ConnectionState, Contacts, Factsheet, Gauge, OnSupervisorLoss, Receipt, Regulator, Request, Setpoint,
-    SetpointError, SetpointOutcome, SetpointReason, SetpointState, Status, Timestamp, encode,
+    SetpointError, SetpointOutcome, SetpointReason, SetpointState, Status, SupervisorRequest, SupervisorRequestKind,
+    Timestamp, encode,
 };
 
 use super::*;

@@ -45,6 +45,8 @@ pub(crate) struct KnownRobot {
     pub(crate) robot: Robot,
     pub(crate) whisker_ids: Vec<i64>,
     pub(crate) boots: Boots,
+    /// A message of its newest boot was received since this supervisor knows it.
+    pub(crate) is_heard: bool,
     /// Limits the rate of new boots.
     pub(crate) new_boots: Bucket,
     /// Limits the rate of new layouts.
@@ -95,6 +97,7 @@ impl KnownRobot {
             robot,
             whisker_ids: Vec::new(),
             boots: Boots::default(),
+            is_heard: false,
             new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
             new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
             silence_restarted: None,

@@ -43,7 +43,8 @@ impl Shard {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
-            | Message::SupervisorState(_) => {}
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => {}
         }
     }
 
@@ -87,7 +88,10 @@ impl Shard {
                 self.announced.early(stepper, name, raw.received, &event);
                 ("unknown_boot", "no factsheet was received from this robot")
             }
-            (false, _) => ("unknown_robot", "neither birth nor factsheet was received from this robot"),
+            (false, _) => {
+                stepper.has_unannounced = true;
+                ("unknown_robot", "neither birth nor factsheet was received from this robot")
+            }
         };
         stepper.metrics.refuse(reason, problem, name.as_str());
     }
@@ -146,6 +150,7 @@ impl Shard {
         }
         if !self.robots.contains_key(&raw.robot) && !self.announced.has_boot(&raw.robot, boot_id) {
             let problem = "no birth of this boot was received from this robot";
+            self.stepper.has_unannounced = true;
             self.stepper.metrics.refuse("unknown_robot", problem, raw.robot.as_str());
             return None;
         }

@@ -49,9 +49,10 @@ impl Stepper {
             self.violation("old_boot", OLD_FACTSHEET, &known.name);
             return Ok(());
         }
-        // A retained factsheet of an older boot, or one of a boot that was not announced or not accepted. It gets no
-        // row ids, because numbers must increase with newer boots.
+        // One of a boot that was not announced or not accepted. It gets no row ids, because numbers must increase with
+        // newer boots.
         if known.robot.connection_state().0 != Some(boot_id) {
+            self.has_unannounced |= known.refused_boot.is_none();
             return Ok(());
         }
         let is_numbered = known.is_laid_out(&factsheet);
@@ -96,7 +97,9 @@ impl Stepper {
             Ok(whiskers) => {
                 let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
                 let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
-                if self.step(known, now, &event, None) == Outcome::BadTime {
+                let outcome = self.step(known, now, &event, None);
+                self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
+                if outcome == Outcome::BadTime {
                     self.violation("bad_time", "a status with an implausible time", &known.name);
                 }
             }
@@ -132,6 +135,7 @@ impl Stepper {
         let source = Source { message, boot: known.boot(boot_id) };
         match self.step(known, now, &event, Some(source)) {
             Outcome::NotYet(admission) => {
+                self.has_unannounced |= is_unannounced(known, boot_id);
                 let reason = match admission {
                     Admission::TooManyGaps => "too_many_gaps",
                     Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
@@ -234,6 +238,12 @@ impl Stepper {
             Err(problem) => self.metrics.refuse(problem.label(), problem, "setpoint_state"),
         }
     }
+}
+
+/// Whether the birth of this boot was not received. One that the rate limit refused was received.
+fn is_unannounced(known: &KnownRobot, boot_id: &str) -> bool {
+    let is_newest = known.robot.connection_state().0 == Some(boot_id);
+    !is_newest && known.boots.get(boot_id).is_none() && known.refused_boot.is_none()
 }
 
 /// Number of a boot's `contacts` messages that are given up, and the first `seq` beyond all received ones.

@@ -170,6 +170,12 @@ impl Shards {
         is_done
     }
 
+    /// Whether a message of a robot came since the last call whose birth was not received.
+    pub(crate) fn take_unannounced(&mut self) -> bool {
+        let of_shard = |shard: &mut Shard| std::mem::take(&mut shard.stepper_mut().has_unannounced);
+        self.shards.iter_mut().map(of_shard).fold(false, |any, one| any | one)
+    }
+
     /// Restarts the silence timers of all robots, because this supervisor was deaf.
     pub(crate) fn restart_silence_timers(&mut self, now: Micros) {
         for shard in &mut self.shards {

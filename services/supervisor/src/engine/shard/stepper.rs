@@ -48,6 +48,8 @@ pub(crate) struct Stepper {
     /// Which contacts get a row of their own.
     pub(super) retention: ContactRetention,
     pub(super) batch: OpenBatch,
+    /// A message has come of a robot whose birth was not received.
+    pub(crate) has_unannounced: bool,
     /// The current message has changed a robot.
     pub(super) has_stepped: bool,
     /// Robots with boots whose contacts are due for a receipt.
@@ -71,6 +73,7 @@ impl Stepper {
             metrics,
             retention: ContactRetention::default(),
             batch: OpenBatch::default(),
+            has_unannounced: false,
             has_stepped: false,
             receipts_due: Vec::new(),
             answered: None,
@@ -125,6 +128,7 @@ impl Stepper {
     ) -> Outcome {
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(&self.params, now, event, &mut effects);
+        known.is_heard |= is_of_newest_boot(event, outcome);
         self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
         if let Some(traces) = &mut self.traces
             && is_traced(&effects)
@@ -191,4 +195,22 @@ impl Stepper {
             self.metrics.setpoint_application_seconds.of(answered.reason.word()).observe(seconds);
         }
     }
+}
+
+/// Whether an event is a message of the robot's newest boot.
+fn is_of_newest_boot(event: &Event<'_>, outcome: Outcome) -> bool {
+    let is_message = match event {
+        Event::Connection { .. }
+        | Event::Factsheet { .. }
+        | Event::Contacts { .. }
+        | Event::Status { .. }
+        | Event::Setpoint { .. }
+        | Event::TouchTest { .. } => true,
+        Event::Operator(_) | Event::PolicyChanged | Event::Tick => false,
+    };
+    is_message
+        && match outcome {
+            Outcome::Taken | Outcome::Duplicate | Outcome::BadTime => true,
+            Outcome::NotYet(_) | Outcome::OldBoot | Outcome::Refused(_) => false,
+        }
 }

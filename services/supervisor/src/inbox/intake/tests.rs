@@ -86,13 +86,16 @@ async fn contacts_leave_room_for_everything_else() {
 async fn what_is_retained_is_asked_for_again_once_there_is_room() {
     let (mut intake, mut inbox) = bounded(SMALL, counted());
     fill(&mut intake, "factsheet");
-    assert!(!intake.take_missed(), "the inbox is still full");
+    assert_eq!(intake.take_wanted(), None, "the inbox is still full");
     drain(&mut inbox).await;
-    assert!(intake.take_missed());
-    assert!(!intake.take_missed(), "only once");
+    assert_eq!(intake.take_wanted(), Some(BirthCause::Shed));
+    assert_eq!(intake.take_wanted(), None, "only once");
     fill(&mut intake, "status");
     drain(&mut inbox).await;
-    assert!(!intake.take_missed(), "the broker does not retain status");
+    assert_eq!(intake.take_wanted(), None, "a status is no birth");
+    inbox.want_births(BirthCause::Allowed);
+    assert_eq!(intake.take_wanted(), Some(BirthCause::Allowed));
+    assert_eq!(intake.take_wanted(), None, "only once");
 }
 
 #[tokio::test]

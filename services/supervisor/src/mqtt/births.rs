@@ -1,0 +1,100 @@
+//! Requests for births: each robot of the fleet publishes its birth and its factsheet again.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_protocol::{SupervisorRequest, SupervisorRequestKind, Timestamp, Topic, encode};
+
+use super::Connection;
+use crate::births::BirthCause;
+
+/// Shortest interval between two requests. Robots answer within this time, and an answer serves all requests before it.
+const INTERVAL_MIN: Duration = Duration::from_secs(2);
+/// Limit of requests per minute, because each makes the whole fleet answer.
+const PER_MINUTE: usize = 10;
+const MINUTE: Duration = Duration::from_secs(60);
+
+/// The requests of one supervisor for one fleet.
+#[derive(Debug, Default)]
+pub(super) struct BirthRequests {
+    /// `seq` of the next request.
+    seq: u64,
+    wanted: Option<BirthCause>,
+    /// Times of the requests of the last minute.
+    sent: VecDeque<Instant>,
+}
+
+impl BirthRequests {
+    /// Wants a request as soon as the limits allow it. Requests wanted before it are served by the same one.
+    pub(super) fn want(&mut self, cause: BirthCause) {
+        self.wanted.get_or_insert(cause);
+    }
+
+    /// The cause of a request that must be published now.
+    pub(super) fn take_due(&mut self, now: Instant) -> Option<BirthCause> {
+        self.wanted?;
+        while self.sent.front().is_some_and(|sent| now.saturating_duration_since(*sent) >= MINUTE) {
+            self.sent.pop_front();
+        }
+        let is_early = self.sent.back().is_some_and(|last| now.saturating_duration_since(*last) < INTERVAL_MIN);
+        if is_early || self.sent.len() >= PER_MINUTE {
+            return None;
+        }
+        self.sent.push_back(now);
+        self.wanted.take()
+    }
+
+    /// Topic and payload of the next request.
+    pub(super) fn message(&mut self, connection: &Connection) -> (String, Vec<u8>) {
+        let request = SupervisorRequest {
+            boot_id: connection.boot_id.clone(),
+            seq: self.seq,
+            epoch: connection.epoch,
+            timestamp: Timestamp(wall_clock().0),
+            request: SupervisorRequestKind::Birth,
+        };
+        self.seq += 1;
+        (Topic::SupervisorRequest { fleet: connection.fleet.clone() }.to_string(), encode(&request))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_at_least_two_seconds_apart_and_at_most_ten_a_minute() {
+        let begin = Instant::now();
+        let mut requests = BirthRequests::default();
+        assert_eq!(requests.take_due(begin), None, "none is wanted");
+        let mut sent_ms = Vec::new();
+        for ms in (0..300_000).step_by(100) {
+            requests.want(BirthCause::Connected);
+            if requests.take_due(begin + Duration::from_millis(ms)).is_some() {
+                sent_ms.push(ms);
+            }
+        }
+        assert_eq!(sent_ms[..10], [0, 2_000, 4_000, 6_000, 8_000, 10_000, 12_000, 14_000, 16_000, 18_000]);
+        for window in sent_ms.windows(PER_MINUTE + 1) {
+            assert!(window[PER_MINUTE] - window[0] >= 60_000, "{window:?}");
+        }
+        assert_eq!(sent_ms.len(), 5 * PER_MINUTE);
+    }
+
+    #[test]
+    fn one_request_serves_all_that_were_wanted_before_it_and_a_late_one_is_kept() {
+        let begin = Instant::now();
+        let mut requests = BirthRequests::default();
+        requests.want(BirthCause::Connected);
+        requests.want(BirthCause::Unheard);
+        assert_eq!(requests.take_due(begin), Some(BirthCause::Connected));
+        assert_eq!(requests.take_due(begin + MINUTE), None);
+        let next = begin + MINUTE;
+        requests.want(BirthCause::Shed);
+        assert_eq!(requests.take_due(next), Some(BirthCause::Shed));
+        requests.want(BirthCause::Allowed);
+        assert_eq!(requests.take_due(next + Duration::from_millis(1_999)), None);
+        assert_eq!(requests.take_due(next + INTERVAL_MIN), Some(BirthCause::Allowed));
+    }
+}
