@@ -356,7 +356,8 @@ impl Whisker {
                 let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance);
+                let walk = self.walks.rate();
+                self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance, walk);
             }
         }
         // Wear is known to change the sensitivity: a gain that wanders instead would keep the length from following.
@@ -459,11 +460,11 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
-            offset: self
-                .rare
-                .unsteady
-                .map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift)
-                .hypot(if eroding { 0.0 } else { self.walks.rate() }),
+            offset: self.rare.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift).hypot(if eroding {
+                0.0
+            } else {
+                self.walks.rate()
+            }),
         }
     }
 
