@@ -130,6 +130,8 @@ impl Stepper {
         let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
         let source = Source { message, boot: known.boot(boot_id) };
+        // The step may end a test.
+        let progress = self.test_progress(known, message, now);
         match self.step(known, now, &event, Some(source)) {
             Outcome::NotYet(admission) => {
                 let reason = match admission {
@@ -152,6 +154,7 @@ impl Stepper {
                 }
             }
             Outcome::Taken => {
+                self.record_progress(progress);
                 known.fingerprints.remember(known.boot(boot_id), message.seq, content.unwrap_or(fingerprints::REFUSED));
                 if message.seq < end {
                     self.metrics.messages_resent.inc();
