@@ -68,7 +68,8 @@ impl Robot {
             (_, true, _) => TestKind::Tip,
             (_, false, false) => return false,
         };
-        let may_ask = asking == Asking::ForAnOperator || reason == TestReason::Operator;
+        // An operator who has started a test has started its row.
+        let may_ask = asking == Asking::ForAnOperator || reason == TestReason::Operator || test.done > 0;
         if !may_ask && params.policy.mode == Mode::Advise {
             self.propose_test(now, index, kind, reason, effects);
             return false;
