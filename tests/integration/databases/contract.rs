@@ -60,7 +60,8 @@ fn touch_tests(robot_id: i64, whisker_id: i64) -> Vec<Record> {
     };
     let error = Some("NOT_READY");
     let rejected = TouchTestProgressRow { error, ended_us: Some(22), ..progress(1, Some("REJECTED"), 22) };
-    let of_another_robot = TouchTestProgressRow { robot_id: robot_id + 1000, ..touched(100, 100, 99) };
+    let of_another_robot =
+        TouchTestProgressRow { robot_id: robot_id + 1000, whisker_id: None, ..touched(100, 100, 99) };
     let rows = [
         progress(0, Some("ACCEPTED"), 21),
         progress(0, Some("RUNNING"), 22),

@@ -40,7 +40,7 @@ enum Touched<'b> {
     Error(i64, i64),
     Setpoint(&'b str),
     Alarm(i64, &'b str),
-    Test(&'b str),
+    Test(i64, &'b str),
 }
 
 impl<'b> Sorted<'b> {
@@ -59,9 +59,9 @@ impl<'b> Sorted<'b> {
                 Record::Error(row) => touched.insert(Touched::Error(row.compensation_id, row.recorded_us)),
                 Record::Alarm(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
                 Record::AlarmCleared(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
-                Record::TouchTest(row) => touched.insert(Touched::Test(&row.test_id)),
+                Record::TouchTest(row) => touched.insert(Touched::Test(row.robot_id, &row.test_id)),
                 Record::TouchTestProgress(row) => {
-                    touched.insert(Touched::Test(&row.test_id)) || sorted.progress(&row.test_id).is_some()
+                    touched.insert(Touched::Test(row.robot_id, &row.test_id)) || sorted.progress(row).is_some()
                 }
                 Record::Activation(_)
                 | Record::Approved { .. }
@@ -84,8 +84,9 @@ impl<'b> Sorted<'b> {
         self.answered.iter_mut().find(|last| last.command_id == row.command_id)
     }
 
-    fn progress(&mut self, test_id: &str) -> Option<&mut TouchTestProgressRow> {
-        self.test_progress.iter_mut().find(|before| before.test_id == test_id)
+    fn progress(&mut self, row: &TouchTestProgressRow) -> Option<&mut TouchTestProgressRow> {
+        let test = (row.robot_id, &row.test_id);
+        self.test_progress.iter_mut().find(|before| (before.robot_id, &before.test_id) == test)
     }
 
     fn put(&mut self, record: &'b Record) {
@@ -119,7 +120,7 @@ impl<'b> Sorted<'b> {
             Record::Alarm(row) => self.alarms.push(row),
             Record::AlarmCleared(row) => self.cleared.push(row),
             Record::TouchTest(row) => self.tests.push(row),
-            Record::TouchTestProgress(row) => match self.progress(&row.test_id) {
+            Record::TouchTestProgress(row) => match self.progress(row) {
                 Some(before) => before.add(row),
                 None => self.test_progress.push(TouchTestProgressRow::clone(row)),
             },
