@@ -214,6 +214,7 @@ impl Stepper {
             Effect::MissedTouch { .. } => self.metrics.missed_touches.inc(),
             Effect::Test(test) => {
                 self.metrics.touch_tests.count([TestState::Pending.word()]);
+                self.metrics.touch_tests_begun.count([test.reason.word()]);
                 let (kind, reason) = (test.kind.word(), test.reason.word());
                 info!(robot = %name, whisker = test.whisker, kind, reason, "touch test requested");
                 let row = test_row(robot_id, &self.fleet, &name, &test, whisker_id(test.whisker));
@@ -222,6 +223,7 @@ impl Stepper {
             }
             Effect::TestProposed(test) => {
                 self.metrics.touch_tests.count([TestState::Proposed.word()]);
+                self.metrics.touch_tests_begun.count([test.reason.word()]);
                 let (kind, reason) = (test.kind.word(), test.reason.word());
                 info!(robot = %name, whisker = test.whisker, kind, reason, "touch test proposed");
                 let ids = (robot_id, whisker_id(test.whisker));
