@@ -298,8 +298,14 @@ impl HandRobot {
         .await
     }
 
-    /// Sends touches of a touch test at a distance from the base, and touches that did not come at another one.
-    pub async fn touch_on_request(&mut self, test: &TouchTest, touches: (usize, f64), missed: (usize, f64)) {
+    /// Sends touches of a touch test at a distance from the base in mm, and touches that did not come at another one.
+    /// Returns the message.
+    pub async fn touch_on_request(
+        &mut self,
+        test: &TouchTest,
+        touches: (usize, f64),
+        missed: (usize, f64),
+    ) -> Contacts {
         let contacts = (0..touches.0).map(|_| {
             let contact = self.contact(test.whisker);
             Contact { ratio: None, distance_mm: Some(touches.1), test_id: Some(test.test_id.clone()), ..contact }
@@ -315,6 +321,7 @@ impl HandRobot {
         };
         let message = Contacts { missed: vec![missed_touch; missed.0], ..self.message(contacts) };
         self.tell(RobotTopic::Contacts, &message).await;
+        message
     }
 
     /// Reports progress or result of a touch test.

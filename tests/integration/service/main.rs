@@ -25,4 +25,5 @@ mod restart;
 mod schemathesis;
 mod setpoints;
 mod start;
+mod touch_tests;
 mod traces;
