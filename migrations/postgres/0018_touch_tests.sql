@@ -28,7 +28,8 @@ CREATE TABLE touch_tests (
 );
 CREATE INDEX touch_tests_of_whisker ON touch_tests (whisker_id, requested_us);
 
--- The touch test that an action TOUCH_TEST requested at once; NULL for other actions, and if the robot could not be asked then.
+-- The touch test that an action TOUCH_TEST requested at once; NULL for other actions, and if the request had to wait: for the
+-- robot, for a setpoint under way, or because of the limit per hour.
 ALTER TABLE actions ADD COLUMN test_id TEXT;
 
 -- A change of a touch test names its whisker.

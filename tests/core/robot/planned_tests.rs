@@ -112,7 +112,7 @@ fn after_a_restart_each_whisker_is_tested_one_after_another() {
     }
     assert_eq!(trimmed(&world), [0_usize; 0]);
 
-    // Unless it is asked for, no restart leads to a test.
+    // By default, no restart leads to a test.
     let mut other = self::world(Places::Distance, self::params(), restart);
     other.run_until_s(60.0);
     assert_eq!(tests(&other), []);

@@ -39,8 +39,8 @@ async fn touches_count_once_and_a_test_goes_on_under_the_next_supervisor() {
     let mut robot = tester(broker.port()).await;
     ask_for_test(&running).await;
     let test = robot.touch_test().await;
-    assert_eq!(running.database.texts("SELECT test_id FROM touch_tests").await, [test.test_id.clone()]);
-    assert_eq!(running.database.texts("SELECT test_id FROM actions").await, [test.test_id.clone()]);
+    assert_eq!(running.database.texts("SELECT test_id FROM touch_tests").await, [test.test_id.as_str()]);
+    assert_eq!(running.database.texts("SELECT test_id FROM actions").await, [test.test_id.as_str()]);
     robot.answer_test(&test, TouchTestOutcome::Running, None).await;
     let sent = robot.touch_on_request(&test, (3, 60.0), (1, 69.5)).await;
     // The same message again, as after a lost receipt.

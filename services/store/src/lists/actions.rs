@@ -49,7 +49,7 @@ from_row! {
         /// Time at which the action was done, refused or expired; null while it is pending.
         pub done_at: Option<Time>,
         /// Identifier of the touch test that the action `TOUCH_TEST` requested: the `test_id` of `/v1/touch-tests`; null
-        /// for other actions, and if the robot could not be asked at once.
+        /// for other actions, and if the request had to wait.
         pub test_id: Option<String>,
     }
 }

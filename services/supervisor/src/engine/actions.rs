@@ -129,7 +129,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Records the test that an action has requested; none if the robot could not be asked at once.
+    /// Records the test that an action has requested; none if the request has to wait.
     fn name_test(&mut self, action_id: i64, name: &Name, place: Place<'_>) {
         let Some(known) = self.shards.robot(name) else { return };
         let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };

@@ -1,4 +1,4 @@
-//! Touch tests.
+//! Limits and times of touch tests.
 
 use vibrissa_core::robot::params::TouchTestParams;
 use vibrissa_core::units::Micros;

@@ -20,12 +20,12 @@ const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Deflections of a test, mm: weak ones and those that most contacts have.
 const DEFLECTIONS_MM: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// Who asks for a test.
+/// Origin of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asking {
     /// The supervisor, which only proposes it in mode ADVISE.
     ByItself,
-    /// An operator.
+    /// An operator, whom no mode and no pause delays.
     ForAnOperator,
 }
 
@@ -276,7 +276,7 @@ impl Robot {
             self.want_test(index, TestReason::Operator);
         }
         if !self.ask_for_test(params, now, index, Asking::ForAnOperator, effects) {
-            // It is requested as soon as the robot can be asked.
+            // The request follows when the robot is back, its setpoint is applied, or the limit allows it.
             self.want_test(index, TestReason::Operator);
         }
         Ok(())
