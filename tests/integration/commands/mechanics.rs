@@ -1,23 +1,8 @@
 //! `vibrissa paper`, `solve` and `calibrate` on the command line.
 
-use std::path::Path;
-use std::process::{Command, Output};
-
 use serde_json::Value;
 
-fn vibrissa(arguments: &[&str], folder: &Path) -> Output {
-    let program = env!("CARGO_BIN_EXE_vibrissa-under-test");
-    Command::new(program).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn out(output: &Output) -> String {
-    assert!(output.status.success(), "{}", err(output));
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
+use crate::program::{err, out, vibrissa};
 
 #[test]
 fn paper_table_and_figures() {

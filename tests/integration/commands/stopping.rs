@@ -8,11 +8,13 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use vibrissa_tests::wait;
 
+use crate::program::PROGRAM;
+
 /// Documentation promises one second; other tests use the processors at the same time.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 fn start(arguments: &[&str], folder: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
+    Command::new(PROGRAM)
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::piped())
