@@ -29,7 +29,7 @@ pub struct CalibrateArgs {
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
     /// Young's modulus of the rubber, MPa; strains alone determine only its product with k2.
-    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa)]
+    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa, value_parser = positive)]
     youngs_modulus_mpa: f64,
     /// Gauge factor, for instrument readings that were taken with a factor of 1.
     #[arg(long, default_value_t = 2.21, value_parser = positive)]

@@ -18,10 +18,12 @@ pub mod table;
 pub mod token;
 pub mod whiskers;
 
+mod words;
+
 use std::io::stdout;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 /// Supervisor for fleets of robots with soft whisker arrays.
 #[derive(Debug, Parser)]
@@ -67,6 +69,13 @@ enum Command {
     Contract(contract::ContractArgs),
     /// Print the reference of all Prometheus metrics with labels and meaning, in Markdown.
     Metrics,
+}
+
+/// Parses the command line. Ends the program after a message about a wrong one, or after `--help`.
+#[must_use]
+pub fn parse() -> Cli {
+    let matches = words::lenient(Cli::command()).get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|problem| problem.format(&mut Cli::command()).exit())
 }
 
 /// Runs a command.

@@ -50,11 +50,8 @@ fn length(text: &str) -> Result<Millimetre, String> {
 
 fn examined_pressure(text: &str) -> Result<Megapascal, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    let pressure = Megapascal::new(value).map_err(|error| error.to_string())?;
-    if pressure > Megapascal::EXAMINED_MAX {
-        return Err("must be at most 0.2 MPa, the highest pressure examined".to_owned());
-    }
-    Ok(pressure)
+    let pressure = Megapascal::new(value).ok().filter(|pressure| *pressure <= Megapascal::EXAMINED_MAX);
+    pressure.ok_or_else(|| "must be from 0 to 0.2 MPa, the pressures that were examined".to_owned())
 }
 
 /// Solves, and prints the result. Out of range is a result, not an error.

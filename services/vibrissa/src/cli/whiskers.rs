@@ -5,10 +5,14 @@ use std::io::Write;
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
+use vibrissa_core::robot::effect::Condition;
+use vibrissa_core::units::Megapascal;
+use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
 use super::api::{ApiArgs, number, percent, text};
 use super::table::Table;
+use super::words::word_of;
 
 /// Arguments of `vibrissa whiskers`.
 #[derive(Debug, Args)]
@@ -19,9 +23,9 @@ pub struct WhiskersArgs {
     /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,
-    /// Only this condition: LEARNING, HEALTHY, SUSPECTED, TRIMMED, ERODING or SENSITIVITY_LOSS.
-    #[arg(long)]
-    condition: Option<String>,
+    /// Only this condition.
+    #[arg(long, value_parser = word_of::<Condition>())]
+    condition: Option<Condition>,
     #[command(flatten)]
     api: ApiArgs,
 }
@@ -34,7 +38,7 @@ pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()>
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
         ("robot", args.robot.as_ref().map(ToString::to_string)),
-        ("condition", args.condition.clone()),
+        ("condition", args.condition.map(|condition| condition.word().to_owned())),
     ];
     let rows = args.api.open()?.rows("/v1/whiskers", &filters)?;
     if args.api.json {
@@ -146,7 +150,13 @@ pub struct SetpointArgs {
     #[arg(value_parser = whisker)]
     whisker: Place,
     /// Pressure to hold, MPa: 0 to the whisker's maximum, at most 0.2.
-    #[arg(long, value_name = "MPA", required_unless_present = "release", conflicts_with = "release")]
+    #[arg(
+        long,
+        value_name = "MPA",
+        value_parser = pressure,
+        required_unless_present = "release",
+        conflicts_with = "release"
+    )]
     pressure_mpa: Option<f64>,
     /// Release the whisker instead, so that the supervisor sets its pressure again.
     #[arg(long)]
@@ -165,6 +175,13 @@ struct Place {
     robot: Name,
     array: Name,
     whisker: u16,
+}
+
+fn pressure(text: &str) -> Result<f64, String> {
+    let mpa: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let highest = Megapascal::EXAMINED_MAX.mpa();
+    // The supervisor also checks the limit of the whisker.
+    (0.0..=highest).contains(&mpa).then_some(mpa).ok_or_else(|| format!("must be from 0 to {highest} MPa"))
 }
 
 fn whisker(text: &str) -> Result<Place, String> {

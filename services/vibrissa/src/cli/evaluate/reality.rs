@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Place, Plan, Row, Share, Spread, evaluate};
 
 use crate::cli::stop;
+use crate::cli::words::one_of;
 use crate::figures;
 
 /// Arguments of `vibrissa evaluate reality`.
@@ -28,8 +29,8 @@ pub struct RealityArgs {
     /// Rows, each at all its strengths (`mix,ar1`) or at one (`temperature:2`); all rows if not given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = rows_of)]
     rows: Vec<Rows>,
-    /// Place that the robots know of their contacts: RATIO, TIP, DISTANCE, DISTANCE_TESTS (with touch tests) or UNKNOWN.
-    #[arg(long, default_value = "RATIO", value_parser = place_of)]
+    /// Place that the robots know of their contacts; `DISTANCE_TESTS` is with touch tests.
+    #[arg(long, default_value = "RATIO", value_parser = one_of(Place::ALL.to_vec(), Place::word))]
     place: Place,
     /// Print everything as JSON instead of a table.
     #[arg(long)]
@@ -39,20 +40,14 @@ pub struct RealityArgs {
     svg: Option<PathBuf>,
 }
 
-fn place_of(word: &str) -> Result<Place, String> {
-    Place::ALL.into_iter().find(|place| place.word() == word).ok_or_else(|| {
-        let words: Vec<&str> = Place::ALL.iter().map(|place| place.word()).collect();
-        format!("the places are {}", words.join(", "))
-    })
-}
-
 /// Rows of one name.
 #[derive(Debug, Clone)]
 struct Rows(Vec<Row>);
 
 fn rows_of(text: &str) -> Result<Rows, String> {
     let (name, strength) = text.split_once(':').map_or((text, None), |(name, strength)| (name, Some(strength)));
-    let nuisance = Nuisance::of_word(name).ok_or_else(|| {
+    let named = |one: &Nuisance| one.word().eq_ignore_ascii_case(name);
+    let nuisance = Nuisance::ALL.into_iter().find(named).ok_or_else(|| {
         let names: Vec<&str> = Nuisance::ALL.iter().map(|one| one.word()).collect();
         format!("the rows are {}", names.join(", "))
     })?;
