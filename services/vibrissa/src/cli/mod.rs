@@ -25,6 +25,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+/// Exit code of a command that has worked, and whose answer is no.
+pub const ANSWER_IS_NO: u8 = 3;
+
 /// Supervisor for fleets of robots with soft whisker arrays.
 #[derive(Debug, Parser)]
 #[command(version, about, arg_required_else_help = true)]
@@ -97,7 +100,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),
-        Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Solve(args) => solve::run(&args, &mut stdout()),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
