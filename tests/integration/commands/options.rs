@@ -1,4 +1,4 @@
-//! Values of options: numbers below zero, closed words, log filters.
+//! Values of options: numbers below zero, closed words, log filters; the help of commands; exit codes.
 
 use crate::program::{err, out, vibrissa};
 
@@ -64,4 +64,46 @@ fn an_invalid_log_filter_is_refused_by_every_command_that_logs() {
         assert!(told.contains("log (flag --log): is not a log filter: \"5\" in \"blah=5\" is not a level"), "{told}");
         assert!(told.contains("the levels are off, error, warn, info, debug, trace"), "{told}");
     }
+}
+
+#[test]
+fn the_help_of_a_command_shows_the_options_that_it_uses() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = |command: &str| out(&vibrissa(&[command, "--help"], folder.path()));
+    let client = ["--fleets", "--log", "--mqtt-url", "--mqtt-username", "--mqtt-ca-file", "--mqtt-client-key-file"];
+    for (command, used, unused) in [
+        ("record", &client[..], &["--http-listen", "--database-url", "--policy-mode", "--mqtt-port"][..]),
+        ("check-robot", &client[..], &["--http-listen", "--database-url", "--policy-mode", "--contacts-keep"]),
+        (
+            "replay",
+            &["--fleets", "--calibrations", "--policy-mode", "--detection-cold-start-contacts", "--model-formulation"],
+            &["--http-listen", "--database-url", "--mqtt-url", "--mqtt-ca-file", "--log"],
+        ),
+        ("run", &["--http-listen", "--database-url", "--policy-mode", "--mqtt-port"], &[]),
+    ] {
+        let told = help(command);
+        let names: Vec<&str> = told.split_whitespace().map(|word| word.trim_end_matches(',')).collect();
+        for option in used {
+            assert!(names.contains(option), "{command} lacks {option}:\n{told}");
+        }
+        for option in unused {
+            assert!(!names.contains(option), "{command} shows {option}:\n{told}");
+        }
+    }
+    let told = help("record");
+    let headings: Vec<&str> = told.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).collect();
+    assert_eq!(headings, ["Options:", "General settings:", "MQTT broker:"]);
+    assert!(help("run").contains("\nPolicy of compensations:\n"));
+}
+
+#[test]
+fn a_configuration_file_for_the_supervisor_serves_the_other_commands_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "fleets = [\"lab\"]\n[http]\nlisten = \"127.0.0.1:0\"\n[policy]\nmode = \"advise\"\n\
+                [database]\nurl = \"sqlite:lab.sqlite3\"\n[mqtt]\nurl = \"mqtt://127.0.0.1:1\"\n";
+    std::fs::write(folder.path().join("v.toml"), text).unwrap();
+    std::fs::write(folder.path().join("empty.jsonl"), "").unwrap();
+    out(&vibrissa(&["replay", "empty.jsonl", "--config", "v.toml"], folder.path()));
+    let ended = vibrissa(&["record", "--config", "v.toml", "--for", "100ms"], folder.path());
+    assert!(err(&ended).contains("fleet lab: tried ") && err(&ended).contains("127.0.0.1:1"), "{}", err(&ended));
 }

@@ -9,7 +9,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
-use super::config::ConfigArgs;
+use super::config::BrokerOrPortArgs;
 use super::serve::{log, runtime};
 use crate::check::{CheckOptions, Outcome, Report, Timings, check};
 use vibrissa_edge::ids::start_seed;
@@ -49,7 +49,7 @@ pub struct CheckRobotArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: BrokerOrPortArgs,
 }
 
 fn whisker(text: &str) -> Result<(Name, u16), String> {

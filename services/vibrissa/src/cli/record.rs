@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use tokio::signal::unix::{SignalKind, signal};
 
-use super::config::ConfigArgs;
+use super::config::BrokerArgs;
 use super::serve::{log, runtime};
 use crate::record::{Report, record};
 
@@ -27,7 +27,7 @@ pub struct RecordArgs {
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: BrokerArgs,
 }
 
 fn duration(text: &str) -> Result<Duration, String> {
