@@ -18,6 +18,7 @@ pub mod table;
 pub mod token;
 pub mod whiskers;
 
+mod progress;
 mod words;
 
 use std::io::stdout;

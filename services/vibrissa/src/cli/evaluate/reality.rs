@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Place, Plan, Row, Share, Spread, evaluate};
 
+use crate::cli::progress::Progress;
 use crate::cli::stop;
 use crate::cli::words::one_of;
 use crate::figures;
@@ -68,10 +68,9 @@ pub fn run(args: &RealityArgs, out: &mut dyn Write) -> Result<()> {
     let named: Vec<Row> = args.rows.iter().flat_map(|rows| rows.0.iter().copied()).collect();
     let rows = if named.is_empty() { Row::of(&Nuisance::ALL) } else { named };
     let plan = Plan { seed: args.seed, rows, place: args.place, contacts: args.contacts, incidents: args.cuts };
-    let bar = ProgressBar::new(plan.trials());
-    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} robots, {eta} left")?);
-    let found = evaluate(&plan, &|| bar.inc(1));
-    bar.finish_and_clear();
+    let progress = Progress::start(plan.trials(), "robots")?;
+    let found = evaluate(&plan, &|| progress.step());
+    drop(progress);
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&plan, &found))?)?;
     } else {
