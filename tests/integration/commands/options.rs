@@ -1,6 +1,8 @@
 //! Values of options: numbers below zero, closed words, log filters; the help of commands; exit codes.
 
-use crate::program::{err, out, vibrissa};
+use std::process::{Command, Stdio};
+
+use crate::program::{PROGRAM, err, out, vibrissa};
 
 fn refused(arguments: &[&str], code: i32) -> String {
     let folder = tempfile::tempdir().unwrap();
@@ -106,4 +108,31 @@ fn a_configuration_file_for_the_supervisor_serves_the_other_commands_too() {
     out(&vibrissa(&["replay", "empty.jsonl", "--config", "v.toml"], folder.path()));
     let ended = vibrissa(&["record", "--config", "v.toml", "--for", "100ms"], folder.path());
     assert!(err(&ended).contains("fleet lab: tried ") && err(&ended).contains("127.0.0.1:1"), "{}", err(&ended));
+}
+
+/// A command that logs a warning.
+const LOGGING: [&str; 7] = ["record", "--broker", "mqtt://127.0.0.1:1", "--fleet", "f", "--for", "500ms"];
+/// What begins every colour.
+const ESCAPE: char = '\u{1b}';
+
+#[test]
+fn a_log_in_a_file_has_no_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = err(&vibrissa(&LOGGING, folder.path()));
+    assert!(told.contains("WARN") && told.contains("127.0.0.1:1"), "the command must log something: {told}");
+    assert!(!told.contains(ESCAPE), "{told:?}");
+}
+
+#[test]
+fn a_log_on_a_terminal_has_colours_unless_they_are_not_wanted() {
+    let logged = |no_color: &str| {
+        // The command `script` gives the program a terminal.
+        let mut command = Command::new("script");
+        command.args(["-qec", &format!("{PROGRAM} {}", LOGGING.join(" ")), "/dev/null"]);
+        command.env("NO_COLOR", no_color).env_remove("RUST_LOG").stdin(Stdio::null());
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    let (with, without) = (logged(""), logged("1"));
+    assert!(with.contains("WARN") && with.contains(ESCAPE), "{with:?}");
+    assert!(without.contains("WARN") && !without.contains(ESCAPE), "{without:?}");
 }
