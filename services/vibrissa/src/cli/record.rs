@@ -30,7 +30,8 @@ pub struct RecordArgs {
     config: BrokerArgs,
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
+/// A duration as a whole number and a unit.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let bad = || "must be a number and a unit, such as 500ms, 60s, 5m or 1h".to_owned();
     let digits = text.find(|c: char| !c.is_ascii_digit()).ok_or_else(bad)?;
     let (number, unit) = text.split_at(digits);
