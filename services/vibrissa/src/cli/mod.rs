@@ -12,6 +12,7 @@ pub mod paper;
 pub mod record;
 pub mod replay;
 pub mod serve;
+pub mod setpoint;
 pub mod solve;
 pub mod stop;
 pub mod table;
@@ -50,7 +51,7 @@ enum Command {
     /// List the compensations with their predicted and measured errors.
     Compensations(whiskers::CompensationsArgs),
     /// Set a whisker's pressure manually, or release the whisker to the supervisor again.
-    Setpoint(whiskers::SetpointArgs),
+    Setpoint(setpoint::SetpointArgs),
     /// Create, list and revoke API tokens.
     Token(token::TokenArgs),
     /// Copy a SQLite database to a file while a supervisor uses it, and verify the copy.
@@ -95,7 +96,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         }
         Command::Whiskers(args) => whiskers::whiskers(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
-        Command::Setpoint(args) => whiskers::setpoint(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Setpoint(args) => setpoint::run(&args, &mut stdout()),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),

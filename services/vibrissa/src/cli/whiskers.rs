@@ -1,12 +1,10 @@
-//! `vibrissa whiskers`, `vibrissa compensations` and `vibrissa setpoint`: commands that use the API.
+//! `vibrissa whiskers` and `vibrissa compensations`: lists from the API.
 
 use std::io::Write;
 
-use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::Value;
 use vibrissa_core::robot::effect::Condition;
-use vibrissa_core::units::Megapascal;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
@@ -141,91 +139,6 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
         ]);
     }
     Ok(write!(out, "{table}")?)
-}
-
-/// Arguments of `vibrissa setpoint`.
-#[derive(Debug, Args)]
-pub struct SetpointArgs {
-    /// Whisker, as FLEET/ROBOT/ARRAY/NUMBER.
-    #[arg(value_parser = whisker)]
-    whisker: Place,
-    /// Pressure to hold, MPa: 0 to the whisker's maximum, at most 0.2.
-    #[arg(
-        long,
-        value_name = "MPA",
-        value_parser = pressure,
-        required_unless_present = "release",
-        conflicts_with = "release"
-    )]
-    pressure_mpa: Option<f64>,
-    /// Release the whisker instead, so that the supervisor sets its pressure again.
-    #[arg(long)]
-    release: bool,
-    /// Reason, for the audit log.
-    #[arg(long)]
-    reason: Option<String>,
-    #[command(flatten)]
-    api: ApiArgs,
-}
-
-/// Location of a whisker.
-#[derive(Debug, Clone)]
-struct Place {
-    fleet: Name,
-    robot: Name,
-    array: Name,
-    whisker: u16,
-}
-
-fn pressure(text: &str) -> Result<f64, String> {
-    let mpa: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    let highest = Megapascal::EXAMINED_MAX.mpa();
-    // The supervisor also checks the limit of the whisker.
-    (0.0..=highest).contains(&mpa).then_some(mpa).ok_or_else(|| format!("must be from 0 to {highest} MPa"))
-}
-
-fn whisker(text: &str) -> Result<Place, String> {
-    let parts: Vec<&str> = text.split('/').collect();
-    let [fleet, robot, array, whisker] = parts[..] else {
-        return Err("must be FLEET/ROBOT/ARRAY/NUMBER".to_owned());
-    };
-    let name = |text: &str| Name::new(text).map_err(|bad| bad.to_string());
-    let whisker = whisker.parse().map_err(|_| format!("{whisker:?} is not a whisker number"))?;
-    Ok(Place { fleet: name(fleet)?, robot: name(robot)?, array: name(array)?, whisker })
-}
-
-/// Sets a whisker's pressure or releases the whisker, and prints the action.
-///
-/// # Errors
-/// The supervisor does not answer or refuses the request, or the action was not executed in time.
-pub fn setpoint(args: &SetpointArgs, out: &mut impl Write) -> anyhow::Result<()> {
-    let Place { fleet, robot, array, whisker } = &args.whisker;
-    let base = format!("/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}");
-    let api = args.api.open()?;
-    let reason = args.reason.as_deref();
-    let action = match args.pressure_mpa {
-        Some(pressure_mpa) => {
-            api.act(&format!("{base}/setpoint"), &json!({ "pressure_mpa": pressure_mpa, "reason": reason }))?
-        }
-        None => api.act(&format!("{base}/release"), &json!({ "reason": reason }))?,
-    };
-    if args.api.json {
-        writeln!(out, "{action}")?;
-    } else {
-        let whole = api.one(&base)?;
-        writeln!(
-            out,
-            "action {}: {} {}; whisker {fleet}/{robot}/{array}/{whisker} was at {} MPa when it was read",
-            text(&action, "action_id"),
-            text(&action, "kind"),
-            text(&action, "state"),
-            number(&whole, "pressure_mpa", 4),
-        )?;
-    }
-    if action["state"] != "DONE" {
-        bail!("not done yet: poll /v1/actions/{}", text(&action, "action_id"));
-    }
-    Ok(())
 }
 
 fn place(row: &Value, whisker: &str) -> String {
