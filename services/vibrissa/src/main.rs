@@ -3,12 +3,11 @@
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use clap::Parser;
+use vibrissa::cli;
 use vibrissa::cli::stop::{EXIT_CODE, Stopped};
-use vibrissa::cli::{self, Cli};
 
 fn main() -> ExitCode {
-    match cli::run(Cli::parse()) {
+    match cli::run(cli::parse()) {
         Ok(code) => code,
         // The reader of the output has closed the pipe, as in `vibrissa paper | head`.
         Err(problem) if is_broken_pipe(&problem) => ExitCode::SUCCESS,

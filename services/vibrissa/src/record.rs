@@ -3,10 +3,9 @@
 use std::io::{self, Write};
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use tokio::sync::mpsc;
 use tokio::time::{MissedTickBehavior, interval};
 use tracing::warn;
@@ -16,7 +15,7 @@ use vibrissa_protocol::{BootId, Name};
 use crate::replay::Recorded;
 use vibrissa_edge::ids::start_seed;
 use vibrissa_supervisor::inbox::Incoming;
-use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, RecorderState};
 
 /// Capacity of the queue of messages to write.
 const WAITING: usize = 10_000;
@@ -24,6 +23,8 @@ const WAITING: usize = 10_000;
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
 /// or after this interval.
 const WRITTEN_EVERY: Duration = Duration::from_millis(200);
+/// Time limit for the first subscription of each fleet. A recording that hears nothing must not run for hours.
+const SUBSCRIBED_WITHIN: Duration = Duration::from_secs(30);
 
 /// Result of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,10 +37,34 @@ pub struct Report {
     pub breaks: u64,
 }
 
+/// A fleet whose messages are recorded.
+struct Source {
+    fleet: Name,
+    link: LinkState,
+    state: Arc<RecorderState>,
+}
+
+impl Source {
+    /// Why nothing of this fleet was recorded; `None` if the broker has accepted the subscription.
+    fn deafness(&self, broker: &BrokerAddress, tried: Duration) -> Option<String> {
+        if self.state.has_subscribed() {
+            return None;
+        }
+        let (fleet, attempts) = (&self.fleet, self.state.attempts());
+        let times = if attempts == 1 { "once".to_owned() } else { format!("{attempts} times") };
+        let reason = match self.link.deafness() {
+            Some((_, reason)) if reason.contains(&broker.to_string()) => reason,
+            _ => format!("MQTT broker {broker}: no answer yet: check the network, and mqtt.url"),
+        };
+        Some(format!("fleet {fleet}: tried {times} in {:.1} s. {reason}", tried.as_secs_f64()))
+    }
+}
+
 /// Records the given fleets until `stop`.
 ///
 /// # Errors
-/// A file of the broker's settings cannot be used, or the reader at the other end of the pipe has gone.
+/// A file of the broker's settings cannot be used, the broker did not accept the subscription of a fleet, or the reader
+/// at the other end of the pipe has gone.
 pub async fn record(
     broker: &BrokerAddress,
     fleets: &[Name],
@@ -50,24 +75,39 @@ pub async fn record(
     let mark = format!("r{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
     let boot_id = BootId::new(&mark).context("making a boot id for the connection")?;
     let (sender, mut heard) = mpsc::channel(WAITING);
-    let breaks = Arc::new(AtomicU64::new(0));
-    let recorders: Vec<_> = fleets
+    let source = |fleet: &Name| Source { fleet: fleet.clone(), link: LinkState::default(), state: Arc::default() };
+    let sources: Vec<Source> = fleets.iter().map(source).collect();
+    let begun = Instant::now();
+    let recorders: Vec<_> = sources
         .iter()
-        .map(|fleet| {
+        .map(|source| {
             let connection = Connection {
                 broker: broker.clone(),
                 prepared: prepared.clone(),
-                fleet: fleet.clone(),
+                fleet: source.fleet.clone(),
                 boot_id: boot_id.clone(),
                 epoch: 0,
-                link: LinkState::default(),
+                link: source.link.clone(),
             };
-            mqtt::record(connection, sender.clone(), breaks.clone())
+            mqtt::record(connection, sender.clone(), source.state.clone())
         })
         .collect();
     drop(sender);
     let mut journal = Journal::new(out);
-    let written = write_until(&mut journal, &mut heard, stop).await;
+    let has_unsubscribed = || sources.iter().any(|source| !source.state.has_subscribed());
+    let hopeless = async {
+        tokio::time::sleep(SUBSCRIBED_WITHIN).await;
+        if !has_unsubscribed() {
+            std::future::pending::<()>().await;
+        }
+    };
+    let ended = async {
+        tokio::select! {
+            () = stop => {}
+            () = hopeless => {}
+        }
+    };
+    let written = write_until(&mut journal, &mut heard, ended).await;
     for recorder in &recorders {
         recorder.abort();
     }
@@ -78,7 +118,13 @@ pub async fn record(
         journal.add(&incoming)?;
     }
     journal.flush()?;
-    Ok(Report { breaks: breaks.load(Ordering::Relaxed), ..journal.report })
+    let tried = begun.elapsed();
+    let deaf: Vec<String> = sources.iter().filter_map(|source| source.deafness(broker, tried)).collect();
+    if !deaf.is_empty() {
+        bail!("{} messages recorded; not recorded: {}", journal.report.messages, deaf.join("; "));
+    }
+    let breaks = sources.iter().map(|source| source.state.breaks()).sum();
+    Ok(Report { breaks, ..journal.report })
 }
 
 async fn write_until(

@@ -6,6 +6,7 @@
     reason = "a test that cannot go on has failed, and it picks what it waits for"
 )]
 
+mod embedded;
 mod faults;
 mod manners;
 mod program;

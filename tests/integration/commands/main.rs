@@ -1,4 +1,7 @@
 //! Commands of the program that need no broker and no database.
 
 mod mechanics;
+mod options;
+mod program;
+mod recording;
 mod stopping;

@@ -1,23 +1,8 @@
 //! `vibrissa paper`, `solve` and `calibrate` on the command line.
 
-use std::path::Path;
-use std::process::{Command, Output};
-
 use serde_json::Value;
 
-fn vibrissa(arguments: &[&str], folder: &Path) -> Output {
-    let program = env!("CARGO_BIN_EXE_vibrissa-under-test");
-    Command::new(program).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn out(output: &Output) -> String {
-    assert!(output.status.success(), "{}", err(output));
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
+use crate::program::{err, out, vibrissa};
 
 #[test]
 fn paper_table_and_figures() {
@@ -46,10 +31,17 @@ fn paper_solve_answers_case_1() {
 fn property_solve_out_of_range_is_an_answer_and_a_cut_into_the_chamber_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let solve = |length_mm: &str| vibrissa(&["solve", "--target-mm", "70", "--length-mm", length_mm], folder.path());
-    assert!(out(&solve("55")).contains("OUT OF RANGE: 55 mm stays more sensitive"));
-    assert!(out(&solve("82")).contains("OUT OF RANGE: 82 mm stays less sensitive"));
+    for (length_mm, told) in [("55", "55 mm stays more sensitive"), ("82", "82 mm stays less sensitive")] {
+        let answer = solve(length_mm);
+        assert_eq!(answer.status.code(), Some(3), "{}", err(&answer));
+        let text = String::from_utf8(answer.stdout).unwrap();
+        assert!(text.starts_with(&format!("OUT OF RANGE: {told}")) && text.contains("setpoint  "), "{text}");
+    }
+    let json = vibrissa(&["solve", "--target-mm", "70", "--length-mm", "55", "--json"], folder.path());
+    assert_eq!(json.status.code(), Some(3), "{}", err(&json));
+    assert_eq!(serde_json::from_slice::<Value>(&json.stdout).unwrap()["solution"], "NEEDS_BELOW_RANGE");
     let refused = solve("14");
-    assert!(!refused.status.success());
+    assert_eq!(refused.status.code(), Some(1));
     assert!(err(&refused).contains("cut into its chamber"), "{}", err(&refused));
 }
 
@@ -107,7 +99,25 @@ fn property_bad_readings_are_refused_with_line_and_column() {
         ("pressure_mpa,strain\n0.1,0.05\n0.1,abc\n", "line 3: column strain: \"abc\" is not a number"),
         ("pressure_mpa,strain\n0.1,0.05\n1.5,0.03\n", "line 3: column pressure_mpa: pressure in MPa is 1.5"),
         ("# x\npressure_mpa,strain\n0.1,0.05\n0.05,-0.03\n", "line 4, strain: must be above 0 under pressure"),
-        ("pressure_mpa,strain\n0.1,0.05\n0.1,0.05,3\n", "line: 3"),
+        ("pressure_mpa,strain\n0.1,0.05\n0.1,0.05,3\n", "line 3: 3 cells, but the header has 2 columns"),
+        ("pressure_mpa;strain\n0,1;0,05\n", "its columns are separated by semicolons: separate them by commas"),
+        ("pressure_mpa\tstrain\n0.1\t0.05\n", "its columns are separated by tabs"),
+        ("pressure_mpa,strain\n0.1,\"0,05\"\n", "\"0,05\" is not a number: write it with a decimal point"),
+        (
+            "pressure_mpa,strain\n0.1,0.05\n100,0.05\n",
+            "line 3: column pressure_mpa: pressure in MPa is 100, but must be between 0 and 1; if it is in kPa, write 0.1 MPa",
+        ),
+        ("pressure_kpa,strain\n100,0.05\n", "unknown column \"pressure_kpa\""),
+        ("pressure_kpa,strain\n100,0.05\n", "100 kPa are 0.1 MPa"),
+        ("pressure_mpa,strain\n", "the table has no rows below its header: write a header such as"),
+        (
+            "pressure_mpa,strain\n0.05,0.02\n0.1,0.03\n0.15,0.04\n0.2,0.045\n",
+            "The chamber must become softer with the pressure",
+        ),
+        (
+            "pressure_mpa,strain\n0.01,0.01\n0.05,0.06\n0.1,0.2\n0.15,0.4\n0.2,0.7\n",
+            "these readings lead to an impossible chamber: at 0.2 MPa the chamber would stretch",
+        ),
         ("pressure_mpa,strain,elogation_mm\n0.1,0.05,1\n", "unknown column \"elogation_mm\""),
         ("pressure_mpa\n0.1\n", "exactly one of the columns strain"),
         ("pressure_mpa,strain\n0.1,0.05\n", "1 rows with a strain above zero pressure: at least 4"),
@@ -117,6 +127,28 @@ fn property_bad_readings_are_refused_with_line_and_column() {
         assert!(!refused.status.success());
         assert!(err(&refused).contains(expected), "{} instead of {expected}", err(&refused));
     }
+}
+
+#[test]
+fn the_example_in_the_documents_gives_the_calibration_of_the_paper() {
+    let folder = tempfile::tempdir().unwrap();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/calibration-example.csv");
+    out(&vibrissa(&["calibrate", example, "--out", "own.toml"], folder.path()));
+    let (name, model) = vibrissa_supervisor::calibration_file::load(
+        &folder.path().join("own.toml"),
+        vibrissa_core::mechanics::Formulation::Published,
+    )
+    .unwrap();
+    assert_eq!(name, "calibration-example");
+    let paper = vibrissa_core::mechanics::Calibration::nguyen_2021();
+    let found = model.calibration();
+    // The readings scatter by 1 %, and are those of a whisker like the paper's.
+    for (what, found, expected) in
+        [("c", found.c, paper.c), ("a", found.a, paper.a), ("b", found.b_per_mpa, paper.b_per_mpa)]
+    {
+        assert!((found / expected - 1.0).abs() < 0.05, "{what}: {found} instead of {expected}");
+    }
+    out(&vibrissa(&["config", "--calibration", "own.toml"], folder.path()));
 }
 
 #[test]

@@ -8,11 +8,13 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use vibrissa_tests::wait;
 
+use crate::program::{PROGRAM, err, vibrissa};
+
 /// Documentation promises one second; other tests use the processors at the same time.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 fn start(arguments: &[&str], folder: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"))
+    Command::new(PROGRAM)
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::piped())
@@ -68,4 +70,20 @@ async fn a_replay_that_waits_for_its_input_can_be_stopped() {
     let told = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{told}");
     assert!(told.contains("vibrissa: stopped: the output covers only the part"), "{told}");
+}
+
+#[test]
+fn an_evaluation_tells_its_progress_without_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, what) in [
+        (&["detection", "--cuts", "1", "--healthy", "1"][..], "whiskers"),
+        (&["health", "--cases", "1"], "cases"),
+        (&["compensation", "--plants", "1"], "compensations"),
+        (&["reality", "--rows", "ideal", "--contacts", "1", "--cuts", "1"], "robots"),
+    ] {
+        let told = err(&vibrissa(&[&["evaluate"], arguments].concat(), folder.path()));
+        let first = told.lines().next().unwrap_or_default();
+        let is_progress = first.starts_with("vibrissa: 0 of ") && first.contains(&format!(" {what} done after "));
+        assert!(is_progress, "{arguments:?}: {told}");
+    }
 }

@@ -258,7 +258,8 @@ async fn the_command_line_shows_and_does_the_same() {
     let (_, lines, _) = run(&["whiskers", "--json"]).await;
     let rows: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(rows, *get(&running, "/v1/whiskers").await["items"].as_array().unwrap());
-    let (is_done, told, _) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.05", "--reason", "by hand"]).await;
+    let (is_done, told, _) =
+        run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.05", "--reason", "by hand", "--wait", "0"]).await;
     assert!(is_done && told.contains("SETPOINT DONE"), "{told}");
     assert_eq!(robot.setpoint().await.0.pressure_mpa, 0.05);
     let (is_done, _, problem) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.5"]).await;

@@ -24,6 +24,7 @@ mod quickstart;
 mod replaced;
 mod restart;
 mod schemathesis;
+mod setpoint_command;
 mod setpoints;
 mod start;
 mod touch_tests;

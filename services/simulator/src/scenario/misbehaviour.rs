@@ -135,7 +135,7 @@ impl std::str::FromStr for Misbehaviour {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        Self::ALL.iter().copied().find(|one| one.as_str() == word).ok_or_else(|| {
+        Self::ALL.iter().copied().find(|one| one.as_str().eq_ignore_ascii_case(word)).ok_or_else(|| {
             let known: Vec<&str> = Self::ALL.iter().map(|one| one.as_str()).collect();
             format!("unknown fault; the faults are {}", known.join(", "))
         })

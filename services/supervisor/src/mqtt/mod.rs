@@ -42,7 +42,7 @@ pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, T
 pub use link::LinkState;
 pub use publish::publish;
 pub use receive::receive;
-pub use recorder::record;
+pub use recorder::{RecorderState, record};
 pub use test_client::{ReceivedMessage, TestClient};
 pub use tls::{PrepareError, Prepared, prepare};
 pub use trial::try_hearing;

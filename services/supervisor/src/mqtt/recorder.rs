@@ -15,18 +15,47 @@ use super::problem::{Cause, Problem};
 use crate::inbox::Incoming;
 use vibrissa_edge::clock::wall_clock;
 
-/// Receives all messages of the connection's fleet until the task is aborted, and reconnects after failures, which
-/// `breaks` counts. A slow receiver makes the broker wait.
-pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, breaks: Arc<AtomicU64>) -> JoinHandle<()> {
+/// Progress of a recording connection.
+#[derive(Debug, Default)]
+pub struct RecorderState {
+    attempts: AtomicU64,
+    subscriptions: AtomicU64,
+    breaks: AtomicU64,
+}
+
+impl RecorderState {
+    /// Number of attempts to connect.
+    #[must_use]
+    pub fn attempts(&self) -> u64 {
+        self.attempts.load(Ordering::Relaxed)
+    }
+
+    /// Whether the broker has accepted the subscription at least once.
+    #[must_use]
+    pub fn has_subscribed(&self) -> bool {
+        self.subscriptions.load(Ordering::Relaxed) > 0
+    }
+
+    /// Number of subscribed connections that broke.
+    #[must_use]
+    pub fn breaks(&self) -> u64 {
+        self.breaks.load(Ordering::Relaxed)
+    }
+}
+
+/// Receives all messages of the connection's fleet until the task is aborted, and reconnects after failures. `state`
+/// follows the connection. A slow receiver makes the broker wait.
+pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, state: Arc<RecorderState>) -> JoinHandle<()> {
     tokio::spawn(async move {
         let mut backoff = Backoff::new();
         loop {
-            let (problem, was_subscribed) = listen(&connection, &sender).await;
+            state.attempts.fetch_add(1, Ordering::Relaxed);
+            let (problem, was_subscribed) = listen(&connection, &sender, &state).await;
             if sender.is_closed() {
                 return;
             }
             if was_subscribed {
-                breaks.fetch_add(1, Ordering::Relaxed);
+                state.breaks.fetch_add(1, Ordering::Relaxed);
                 backoff.reset();
             }
             connection.link.broken(Side::Receiving, &problem);
@@ -36,7 +65,7 @@ pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, breaks: Ar
 }
 
 /// One connection, from the attempt to its end: the reason of the end, and whether the subscription was accepted.
-async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>) -> (Problem, bool) {
+async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state: &RecorderState) -> (Problem, bool) {
     let connection = &connection.with_secrets_read_again();
     let filter = format!("whisker/v1/{}/#", connection.fleet);
     let problem = |cause| Problem::new(&connection.broker, cause);
@@ -58,6 +87,7 @@ async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>) -> (Pr
                     return (problem(Cause::Subscription(format!("{filter} ({code:?})"))), was_subscribed);
                 }
                 was_subscribed = true;
+                state.subscriptions.fetch_add(1, Ordering::Relaxed);
                 connection.link.connected(Side::Receiving);
             }
             // Probes of supervisors.

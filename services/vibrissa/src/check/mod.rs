@@ -10,6 +10,7 @@
 //! one, so that the robot obeys the next one at once. The price: if the last supervisor was only disconnected and
 //! returns in its old epoch, the robot refuses its setpoints as STALE.
 
+mod arrival;
 mod bench;
 mod contacts;
 mod ledger;
@@ -29,10 +30,12 @@ use std::time::{Duration, Instant};
 use anyhow::bail;
 use vibrissa_protocol::{Message, Name, RobotTopic, Topic};
 
+pub use arrival::wait_for_robot;
 pub use report::{Finding, Outcome, Report};
 pub use timings::Timings;
 
 use bench::{Bench, Trial};
+use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::{Connection, TestClient};
 
 /// Options of a check.
@@ -44,7 +47,7 @@ pub struct CheckOptions {
     pub robot: Name,
     /// Whisker on which setpoints are tried; by default the first of the factsheet.
     pub whisker: Option<(Name, u16)>,
-    /// Epoch of these setpoints; by default the last supervisor's, or 0 if there was none.
+    /// Epoch of these setpoints; by default the last supervisor's, or 0 if the broker knows none.
     pub epoch: Option<u64>,
     /// Whether to test a restart, for which somebody must cut the robot's power and restore it.
     pub restart: bool,
@@ -143,6 +146,12 @@ async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> 
     bench.restart(progress).await
 }
 
+/// The epoch of a supervisor that takes over a fleet now: ms since 1970.
+#[must_use]
+pub fn present_epoch() -> u64 {
+    wall_clock().0 / 1000
+}
+
 /// Chooses the epoch, and notes the consequences for the next supervisor.
 fn take_epoch(bench: &mut Bench) {
     let last = bench.heard.supervisor.as_ref().map(|told| told.epoch);
@@ -157,6 +166,11 @@ fn take_epoch(bench: &mut Bench) {
         Some(_) => format!(
             "epoch {epoch} was used, the last supervisor's: the next one's is higher, and the robot obeys it. Make \
              sure that the last one has stopped, and is not merely disconnected from the broker"
+        ),
+        // Supervisors take the present time for an epoch, unless a higher one was given before.
+        None if epoch > 0 && epoch <= present_epoch() => format!(
+            "epoch {epoch} was used, and the broker knows no supervisor: the next supervisor's epoch is the time at which \
+             it begins, and higher, so that the robot obeys it"
         ),
         None if epoch > 0 => format!(
             "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, \

@@ -95,6 +95,20 @@ impl Api {
         }
     }
 
+    /// The first rows of a list.
+    ///
+    /// # Errors
+    /// The supervisor does not answer, or refuses the request.
+    pub(super) fn page(&self, path: &str, filters: &[(&str, String)], limit: u32) -> anyhow::Result<Vec<Value>> {
+        let mut url = self.at(path)?;
+        url.query_pairs_mut().append_pair("limit", &limit.to_string()).extend_pairs(filters);
+        let mut page = self.get(&url)?;
+        match page.get_mut("items").map(Value::take) {
+            Some(Value::Array(items)) => Ok(items),
+            _ => Ok(Vec::new()),
+        }
+    }
+
     /// The resource at a path.
     ///
     /// # Errors

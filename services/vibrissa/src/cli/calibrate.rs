@@ -23,13 +23,18 @@ The CSV file has a header. Columns, in any order:
   strain_reading_um_per_m   instrument reading in um/m, which is divided by the gauge factor
   strain_reading_mm_per_m   instrument reading in mm/m, likewise
   elongation_mm             elongation of the chamber (optional)
-An empty cell means no reading. Lines that start with # are ignored.")]
+Columns are separated by commas, and numbers have a decimal point. An empty cell means no reading. Lines that start with
+# are ignored. At least 4 strains at 3 or more pressures above zero are needed. Example (docs/calibration-example.csv):
+  pressure_mpa,strain_reading_um_per_m
+  0.04,33400
+  0.10,118200
+100 kPa are 0.1 MPa.")]
 pub struct CalibrateArgs {
     /// CSV file with the readings: pressure and strain without contact.
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
     /// Young's modulus of the rubber, MPa; strains alone determine only its product with k2.
-    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa)]
+    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa, value_parser = positive)]
     youngs_modulus_mpa: f64,
     /// Gauge factor, for instrument readings that were taken with a factor of 1.
     #[arg(long, default_value_t = 2.21, value_parser = positive)]
@@ -105,12 +110,18 @@ fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error 
         FitError::ElongationNotPositive { row, value_mm } => {
             anyhow!("{file}, line {}, elongation_mm: must be above 0 under pressure, not {value_mm}", line(row))
         }
+        FitError::NotDetermined { .. } => anyhow!(
+            "{file}: {error}. The chamber must become softer with the pressure: its strain must rise faster than the \
+             pressure. Check the order of the columns, their units, and that nothing touched the whisker"
+        ),
         FitError::NothingAboveZeroPressure
         | FitError::TooFewStrains { .. }
         | FitError::TooFewPressures { .. }
-        | FitError::OneElongation
-        | FitError::NotDetermined { .. }
-        | FitError::Model(_) => anyhow::Error::new(error).context(file.to_string()),
+        | FitError::OneElongation => anyhow!("{file}: {error}"),
+        FitError::Model(_) => anyhow!(
+            "{file}: these readings lead to an impossible chamber: {error}. Check the units of the strains, and \
+             --gauge-factor: a strain of 0.01 m/m is a reading of 22100 um/m at a gauge factor of 2.21"
+        ),
     }
 }
 

@@ -1,7 +1,9 @@
 //! `vibrissa check-robot`: checks whether a robot conforms to the contract.
 
 use std::io::Write;
+use std::pin::pin;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -9,15 +11,23 @@ use tokio::signal::unix::{SignalKind, signal};
 use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
-use super::config::ConfigArgs;
+use super::config::BrokerOrPortArgs;
+use super::record::duration;
 use super::serve::{log, runtime};
-use crate::check::{CheckOptions, Outcome, Report, Timings, check};
+use super::stop::Stopped;
+use crate::check::{CheckOptions, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
 use vibrissa_edge::ids::start_seed;
+use vibrissa_supervisor::broker::Broker;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
 
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
+Without --broker (mqtt.url) the check starts the broker that is built into the supervisor, on 127.0.0.1 and \
+--mqtt-port, and waits for the robot. Stop the supervisor first: it uses the same port. A robot that was connected to \
+its broker connects to that of the check without a restart. With --broker the robot must be connected, unless --wait is \
+given.
+
 The check takes the place of the robot's supervisor: no supervisor may own the fleet meanwhile, not even a \
 disconnected one. Somebody must touch whiskers during the check, otherwise contacts and receipts are not tested. \
 Contacts of that time, and those that the robot had buffered, are partly receipted and not recorded.
@@ -28,8 +38,9 @@ never above 0.2 MPa. It allows 0.002 MPa/s, and is withdrawn at once if the robo
 
 Epochs: until it restarts, a robot refuses messages with a lower epoch than the highest it has seen. The check uses \
 the epoch of the last supervisor, which the broker retains, with higher versions; the next supervisor's epoch is \
-higher, so that the robot obeys it at once. With a higher --epoch the robot must be restarted before it is supervised \
-again.
+higher, so that the robot obeys it at once. The broker of the check knows no supervisor: the epoch is then the present \
+time, which is higher than that of every earlier supervisor. With a higher --epoch the robot must be restarted before \
+it is supervised again.
 
 The rules are in docs/contract-rules.md. The exit code is 0 only if no rule was violated.")]
 pub struct CheckRobotArgs {
@@ -39,17 +50,20 @@ pub struct CheckRobotArgs {
     /// Whisker to try setpoints on, as ARRAY/NUMBER; default: the first of the factsheet.
     #[arg(long, value_name = "WHISKER", value_parser = whisker)]
     whisker: Option<(Name, u16)>,
-    /// Epoch of these setpoints; default: the last supervisor's.
+    /// Epoch of these setpoints; default: the last supervisor's, or the present time without --broker.
     #[arg(long, value_name = "NUMBER")]
     epoch: Option<u64>,
     /// Also check a restart: the check tells when to cut the robot's power.
     #[arg(long)]
     restart: bool,
+    /// How long to wait for the robot, such as 60s or 5m; default: 5m without --broker, otherwise not at all.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    wait: Option<Duration>,
     /// Print the report as one JSON object.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: BrokerOrPortArgs,
 }
 
 fn whisker(text: &str) -> Result<(Name, u16), String> {
@@ -61,10 +75,9 @@ fn whisker(text: &str) -> Result<(Name, u16), String> {
 /// Checks a robot, and prints the report.
 ///
 /// # Errors
-/// There is no broker, a supervisor owns the fleet, or the robot is not connected.
+/// The broker cannot be reached or started, a supervisor owns the fleet, or the robot is not connected.
 pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCode> {
     let config = args.config.read()?;
-    let Some(broker) = &config.broker else { bail!("a broker is required: --broker mqtt://HOST:1883, or mqtt.url") };
     let [fleet] = &config.fleets[..] else { bail!("exactly one fleet is required: --fleet NAME") };
     log(&config.log);
     let options = CheckOptions {
@@ -75,7 +88,12 @@ pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCo
         restart: args.restart,
         timings: Timings::default(),
     };
-    let report = runtime()?.block_on(checked(broker, options))?;
+    let report = runtime()?.block_on(async {
+        match &config.broker {
+            Some(broker) => checked(broker, options, args.wait).await,
+            None => on_own_broker(config.mqtt_port, options, args.wait).await,
+        }
+    })?;
     if args.json {
         serde_json::to_writer_pretty(&mut *out, &report)?;
         writeln!(out)?;
@@ -87,7 +105,28 @@ pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCo
     Ok(if is_whole && report.count(Outcome::Fail) == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-async fn checked(broker: &BrokerAddress, options: CheckOptions) -> anyhow::Result<Report> {
+/// Time limit for the robot to connect to the broker of the check.
+const ARRIVAL: Duration = Duration::from_secs(300);
+
+/// Checks a robot on a broker of its own, with the port and the address of the supervisor's embedded one.
+async fn on_own_broker(port: u16, options: CheckOptions, wait: Option<Duration>) -> anyhow::Result<Report> {
+    let broker = Broker::start(port).await.context(
+        "the check starts the supervisor's broker, unless --broker names another one; stop the supervisor of this \
+         machine first",
+    )?;
+    let address = broker.address();
+    eprintln!(
+        "vibrissa: MQTT on {address}; the robot {}/{} must connect to this address now",
+        options.fleet, options.robot
+    );
+    let options = CheckOptions { epoch: options.epoch.or_else(|| Some(present_epoch())), ..options };
+    let address = BrokerAddress::new(address.ip().to_string(), address.port());
+    let report = checked(&address, options, Some(wait.unwrap_or(ARRIVAL))).await;
+    broker.stop().await;
+    report
+}
+
+async fn checked(broker: &BrokerAddress, options: CheckOptions, wait: Option<Duration>) -> anyhow::Result<Report> {
     let mark = format!("c{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
     let connection = Connection {
         broker: broker.clone(),
@@ -98,11 +137,21 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions) -> anyhow::Resul
         link: LinkState::default(),
     };
     let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
-    let stop = async {
+    let mut stopped = pin!(async {
         tokio::select! {
             _ = tokio::signal::ctrl_c() => {}
             _ = terminate.recv() => {}
         }
+    });
+    if let Some(limit) = wait {
+        eprintln!("vibrissa: waiting up to {} s for {}", limit.as_secs_f64(), options.robot);
+        tokio::select! {
+            arrived = wait_for_robot(&connection, &options.robot, limit) => arrived?,
+            () = &mut stopped => return Err(Stopped("the robot did not connect, and nothing was checked").into()),
+        }
+    }
+    let stop = async {
+        stopped.await;
         eprintln!("vibrissa: stopping; restoring the pressure first");
     };
     let (usual, most) = options.timings.expected(options.restart);

@@ -27,11 +27,34 @@ const FILE: &str = "config";
 
 impl Args for ConfigArgs {
     fn augment_args(command: Command) -> Command {
-        command.arg(file()).args(Key::ALL.iter().map(|&key| flag(key)))
+        augmented(command, Key::ALL)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
         Self::augment_args(command)
+    }
+}
+
+/// The command with `--config` and a flag for each of these keys.
+fn augmented(command: Command, keys: &[Key]) -> Command {
+    command.arg(file()).args(keys.iter().map(|&key| flag(key)))
+}
+
+/// Heading of the key's flag in the help.
+fn heading(key: Key) -> &'static str {
+    match key.section().0 {
+        None => "General settings",
+        Some("database" | "lease") => "Database",
+        Some("contacts" | "rollups") => "History",
+        Some("limits") => "Limits",
+        Some("mqtt") => "MQTT broker",
+        Some("http") => "HTTP",
+        Some("metrics" | "traces") => "Metrics and traces",
+        Some("model") => "Model",
+        Some("policy") => "Policy of compensations",
+        Some("detection") => "Detection",
+        Some("touch_tests") => "Touch tests",
+        Some(_) => "Other settings",
     }
 }
 
@@ -41,6 +64,7 @@ fn file() -> Arg {
         .env("VIBRISSA_CONFIG")
         .value_name("FILE")
         .value_parser(clap::value_parser!(PathBuf))
+        .help_heading("General settings")
         .help("Configuration file (TOML); none is read by default")
 }
 
@@ -49,7 +73,7 @@ fn flag(key: Key) -> Arg {
     let flag = Arg::new(key.path())
         .long(key.flag())
         .value_name("VALUE")
-        .allow_negative_numbers(true)
+        .help_heading(heading(key))
         .help(format!("{}{default} [{}]", key.help(), key.environment()))
         .action(if key.kind().is_list() { ArgAction::Append } else { ArgAction::Set });
     // A secret given as a flag, with or without a value, is answered with a hint to use a file instead.
@@ -75,42 +99,78 @@ impl FromArgMatches for ConfigArgs {
     }
 }
 
-/// The flags that select the database, for commands whose own flags would clash with the others.
-#[derive(Debug, Clone)]
-pub struct DatabaseArgs(ConfigArgs);
+/// Defines the flags of commands that use only some keys. The configuration file may still have all keys.
+macro_rules! some_flags {
+    ($($(#[$meta:meta])* $name:ident = $keys:expr;)+) => { $(
+        $(#[$meta])*
+        #[derive(Debug, Clone)]
+        pub struct $name(ConfigArgs);
 
-/// The keys of these flags.
-const DATABASE_KEYS: [Key; 2] = [Key::DatabaseUrl, Key::DatabasePasswordFile];
+        impl Args for $name {
+            fn augment_args(command: Command) -> Command {
+                augmented(command, &$keys)
+            }
 
-impl Args for DatabaseArgs {
-    fn augment_args(command: Command) -> Command {
-        command.arg(file()).args(DATABASE_KEYS.map(flag))
-    }
+            fn augment_args_for_update(command: Command) -> Command {
+                Self::augment_args(command)
+            }
+        }
 
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
+        impl FromArgMatches for $name {
+            fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+                Ok(Self(ConfigArgs::of(matches, &$keys)))
+            }
+
+            fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+                *self = Self::from_arg_matches(matches)?;
+                Ok(())
+            }
+        }
+
+        impl std::ops::Deref for $name {
+            type Target = ConfigArgs;
+
+            fn deref(&self) -> &ConfigArgs {
+                &self.0
+            }
+        }
+    )+ };
 }
 
-impl FromArgMatches for DatabaseArgs {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        Ok(Self(ConfigArgs::of(matches, &DATABASE_KEYS)))
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
+some_flags! {
+    /// The flags that select the database.
+    DatabaseArgs = [Key::DatabaseUrl, Key::DatabasePasswordFile];
+    /// The flags of a client of the broker, for `record`.
+    BrokerArgs = BROKER_KEYS;
+    /// The same with the port of the embedded broker, for `check-robot`.
+    BrokerOrPortArgs = with_port();
+    /// The flags that select fleets, and the parameters of the core, for `replay`.
+    CoreArgs = core_keys();
 }
 
-impl DatabaseArgs {
-    /// Reads the configuration; warnings go to standard error.
-    ///
-    /// # Errors
-    /// Lists all problems of the configuration.
-    pub fn read(&self) -> Result<Config, Problems> {
-        self.0.read()
-    }
+const BROKER_KEYS: [Key; 9] = [
+    Key::Fleets,
+    Key::Log,
+    Key::MqttUrl,
+    Key::MqttUsername,
+    Key::MqttPassword,
+    Key::MqttPasswordFile,
+    Key::MqttCaFile,
+    Key::MqttClientCertificateFile,
+    Key::MqttClientKeyFile,
+];
+
+fn with_port() -> Vec<Key> {
+    BROKER_KEYS.into_iter().chain([Key::MqttPort]).collect()
+}
+
+fn core_keys() -> Vec<Key> {
+    let is_core = |key: &Key| {
+        let section = key.section().0;
+        matches!(key, Key::Fleets | Key::Calibrations)
+            || section.is_some_and(|section| ["model", "policy", "detection", "touch_tests"].contains(&section))
+    };
+    Key::ALL.iter().copied().filter(is_core).collect()
 }
 
 impl ConfigArgs {

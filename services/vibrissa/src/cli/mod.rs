@@ -12,16 +12,23 @@ pub mod paper;
 pub mod record;
 pub mod replay;
 pub mod serve;
+pub mod setpoint;
 pub mod solve;
 pub mod stop;
 pub mod table;
 pub mod token;
 pub mod whiskers;
 
+mod progress;
+mod words;
+
 use std::io::stdout;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+/// Exit code of a command that has worked, and whose answer is no.
+pub const ANSWER_IS_NO: u8 = 3;
 
 /// Supervisor for fleets of robots with soft whisker arrays.
 #[derive(Debug, Parser)]
@@ -44,7 +51,7 @@ enum Command {
     /// List the compensations with their predicted and measured errors.
     Compensations(whiskers::CompensationsArgs),
     /// Set a whisker's pressure manually, or release the whisker to the supervisor again.
-    Setpoint(whiskers::SetpointArgs),
+    Setpoint(setpoint::SetpointArgs),
     /// Create, list and revoke API tokens.
     Token(token::TokenArgs),
     /// Copy a SQLite database to a file while a supervisor uses it, and verify the copy.
@@ -69,6 +76,13 @@ enum Command {
     Metrics,
 }
 
+/// Parses the command line. Ends the program after a message about a wrong one, or after `--help`.
+#[must_use]
+pub fn parse() -> Cli {
+    let matches = words::lenient(Cli::command()).get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|problem| problem.format(&mut Cli::command()).exit())
+}
+
 /// Runs a command.
 ///
 /// # Errors
@@ -82,13 +96,13 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         }
         Command::Whiskers(args) => whiskers::whiskers(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
-        Command::Setpoint(args) => whiskers::setpoint(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Setpoint(args) => setpoint::run(&args, &mut stdout()),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),
-        Command::Solve(args) => solve::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Solve(args) => solve::run(&args, &mut stdout()),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),

@@ -2,14 +2,14 @@
 
 use std::fs::File;
 use std::io::{Write, stdout};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
 use tokio::signal::unix::{SignalKind, signal};
 
-use super::config::ConfigArgs;
+use super::config::BrokerArgs;
 use super::serve::{log, runtime};
 use crate::record::{Report, record};
 
@@ -27,10 +27,11 @@ pub struct RecordArgs {
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: BrokerArgs,
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
+/// A duration as a whole number and a unit.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let bad = || "must be a number and a unit, such as 500ms, 60s, 5m or 1h".to_owned();
     let digits = text.find(|c: char| !c.is_ascii_digit()).ok_or_else(bad)?;
     let (number, unit) = text.split_at(digits);
@@ -48,7 +49,7 @@ fn duration(text: &str) -> Result<Duration, String> {
 /// Records until the duration is over, Ctrl-C or SIGTERM.
 ///
 /// # Errors
-/// No broker is configured, the file exists already, or some messages could not be written.
+/// No broker is configured or reached, the file exists already, or some messages could not be written.
 pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     let config = args.config.read()?;
     let Some(broker) = &config.broker else { bail!("a broker is required: --broker mqtt://HOST:1883, or mqtt.url") };
@@ -69,8 +70,20 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
             }
         };
         record(broker, &config.fleets, &mut out, stop).await
-    })?;
-    tell(report)
+    });
+    drop(out);
+    if report.is_err() && args.out.as_os_str() != "-" {
+        remove_if_empty(&args.out);
+    }
+    tell(report?)
+}
+
+/// An empty recording would only be in the way of the next attempt.
+fn remove_if_empty(path: &Path) {
+    if std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == 0) {
+        // The error of the recording is more important.
+        let _ = std::fs::remove_file(path);
+    }
 }
 
 async fn over(limit: Option<Duration>) {

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
-use super::config::ConfigArgs;
+use super::config::CoreArgs;
 use super::stop::{self, Stopped};
 use crate::config::{Key, policy_over};
 use crate::replay::{Comparison, Lines, Recorded, Refusals, Replayer, told};
@@ -25,7 +25,9 @@ FILE is a recording of `vibrissa record`. Times come from the file: nothing wait
 Setpoints of the replay get the recorded answers to the recorded setpoints. One without a recorded answer is assumed
 to be applied (effects that depend on it have \"assumed\"); contacts at another pressure then count as UNSETTLED.
 Standard error ends with the number of refused messages and parts of messages of each robot, by reason.
-If the recording is silent for more than a minute, only the first minute and the end of the silence are simulated.")]
+If the recording is silent for more than a minute, only the first minute and the end of the silence are simulated.
+Of a configuration file the models, the policy, detection, touch tests and fleets count. Without --fleet all fleets
+are replayed.")]
 pub struct ReplayArgs {
     /// Recording; - is standard input.
     #[arg(value_name = "FILE")]
@@ -33,9 +35,8 @@ pub struct ReplayArgs {
     /// TOML file with other keys of [policy]: replay with both policies and print the differences.
     #[arg(long, value_name = "OTHER.toml")]
     policy: Option<PathBuf>,
-    /// Only its models, policy, detection and fleets are used; without --fleet all fleets are replayed.
     #[command(flatten)]
-    config: ConfigArgs,
+    config: CoreArgs,
 }
 
 /// Describes the output of a replay that was stopped.

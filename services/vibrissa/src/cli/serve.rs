@@ -80,8 +80,16 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
 
 /// Logs to standard error; `RUST_LOG` overrides the filter. MQTT libraries log only warnings by default.
 pub(super) fn log(filter: &str) {
-    let filter = EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}")));
+    let own = || EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}"));
+    // RUST_LOG may be meant for another program, so an invalid one is no error.
+    let filter = match std::env::var(EnvFilter::DEFAULT_ENV).map(EnvFilter::try_new) {
+        Ok(Ok(asked)) => asked,
+        Ok(Err(problem)) => {
+            eprintln!("vibrissa: RUST_LOG is ignored, because it is not a log filter: {problem}");
+            own()
+        }
+        Err(_) => own(),
+    };
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours()).init();
 }
 

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -11,11 +12,15 @@ use vibrissa_core::mechanics::{
 };
 use vibrissa_core::units::{Megapascal, Millimetre};
 
+use super::ANSWER_IS_NO;
 use crate::config::choices::{FormulationArg, ObjectiveArg};
 use vibrissa_supervisor::calibration_file;
 
 /// Arguments of `vibrissa solve`.
 #[derive(Debug, Args)]
+#[command(after_long_help = "\
+The exit code is 0 if a pressure makes both whiskers feel alike, and 3 if the answer is OUT OF RANGE (with --json: a \
+\"solution\" other than IN_RANGE). The answer then has the best setpoint and its remaining error.")]
 pub struct SolveArgs {
     /// Length of the target whisker, mm.
     #[arg(long, value_parser = length)]
@@ -50,25 +55,26 @@ fn length(text: &str) -> Result<Millimetre, String> {
 
 fn examined_pressure(text: &str) -> Result<Megapascal, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    let pressure = Megapascal::new(value).map_err(|error| error.to_string())?;
-    if pressure > Megapascal::EXAMINED_MAX {
-        return Err("must be at most 0.2 MPa, the highest pressure examined".to_owned());
-    }
-    Ok(pressure)
+    let pressure = Megapascal::new(value).ok().filter(|pressure| *pressure <= Megapascal::EXAMINED_MAX);
+    pressure.ok_or_else(|| "must be from 0 to 0.2 MPa, the pressures that were examined".to_owned())
 }
 
-/// Solves, and prints the result. Out of range is a result, not an error.
+/// Solves, and prints the result. Out of range is a result with its own exit code, not an error.
 ///
 /// # Errors
 /// A whisker is cut into its chamber, or the calibration file is invalid.
-pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<()> {
+pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<ExitCode> {
     let answer = Answer::new(args)?;
     if args.json {
         serde_json::to_writer_pretty(&mut *out, &answer.json()).context("writing the answer")?;
         writeln!(out)?;
-        return Ok(());
+    } else {
+        answer.print(out)?;
     }
-    answer.print(out)
+    Ok(match answer.solution {
+        Solution::InRange(_) => ExitCode::SUCCESS,
+        Solution::NeedsBelow(_) | Solution::NeedsAbove(_) => ExitCode::from(ANSWER_IS_NO),
+    })
 }
 
 struct Answer {

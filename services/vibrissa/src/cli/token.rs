@@ -5,13 +5,13 @@ use std::io::Write;
 use std::time::Duration;
 
 use anyhow::bail;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use vibrissa_protocol::Name;
 
 use super::config::DatabaseArgs;
 use super::serve::runtime;
 use super::table::Table;
+use super::words::one_of;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Store;
 use vibrissa_store::time::Time;
@@ -35,16 +35,10 @@ enum TokenCommand {
     Revoke(RevokeArgs),
 }
 
-/// Takes a role's word, in upper or lower case.
-fn role() -> impl TypedValueParser<Value = Role> {
-    let named = |word: String| Role::ALL.into_iter().find(|role| role.word().eq_ignore_ascii_case(&word));
-    PossibleValuesParser::new(Role::ALL.map(Role::word)).try_map(move |word| named(word).ok_or("not a role"))
-}
-
 #[derive(Debug, Args)]
 struct CreateArgs {
     /// Role of the token; each role has the rights of those before it.
-    #[arg(long, ignore_case = true, value_parser = role())]
+    #[arg(long, value_parser = one_of(Role::ALL.to_vec(), Role::word))]
     role: Role,
     /// Fleet that the token is limited to; may be given several times.
     #[arg(long, value_name = "FLEET", required_unless_present = "all_fleets")]

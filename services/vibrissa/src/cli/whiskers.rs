@@ -1,14 +1,16 @@
-//! `vibrissa whiskers`, `vibrissa compensations` and `vibrissa setpoint`: commands that use the API.
+//! `vibrissa whiskers` and `vibrissa compensations`: lists from the API.
 
 use std::io::Write;
 
-use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::Value;
+use vibrissa_core::robot::effect::Condition;
+use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
 use super::api::{ApiArgs, number, percent, text};
 use super::table::Table;
+use super::words::word_of;
 
 /// Arguments of `vibrissa whiskers`.
 #[derive(Debug, Args)]
@@ -19,9 +21,9 @@ pub struct WhiskersArgs {
     /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,
-    /// Only this condition: LEARNING, HEALTHY, SUSPECTED, TRIMMED, ERODING or SENSITIVITY_LOSS.
-    #[arg(long)]
-    condition: Option<String>,
+    /// Only this condition.
+    #[arg(long, value_parser = word_of::<Condition>())]
+    condition: Option<Condition>,
     #[command(flatten)]
     api: ApiArgs,
 }
@@ -34,7 +36,7 @@ pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()>
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
         ("robot", args.robot.as_ref().map(ToString::to_string)),
-        ("condition", args.condition.clone()),
+        ("condition", args.condition.map(|condition| condition.word().to_owned())),
     ];
     let rows = args.api.open()?.rows("/v1/whiskers", &filters)?;
     if args.api.json {
@@ -137,78 +139,6 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
         ]);
     }
     Ok(write!(out, "{table}")?)
-}
-
-/// Arguments of `vibrissa setpoint`.
-#[derive(Debug, Args)]
-pub struct SetpointArgs {
-    /// Whisker, as FLEET/ROBOT/ARRAY/NUMBER.
-    #[arg(value_parser = whisker)]
-    whisker: Place,
-    /// Pressure to hold, MPa: 0 to the whisker's maximum, at most 0.2.
-    #[arg(long, value_name = "MPA", required_unless_present = "release", conflicts_with = "release")]
-    pressure_mpa: Option<f64>,
-    /// Release the whisker instead, so that the supervisor sets its pressure again.
-    #[arg(long)]
-    release: bool,
-    /// Reason, for the audit log.
-    #[arg(long)]
-    reason: Option<String>,
-    #[command(flatten)]
-    api: ApiArgs,
-}
-
-/// Location of a whisker.
-#[derive(Debug, Clone)]
-struct Place {
-    fleet: Name,
-    robot: Name,
-    array: Name,
-    whisker: u16,
-}
-
-fn whisker(text: &str) -> Result<Place, String> {
-    let parts: Vec<&str> = text.split('/').collect();
-    let [fleet, robot, array, whisker] = parts[..] else {
-        return Err("must be FLEET/ROBOT/ARRAY/NUMBER".to_owned());
-    };
-    let name = |text: &str| Name::new(text).map_err(|bad| bad.to_string());
-    let whisker = whisker.parse().map_err(|_| format!("{whisker:?} is not a whisker number"))?;
-    Ok(Place { fleet: name(fleet)?, robot: name(robot)?, array: name(array)?, whisker })
-}
-
-/// Sets a whisker's pressure or releases the whisker, and prints the action.
-///
-/// # Errors
-/// The supervisor does not answer or refuses the request, or the action was not executed in time.
-pub fn setpoint(args: &SetpointArgs, out: &mut impl Write) -> anyhow::Result<()> {
-    let Place { fleet, robot, array, whisker } = &args.whisker;
-    let base = format!("/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}");
-    let api = args.api.open()?;
-    let reason = args.reason.as_deref();
-    let action = match args.pressure_mpa {
-        Some(pressure_mpa) => {
-            api.act(&format!("{base}/setpoint"), &json!({ "pressure_mpa": pressure_mpa, "reason": reason }))?
-        }
-        None => api.act(&format!("{base}/release"), &json!({ "reason": reason }))?,
-    };
-    if args.api.json {
-        writeln!(out, "{action}")?;
-    } else {
-        let whole = api.one(&base)?;
-        writeln!(
-            out,
-            "action {}: {} {}; whisker {fleet}/{robot}/{array}/{whisker} was at {} MPa when it was read",
-            text(&action, "action_id"),
-            text(&action, "kind"),
-            text(&action, "state"),
-            number(&whole, "pressure_mpa", 4),
-        )?;
-    }
-    if action["state"] != "DONE" {
-        bail!("not done yet: poll /v1/actions/{}", text(&action, "action_id"));
-    }
-    Ok(())
 }
 
 fn place(row: &Value, whisker: &str) -> String {

@@ -13,6 +13,7 @@ pub mod show;
 
 mod database;
 mod http;
+mod log_filter;
 mod mqtt;
 mod policy;
 mod reader;
@@ -24,7 +25,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use tracing_subscriber::EnvFilter;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
@@ -123,11 +123,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let fleets = fleets(reader);
     let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
     let models = models(reader, formulation.unwrap_or_default());
-    let log = reader.parsed(Key::Log, |text| {
-        EnvFilter::try_new(text)
-            .map(|_| text.to_owned())
-            .map_err(|problem| format!("not a filter ({problem}): write a level such as info, or info,vibrissa=debug"))
-    });
+    let log = reader.parsed(Key::Log, log_filter::log_filter);
     let database = database::database(reader);
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);

@@ -76,10 +76,10 @@ impl Reader {
         parse(&text).map_err(|problem| self.refuse(key, problem.to_string())).ok()
     }
 
-    /// A word of an enumeration.
+    /// A word of an enumeration, in any case.
     pub(super) fn word<T: ValueEnum>(&mut self, key: Key) -> Option<T> {
         self.parsed(key, |text| {
-            T::from_str(text, false).map_err(|_| {
+            T::from_str(text, true).map_err(|_| {
                 let words: Vec<_> = T::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
                 let words: Vec<_> = words.iter().map(|word| word.get_name()).collect();
                 format!("must be {}, not {text:?}", words.join(" or "))

@@ -90,7 +90,7 @@ fn a_wrong_type_is_told_with_an_example() {
         ("http.monitoring_listen = \"9464\"", "must be an address and a port such as 127.0.0.1:9464"),
         ("http.monitoring_listen = \"127.0.0.1:8080\"", "must be another address or port than http.listen"),
         ("http.connections_max = 0", "must be a whole number from 16 to 1000000, not 0"),
-        ("log = \"vibrissa=loud\"", "not a filter"),
+        ("log = \"vibrissa=loud\"", "\"loud\" in \"vibrissa=loud\" is not a level"),
         ("fleets = []", "at least one"),
         ("fleets = [\"a\", \"a\"]", "twice"),
         ("fleets = [\"a b\"]", "is not a valid name"),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use vibrissa_core::mechanics::CalibrationRow;
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
@@ -38,16 +38,47 @@ pub(super) fn read(path: &Path, gauge_factor: f64) -> Result<Vec<Reading>> {
         .from_path(path)
         .with_context(|| format!("reading {name}"))?;
     let header = reader.headers().with_context(|| format!("reading {name}"))?.clone();
+    check_separator(&header).with_context(|| format!("{name}, header"))?;
     let columns = Columns::find(&header, gauge_factor).with_context(|| format!("{name}, header"))?;
     let mut readings = Vec::new();
     for record in reader.records() {
-        // The csv crate's error names the line.
-        let record = record.with_context(|| format!("reading {name}"))?;
+        let record = record.map_err(|problem| plain(&problem)).with_context(|| name.to_string())?;
         let line = record.position().map_or(0, csv::Position::line);
         let row = columns.row(&record).with_context(|| format!("{name}, line {line}"))?;
         readings.push(Reading { line, row });
     }
+    ensure!(!readings.is_empty(), "{name}: the table has no rows below its header: {FORMAT}");
     Ok(readings)
+}
+
+/// Format of the table, for error messages.
+const FORMAT: &str =
+    "write a header such as pressure_mpa,strain and below it one line for each reading, such as 0.05,0.0146";
+
+/// Spreadsheets with a decimal comma separate columns by other characters.
+fn check_separator(header: &StringRecord) -> Result<()> {
+    let text = header.iter().collect::<Vec<_>>().join(",");
+    for (separator, name) in [(';', "semicolons"), ('\t', "tabs")] {
+        ensure!(
+            !text.contains(separator),
+            "its columns are separated by {name}: separate them by commas, and write numbers with a decimal point, such as 0.05"
+        );
+    }
+    Ok(())
+}
+
+/// The cause of a line that is not readable as CSV.
+fn plain(problem: &csv::Error) -> anyhow::Error {
+    let line = problem.position().map_or(0, csv::Position::line);
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the text of the others is sufficient")]
+    match problem.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => anyhow!(
+            "line {line}: {len} cells, but the header has {expected_len} columns: write a number in each column, leave cells \
+             without a reading empty, and write numbers with a decimal point"
+        ),
+        csv::ErrorKind::Utf8 { .. } => anyhow!("line {line}: the file is not UTF-8 text: save it as CSV in UTF-8"),
+        _ => anyhow!("line {line}: {problem}"),
+    }
 }
 
 impl Columns {
@@ -55,7 +86,12 @@ impl Columns {
         let position = |name: &str| header.iter().position(|column| column == name);
         for column in header {
             let known = column == PRESSURE || column == ELONGATION || STRAINS.iter().any(|(name, ..)| *name == column);
-            ensure!(known, "unknown column {column:?}; known are {PRESSURE}, {}, {ELONGATION}", strain_names());
+            let hint = if column.to_ascii_lowercase().contains("kpa") {
+                format!("; write pressures in MPa into {PRESSURE}: 100 kPa are 0.1 MPa")
+            } else {
+                String::new()
+            };
+            ensure!(known, "unknown column {column:?}; known are {PRESSURE}, {}, {ELONGATION}{hint}", strain_names());
             ensure!(header.iter().filter(|other| *other == column).count() == 1, "column {column} appears twice");
         }
         let found: Vec<_> = STRAINS.iter().filter_map(|strain| Some((position(strain.0)?, strain))).collect();
@@ -80,7 +116,7 @@ impl Columns {
             None => None,
         };
         Ok(CalibrationRow {
-            pressure: Megapascal::new(pressure).with_context(|| format!("column {PRESSURE}"))?,
+            pressure: megapascal(pressure).with_context(|| format!("column {PRESSURE}"))?,
             axial_strain: strain
                 .map(|strain| Strain::new(strain * self.strain_factor))
                 .transpose()
@@ -90,13 +126,26 @@ impl Columns {
     }
 }
 
+/// A pressure. Numbers of the size of kilopascals get a hint.
+fn megapascal(value: f64) -> Result<Megapascal> {
+    Megapascal::new(value).map_err(|problem| {
+        let is_kpa = (1.0..=1000.0).contains(&value);
+        let hint = if is_kpa { format!("; if it is in kPa, write {} MPa", value / 1000.0) } else { String::new() };
+        anyhow!("{problem}{hint}")
+    })
+}
+
 /// The number in a cell; `None` if the cell is empty.
 fn number(record: &StringRecord, column: usize, name: &str) -> Result<Option<f64>> {
     let text = record.get(column).unwrap_or_default();
     if text.is_empty() {
         return Ok(None);
     }
-    text.parse().map(Some).with_context(|| format!("column {name}: {text:?} is not a number"))
+    let number: f64 = text.parse().map_err(|_| {
+        let hint = if text.contains(',') { ": write it with a decimal point, such as 0.05" } else { "" };
+        anyhow!("column {name}: {text:?} is not a number{hint}")
+    })?;
+    Ok(Some(number))
 }
 
 fn strain_names() -> String {

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_edge::words::Word;
@@ -14,6 +13,7 @@ use vibrissa_evaluation::compensation::{
     trials,
 };
 
+use crate::cli::progress::Progress;
 use crate::cli::stop;
 use crate::figures;
 
@@ -57,10 +57,9 @@ fn name(case: Case) -> &'static str {
 /// The output or a file cannot be written.
 pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
     let trials = trials(args.seed, usize::from(args.plants));
-    let bar = ProgressBar::new(trials.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} compensations")?);
-    let outcomes = evaluate(&trials, &|| bar.inc(1));
-    bar.finish_and_clear();
+    let progress = Progress::start(trials.len() as u64, "compensations")?;
+    let outcomes = evaluate(&trials, &|| progress.step());
+    drop(progress);
     let summaries: Vec<Summary> = CASES.into_iter().filter_map(|case| summary(case, &outcomes)).collect();
     if args.json {
         let trials: Vec<Value> = outcomes.iter().map(trial_json).collect();

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::detection::{Delay, Evaluation, Healthy, Plan, contacts_in_words, evaluate, whiskers};
 
+use crate::cli::progress::Progress;
 use crate::cli::stop;
 use crate::figures;
 
@@ -54,10 +54,9 @@ pub fn run(args: &DetectionArgs, out: &mut dyn Write) -> Result<()> {
         outliers: if args.outliers { OUTLIERS } else { 0.0 },
         ..Plan::default()
     };
-    let bar = ProgressBar::new(whiskers(&plan));
-    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} whiskers")?);
-    let found = evaluate(&plan, &|| bar.inc(1));
-    bar.finish_and_clear();
+    let progress = Progress::start(whiskers(&plan), "whiskers")?;
+    let found = evaluate(&plan, &|| progress.step());
+    drop(progress);
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&plan, &found))?)?;
     } else {

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::health::{Class, ClassReport, Outcome, Plan, Report, evaluate};
 
+use crate::cli::progress::Progress;
 use crate::cli::stop;
 use crate::figures;
 
@@ -35,10 +35,9 @@ pub struct HealthArgs {
 /// The output or a file cannot be written.
 pub fn run(args: &HealthArgs, out: &mut dyn Write) -> Result<()> {
     let plan = Plan { seed: args.seed, cases: args.cases, classes: Class::ALL.to_vec() };
-    let bar = ProgressBar::new(plan.total());
-    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} cases")?);
-    let report = evaluate(&plan, || bar.inc(1));
-    bar.finish_and_clear();
+    let progress = Progress::start(plan.total(), "cases")?;
+    let report = evaluate(&plan, || progress.step());
+    drop(progress);
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&report))?)?;
     } else {

@@ -6,11 +6,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Place, Plan, Row, Share, Spread, evaluate};
 
+use crate::cli::progress::Progress;
 use crate::cli::stop;
+use crate::cli::words::one_of;
 use crate::figures;
 
 /// Arguments of `vibrissa evaluate reality`.
@@ -28,8 +29,8 @@ pub struct RealityArgs {
     /// Rows, each at all its strengths (`mix,ar1`) or at one (`temperature:2`); all rows if not given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = rows_of)]
     rows: Vec<Rows>,
-    /// Place that the robots know of their contacts: RATIO, TIP, DISTANCE, DISTANCE_TESTS (with touch tests) or UNKNOWN.
-    #[arg(long, default_value = "RATIO", value_parser = place_of)]
+    /// Place that the robots know of their contacts; `DISTANCE_TESTS` is with touch tests.
+    #[arg(long, default_value = "RATIO", value_parser = one_of(Place::ALL.to_vec(), Place::word))]
     place: Place,
     /// Print everything as JSON instead of a table.
     #[arg(long)]
@@ -39,20 +40,14 @@ pub struct RealityArgs {
     svg: Option<PathBuf>,
 }
 
-fn place_of(word: &str) -> Result<Place, String> {
-    Place::ALL.into_iter().find(|place| place.word() == word).ok_or_else(|| {
-        let words: Vec<&str> = Place::ALL.iter().map(|place| place.word()).collect();
-        format!("the places are {}", words.join(", "))
-    })
-}
-
 /// Rows of one name.
 #[derive(Debug, Clone)]
 struct Rows(Vec<Row>);
 
 fn rows_of(text: &str) -> Result<Rows, String> {
     let (name, strength) = text.split_once(':').map_or((text, None), |(name, strength)| (name, Some(strength)));
-    let nuisance = Nuisance::of_word(name).ok_or_else(|| {
+    let named = |one: &Nuisance| one.word().eq_ignore_ascii_case(name);
+    let nuisance = Nuisance::ALL.into_iter().find(named).ok_or_else(|| {
         let names: Vec<&str> = Nuisance::ALL.iter().map(|one| one.word()).collect();
         format!("the rows are {}", names.join(", "))
     })?;
@@ -73,10 +68,9 @@ pub fn run(args: &RealityArgs, out: &mut dyn Write) -> Result<()> {
     let named: Vec<Row> = args.rows.iter().flat_map(|rows| rows.0.iter().copied()).collect();
     let rows = if named.is_empty() { Row::of(&Nuisance::ALL) } else { named };
     let plan = Plan { seed: args.seed, rows, place: args.place, contacts: args.contacts, incidents: args.cuts };
-    let bar = ProgressBar::new(plan.trials());
-    bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {pos}/{len} robots, {eta} left")?);
-    let found = evaluate(&plan, &|| bar.inc(1));
-    bar.finish_and_clear();
+    let progress = Progress::start(plan.trials(), "robots")?;
+    let found = evaluate(&plan, &|| progress.step());
+    drop(progress);
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&json(&plan, &found))?)?;
     } else {

@@ -1,0 +1,138 @@
+//! Values of options: numbers below zero, closed words, log filters; the help of commands; exit codes.
+
+use std::process::{Command, Stdio};
+
+use crate::program::{PROGRAM, err, out, vibrissa};
+
+fn refused(arguments: &[&str], code: i32) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = vibrissa(arguments, folder.path());
+    assert_eq!(ended.status.code(), Some(code), "{arguments:?}: {}", err(&ended));
+    err(&ended)
+}
+
+#[test]
+fn a_number_below_zero_is_answered_with_the_range() {
+    let solve = ["solve", "--target-mm", "70", "--length-mm", "65"];
+    for (arguments, code, range) in [
+        ([&solve[..], &["--pressure-mpa", "-0.01"]].concat(), 2, "must be from 0 to 0.2 MPa"),
+        ([&solve[..], &["--before-mpa", "-1"]].concat(), 2, "must be from 0 to 0.2 MPa"),
+        (vec!["setpoint", "f/r/left/0", "--pressure-mpa", "-0.01"], 2, "must be from 0 to 0.2 MPa"),
+        (vec!["calibrate", "x.csv", "--gauge-factor", "-2.21"], 2, "must be above 0"),
+        (vec!["calibrate", "x.csv", "--youngs-modulus-mpa", "-1"], 2, "must be above 0"),
+        (vec!["evaluate", "health", "--cases", "-5"], 2, "-5 is not in 1..=100000"),
+        (vec!["demo", "--mqtt-port", "-1"], 2, "-1 is not in 0..=65535"),
+        (vec!["config", "--policy-predicted-error-max", "-0.01"], 1, "must be from "),
+        (vec!["config", "--mqtt-port", "-1"], 1, "must be a whole number from 0 to 65535, not -1"),
+    ] {
+        let told = refused(&arguments, code);
+        assert!(told.contains(range) && !told.contains("unexpected argument"), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn closed_words_are_taken_in_any_case_and_a_wrong_one_lists_the_allowed_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let solve =
+        ["solve", "--target-mm", "70", "--length-mm", "65", "--formulation", "Consistent", "--objective", "MEAN"];
+    out(&vibrissa(&solve, folder.path()));
+    let settings = ["--policy-mode", "ADVISE", "--policy-longer-for-shorter", "Last-Resort", "--contacts-keep", "None"];
+    out(&vibrissa(&[&["config"], &settings[..]].concat(), folder.path()));
+    let reality = ["evaluate", "reality", "--contacts", "1", "--cuts", "1", "--place", "ratio", "--rows", "Ideal"];
+    assert!(out(&vibrissa(&reality, folder.path())).contains("place of a contact: RATIO"));
+    let token = ["token", "create", "--role", "viewer", "--all-fleets", "--database-url", "sqlite:v.sqlite3"];
+    out(&vibrissa(&token, folder.path()));
+    for (arguments, code, words) in [
+        (vec!["whiskers", "--condition", "cut"], 2, "LEARNING, HEALTHY, SUSPECTED, TRIMMED"),
+        (vec!["evaluate", "reality", "--place", "base"], 2, "RATIO, TIP, DISTANCE, DISTANCE_TESTS, UNKNOWN"),
+        (vec!["evaluate", "reality", "--rows", "rain"], 2, "the rows are ideal, "),
+        (vec!["token", "create", "--role", "boss", "--all-fleets"], 2, "VIEWER, OPERATOR, ENGINEER, ADMIN"),
+        (vec!["config", "--policy-mode", "manual"], 1, "must be automatic or advise, not \"manual\""),
+    ] {
+        let told = refused(&arguments, code);
+        assert!(told.contains(words), "{arguments:?}: {told}");
+    }
+    // A condition in lower case passes the parser: the error is that of the connection.
+    let told = refused(&["whiskers", "--condition", "trimmed", "--url", "http://127.0.0.1:1"], 1);
+    assert!(told.contains("http://127.0.0.1:1/v1/whiskers") && told.contains("condition=TRIMMED"), "{told}");
+}
+
+#[test]
+fn an_invalid_log_filter_is_refused_by_every_command_that_logs() {
+    let broker = ["--broker", "mqtt://127.0.0.1:1", "--fleet", "f"];
+    for command in [vec!["config"], vec!["run"], vec!["record"], vec!["check-robot", "--robot", "r"]] {
+        let more: &[&str] = if command.len() == 1 && command[0] != "record" { &[] } else { &broker };
+        let told = refused(&[&command[..], more, &["--log", "blah=5"]].concat(), 1);
+        assert!(told.contains("log (flag --log): is not a log filter: \"5\" in \"blah=5\" is not a level"), "{told}");
+        assert!(told.contains("the levels are off, error, warn, info, debug, trace"), "{told}");
+    }
+}
+
+#[test]
+fn the_help_of_a_command_shows_the_options_that_it_uses() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = |command: &str| out(&vibrissa(&[command, "--help"], folder.path()));
+    let client = ["--fleets", "--log", "--mqtt-url", "--mqtt-username", "--mqtt-ca-file", "--mqtt-client-key-file"];
+    for (command, used, unused) in [
+        ("record", &client[..], &["--http-listen", "--database-url", "--policy-mode", "--mqtt-port"][..]),
+        ("check-robot", &client[..], &["--http-listen", "--database-url", "--policy-mode", "--contacts-keep"]),
+        (
+            "replay",
+            &["--fleets", "--calibrations", "--policy-mode", "--detection-cold-start-contacts", "--model-formulation"],
+            &["--http-listen", "--database-url", "--mqtt-url", "--mqtt-ca-file", "--log"],
+        ),
+        ("run", &["--http-listen", "--database-url", "--policy-mode", "--mqtt-port"], &[]),
+    ] {
+        let told = help(command);
+        let names: Vec<&str> = told.split_whitespace().map(|word| word.trim_end_matches(',')).collect();
+        for option in used {
+            assert!(names.contains(option), "{command} lacks {option}:\n{told}");
+        }
+        for option in unused {
+            assert!(!names.contains(option), "{command} shows {option}:\n{told}");
+        }
+    }
+    let told = help("record");
+    let headings: Vec<&str> = told.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).collect();
+    assert_eq!(headings, ["Options:", "General settings:", "MQTT broker:"]);
+    assert!(help("run").contains("\nPolicy of compensations:\n"));
+}
+
+#[test]
+fn a_configuration_file_for_the_supervisor_serves_the_other_commands_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "fleets = [\"lab\"]\n[http]\nlisten = \"127.0.0.1:0\"\n[policy]\nmode = \"advise\"\n\
+                [database]\nurl = \"sqlite:lab.sqlite3\"\n[mqtt]\nurl = \"mqtt://127.0.0.1:1\"\n";
+    std::fs::write(folder.path().join("v.toml"), text).unwrap();
+    std::fs::write(folder.path().join("empty.jsonl"), "").unwrap();
+    out(&vibrissa(&["replay", "empty.jsonl", "--config", "v.toml"], folder.path()));
+    let ended = vibrissa(&["record", "--config", "v.toml", "--for", "100ms"], folder.path());
+    assert!(err(&ended).contains("fleet lab: tried ") && err(&ended).contains("127.0.0.1:1"), "{}", err(&ended));
+}
+
+/// A command that logs a warning.
+const LOGGING: [&str; 7] = ["record", "--broker", "mqtt://127.0.0.1:1", "--fleet", "f", "--for", "500ms"];
+/// What begins every colour.
+const ESCAPE: char = '\u{1b}';
+
+#[test]
+fn a_log_in_a_file_has_no_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = err(&vibrissa(&LOGGING, folder.path()));
+    assert!(told.contains("WARN") && told.contains("127.0.0.1:1"), "the command must log something: {told}");
+    assert!(!told.contains(ESCAPE), "{told:?}");
+}
+
+#[test]
+fn a_log_on_a_terminal_has_colours_unless_they_are_not_wanted() {
+    let logged = |no_color: &str| {
+        // The command `script` gives the program a terminal.
+        let mut command = Command::new("script");
+        command.args(["-qec", &format!("{PROGRAM} {}", LOGGING.join(" ")), "/dev/null"]);
+        command.env("NO_COLOR", no_color).env_remove("RUST_LOG").stdin(Stdio::null());
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    let (with, without) = (logged(""), logged("1"));
+    assert!(with.contains("WARN") && with.contains(ESCAPE), "{with:?}");
+    assert!(without.contains("WARN") && !without.contains(ESCAPE), "{without:?}");
+}
