@@ -109,6 +109,12 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::PolicyLongerForShorter => ["never", "allowed", "last-resort"],
         Key::DetectionContactsBetweenFalseAlarms => ["10000.0", "100000.0", "10000000.0"],
         Key::DetectionColdStartContacts => ["20", "30", "40"],
+        Key::TouchTestsPerHour | Key::TouchTestsInARow => ["5", "10", "15"],
+        Key::TouchTestsRetryAfterS
+        | Key::TouchTestsContactTimeS
+        | Key::TouchTestsAfterPauseS
+        | Key::TouchTestsEveryS => ["1.5", "60.0", "3600.0"],
+        Key::TouchTestsContactsBetweenSuspicions => ["10000.0", "1000000.0", "10000000.0"],
         key if Key::POLICY_NUMBERS.contains(&key) => ["0.125", "0.75", "1.5"],
         key => panic!("{key} needs values"),
     }
