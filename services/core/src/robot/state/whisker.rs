@@ -459,11 +459,11 @@ impl Whisker {
             } else {
                 filter.baseline_wander_strain
             },
-            offset: self
-                .rare
-                .unsteady
-                .map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift)
-                .hypot(if eroding { 0.0 } else { self.walks.rate() }),
+            offset: self.rare.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift).hypot(if eroding {
+                0.0
+            } else {
+                self.walks.rate()
+            }),
         }
     }
 
