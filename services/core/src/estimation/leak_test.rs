@@ -43,9 +43,11 @@ const NOISE: f64 = 0.36;
 const NOISE_MIN: f64 = 0.25;
 /// Number of readings that the noise in advance is worth, and number of readings that the learned noise remembers.
 const NOISE_READINGS: f64 = 50.0;
-const NOISE_READINGS_MAX: f64 = 1000.0;
+const NOISE_READINGS_MAX: f64 = 2000.0;
 /// Distances from the prediction count up to this in the noise, in refills: refills are no noise.
 const NOISE_OFF_MAX: f64 = 1.2;
+/// Log likelihood ratio from which on no noise is learned: a leak that is slow to show would become noise.
+const SUSPECTED_AT: f32 = 5.0;
 /// Log likelihood ratio that calls a leak. The test is repeated all life long: sound chambers reached 12 in hours.
 const CALLED_AT: f32 = 14.0;
 /// The same in favour of a sound chamber that ends a leak. Leaks with bands of a sensor's step look sound for some time.
@@ -109,7 +111,7 @@ impl LeakTest {
         }
         self.at = at;
         let reading = Reading { refills, gap_s, noise: self.noise.variance() };
-        if !is_leaking {
+        if !is_leaking && self.log_ratios.iter().all(|&ratio| ratio < SUSPECTED_AT) {
             self.noise.learn(self.sound.off(refills));
         }
         let sound = self.sound.fall(SOUND, &reading);
