@@ -80,7 +80,7 @@ struct Noise {
     square: f32,
 }
 
-/// What the likeliest hypothesis says of the rate.
+/// Rate by the likeliest hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Likeliest {
     /// Least rate, per second.
@@ -140,7 +140,7 @@ impl LeakTest {
         })
     }
 
-    /// What the likeliest hypothesis says of the rate.
+    /// Rate by the likeliest hypothesis.
     pub(super) fn likeliest(&self) -> Likeliest {
         let (rates, widths) = self.log_ratios.split_at(RATES);
         let best = |of: &[f32]| (0..of.len()).max_by(|&one, &other| of[one].total_cmp(&of[other])).unwrap_or_default();
