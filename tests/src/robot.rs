@@ -10,9 +10,10 @@ use serde::Serialize;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::{
-    ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, Gauge, Message, Name,
-    OnSupervisorLoss, Receipt, Regulator, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, Status,
-    Timestamp, WhiskerFacts, WhiskerStatus, encode,
+    ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, Gauge, Message,
+    MissedTouch, Name, OnSupervisorLoss, Receipt, Regulator, RobotTopic, Setpoint, SetpointError, SetpointOutcome,
+    SetpointState, Status, TestState, Timestamp, TouchTest, TouchTestError, TouchTestKind, TouchTestOutcome,
+    WhiskerFacts, WhiskerStatus, encode,
 };
 use vibrissa_simulator::fleet::now_us;
 
@@ -36,6 +37,8 @@ pub struct HandRobot {
     pub clock_us: u64,
     /// Factsheet of its array.
     pub array: ArrayFacts,
+    /// Touch tests that its factsheet names; none at first.
+    pub touch_tests: Vec<TouchTestKind>,
     name: Name,
     model: Model,
     state: Vec<State>,
@@ -98,6 +101,7 @@ impl HandRobot {
             clock_us: now_us(),
             state: array.whiskers.iter().map(state).collect(),
             array,
+            touch_tests: Vec::new(),
             name: Name::robot(name).expect("a robot's name"),
             model: Model::nguyen_2021(Formulation::Published),
             seqs: BTreeMap::new(),
@@ -154,7 +158,7 @@ impl HandRobot {
             model: "by-hand".to_owned(),
             on_supervisor_loss: OnSupervisorLoss::Hold,
             arrays: vec![self.array.clone()],
-            touch_tests: Vec::new(),
+            touch_tests: self.touch_tests.clone(),
         }
     }
 
@@ -283,6 +287,54 @@ impl HandRobot {
             }
         }
         left
+    }
+
+    /// The next request for a touch test.
+    pub async fn touch_test(&mut self) -> TouchTest {
+        self.hear("a request for a touch test", |heard| {
+            let Message::Request(request) = &heard.message else { return None };
+            request.touch_test.clone()
+        })
+        .await
+    }
+
+    /// Sends touches of a touch test at a distance from the base in mm, and touches that did not come at another one.
+    /// Returns the message.
+    pub async fn touch_on_request(
+        &mut self,
+        test: &TouchTest,
+        touches: (usize, f64),
+        missed: (usize, f64),
+    ) -> Contacts {
+        let contacts = (0..touches.0).map(|_| {
+            let contact = self.contact(test.whisker);
+            Contact { ratio: None, distance_mm: Some(touches.1), test_id: Some(test.test_id.clone()), ..contact }
+        });
+        let contacts: Vec<Contact> = contacts.collect();
+        let missed_touch = MissedTouch {
+            array: self.array.array.clone(),
+            whisker: test.whisker,
+            t_us: self.clock_us,
+            distance_mm: missed.1,
+            distance_sd_mm: None,
+            test_id: Some(test.test_id.clone()),
+        };
+        let message = Contacts { missed: vec![missed_touch; missed.0], ..self.message(contacts) };
+        self.tell(RobotTopic::Contacts, &message).await;
+        message
+    }
+
+    /// Reports progress or result of a touch test.
+    pub async fn answer_test(&mut self, test: &TouchTest, state: TouchTestOutcome, error: Option<TouchTestError>) {
+        let message = TestState {
+            boot_id: self.boot_id.clone(),
+            seq: self.next_seq(RobotTopic::TestState),
+            test_id: test.test_id.clone(),
+            state,
+            t_us: self.clock_us,
+            error,
+        };
+        self.tell(RobotTopic::TestState, &message).await;
     }
 
     /// Waits until every contacts message of this boot is receipted.

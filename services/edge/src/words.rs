@@ -272,7 +272,9 @@ words! {
         Rejected => "REJECTED" "rejected by the robot" (Bad),
         Failed => "FAILED" "failed" (Bad),
         Expired => "EXPIRED" "no answer in time" (Warn),
-        Abandoned => "ABANDONED" "abandoned: the robot restarted" (Off),
+        Abandoned => "ABANDONED" "abandoned: the robot restarted, or the whisker is gone" (Off),
+        Proposed => "PROPOSED" "waits for an operator" (Warn),
+        Withdrawn => "WITHDRAWN" "withdrawn: requested, or not needed any more" (Off),
     }
     TestKind {
         Tip => "TIP" "sweep over the tip",
@@ -282,6 +284,8 @@ words! {
         Suspicion => "SUSPICION" "the whisker may be cut",
         Setpoint => "SETPOINT" "measure the error of a compensation",
         Operator => "OPERATOR" "requested by an operator",
+        Pause => "PAUSE" "not touched for long, or the robot restarted",
+        Schedule => "SCHEDULE" "on schedule",
     }
     Rejection {
         Stale => "STALE",
@@ -338,6 +342,8 @@ pub fn touch_test_reason(reason: TestReason) -> TouchTestReason {
         TestReason::Suspicion => TouchTestReason::Suspicion,
         TestReason::Setpoint => TouchTestReason::Setpoint,
         TestReason::Operator => TouchTestReason::Operator,
+        TestReason::Pause => TouchTestReason::Pause,
+        TestReason::Schedule => TouchTestReason::Schedule,
     }
 }
 
@@ -385,6 +391,12 @@ mod tests {
     fn words_of_setpoints_are_those_of_the_contract() {
         assert!(Reason::all().into_iter().all(|one| one.word() == setpoint_reason(one).as_str()));
         assert!(Rejection::all().into_iter().all(|one| one.word() == setpoint_error(one).as_str()));
+    }
+
+    #[test]
+    fn words_of_touch_tests_are_those_of_the_contract() {
+        assert!(TestReason::all().into_iter().all(|one| one.word() == touch_test_reason(one).as_str()));
+        assert!(TestKind::all().into_iter().all(|one| one.word() == touch_test_kind(one).as_str()));
     }
 
     #[test]

@@ -246,6 +246,10 @@ words!(
         Setpoint = "SETPOINT",
         /// An operator requested it.
         Operator = "OPERATOR",
+        /// The whisker was not touched for long, or the robot has started anew.
+        Pause = "PAUSE",
+        /// The interval since the last test is over.
+        Schedule = "SCHEDULE",
     }
 );
 words!(

@@ -239,6 +239,12 @@ pub(super) async fn write_answer(
         .map(drop))
 }
 
+/// Names the touch test that an action requested.
+pub(super) async fn write_test(tx: &mut Tx<'_>, action_id: i64, test_id: &str) -> sqlx::Result<()> {
+    const SQL: &str = "UPDATE actions SET test_id = $1 WHERE action_id = $2";
+    on!(tx, |tx| sqlx::query(SQL).bind(test_id).bind(action_id).execute(&mut **tx).await.map(drop))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

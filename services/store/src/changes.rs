@@ -51,7 +51,8 @@ from_row! {
         /// Number of the change.
         #[serde(skip)]
         pub change_id: i64,
-        /// Kind of change: `HEALTH`, `TRIM`, `COMPENSATION`, `SETPOINT`, `ERROR`, `ALARM`, `ACTION` or `POLICY`.
+        /// Kind of change: `HEALTH`, `TRIM`, `COMPENSATION`, `SETPOINT`, `ERROR`, `ALARM`, `ACTION`, `POLICY` or
+        /// `TOUCH_TEST`.
         pub kind: String,
         /// Time of the change, by the supervisor's clock.
         pub at: Time,
@@ -77,6 +78,9 @@ impl Change {
         Mark { tx: self.tx, change_id: self.change_id }
     }
 }
+
+/// Kind of a change of a touch test.
+const TOUCH_TEST: &str = "TOUCH_TEST";
 
 /// A change to write; a time of 0 stands for now.
 #[derive(Debug, Default, Clone, Copy)]
@@ -135,6 +139,15 @@ impl<'a> NewChange<'a> {
             Record::Answer { action_id, done_us, .. } => number("ACTION", *action_id, *done_us),
             Record::Activation(row) => Self { kind: "POLICY", recorded_us: row.activated_us, ..Self::default() },
             Record::Policy(row) => Self { kind: "POLICY", recorded_us: row.changed_us, ..Self::default() },
+            Record::TouchTest(row) => whisker(TOUCH_TEST, row.whisker_id, row.requested_us),
+            Record::TouchTestProgress(row) => Self {
+                kind: TOUCH_TEST,
+                recorded_us: row.updated_us,
+                robot_id: Some(row.robot_id),
+                whisker_id: row.whisker_id,
+                ..Self::default()
+            },
+            Record::TestOfAction { action_id, .. } => number("ACTION", *action_id, 0),
             Record::Quarantined(row) => Self { kind: "ALARM", recorded_us: row.quarantined_us, ..Self::default() },
         }
     }

@@ -7,7 +7,7 @@ use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RollupRow, Rows, Se
 use super::database::{Tx, on};
 use super::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, DECISIONS, ENDED, ERRORS, HEALTH, POLICIES, REFINEMENTS, RESPONSES,
-    ROBOTS, SETPOINTS, STATES, TRIMS, WHISKERS,
+    ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use super::{StoreError, actions, calibrations, failed, quarantine, tables};
 use crate::Resolution;
@@ -98,6 +98,13 @@ async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(
         Record::Activation(row) => (calibrations::write_activation(tx, row).await, "activate a calibration"),
         Record::Policy(row) => (POLICIES.write(tx, &[&**row]).await.map(drop), "write a policy"),
         Record::Quarantined(row) => (quarantine::write(tx, fleet, row).await, "put a message into quarantine"),
+        Record::TouchTest(row) => (TOUCH_TESTS.write(tx, &[&**row]).await.map(drop), "write a touch test"),
+        Record::TouchTestProgress(row) => {
+            (TOUCH_TEST_PROGRESS.write(tx, &[&**row]).await.map(drop), "write the progress of a touch test")
+        }
+        Record::TestOfAction { action_id, test_id, .. } => {
+            (actions::write_test(tx, *action_id, test_id).await, "write the touch test of an action")
+        }
     };
     written.map_err(failed(what))
 }
@@ -127,11 +134,16 @@ async fn write_approved(tx: &mut Tx<'_>, compensation_id: i64) -> sqlx::Result<(
     on!(tx, |tx| sqlx::query(SQL).bind(compensation_id).execute(&mut **tx).await.map(drop))
 }
 
-/// Clears the alarms of all whiskers of a robot.
+/// Clears the alarms of all whiskers of a robot, and ends its touch tests: nobody follows them any more.
 async fn write_forgotten(tx: &mut Tx<'_>, robot_id: i64, cleared_us: i64) -> sqlx::Result<()> {
-    const SQL: &str = "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL \
+    const ALARMS: &str = "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL \
          AND whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $2)";
-    on!(tx, |tx| sqlx::query(SQL).bind(cleared_us).bind(robot_id).execute(&mut **tx).await.map(drop))
+    const TESTS: &str = "UPDATE touch_tests SET state = 'ABANDONED', updated_us = $1, ended_us = $1 \
+         WHERE ended_us IS NULL AND robot_id = $2";
+    for sql in [ALARMS, TESTS] {
+        on!(&mut *tx, |tx| sqlx::query(sql).bind(cleared_us).bind(robot_id).execute(&mut **tx).await.map(drop))?;
+    }
+    Ok(())
 }
 
 /// Clears the alarms of a whisker that has left its robot. It is found by its name, because it has no index any more.

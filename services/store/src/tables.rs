@@ -3,7 +3,7 @@
 use super::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
     JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotRow, RollupRow, SetpointRow,
-    SetpointStateRow, TrimRow, WhiskerRow,
+    SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
 use super::changes::NewChange;
 use super::row::{Declared, Parent, Statement, columns};
@@ -125,6 +125,18 @@ pub(crate) static CLEARED: Statement<AlarmClearedRow> = Statement::custom(
      FROM ROWS) AS m WHERE t.alarm_id = m.alarm_id AND OWNED",
 );
 
+pub(crate) static TOUCH_TESTS: Statement<TouchTestRow> = Statement::insert("touch_tests");
+
+/// The newest state of touch tests. Progress without a state leaves it unchanged.
+pub(crate) static TOUCH_TEST_PROGRESS: Statement<TouchTestProgressRow> = Statement::custom(
+    "touch_tests",
+    "UPDATE touch_tests AS t SET updated_us = n.updated_us, state = COALESCE(n.state, t.state), \
+     error = COALESCE(n.error, t.error), ended_us = COALESCE(n.ended_us, t.ended_us), \
+     touches = t.touches + n.touches, missed = t.missed + n.missed, \
+     length_mm = COALESCE(n.length_mm, t.length_mm), length_sd_mm = COALESCE(n.length_sd_mm, t.length_sd_mm) \
+     FROM ROWS WHERE t.test_id = n.test_id AND t.robot_id = n.robot_id AND OWNED",
+);
+
 /// Columns that the program writes into a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
@@ -139,7 +151,7 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 24] = [
+    let all: [&dyn Declared; 26] = [
         &ROBOTS,
         &WHISKERS,
         &CONTACTS,
@@ -164,6 +176,8 @@ pub fn written() -> Vec<Written> {
         &ENDED,
         &ANSWERED,
         &CLEARED,
+        &TOUCH_TESTS,
+        &TOUCH_TEST_PROGRESS,
     ];
     let names = |one: &dyn Declared| {
         one.written().into_iter().map(|column| (column.name, column.kind.sqlite(), column.kind.postgres())).collect()

@@ -45,7 +45,7 @@ export function whiskerActions(whisker, done) {
     touch_test: () => ({
       title: `Measure the length of ${name} by touches`,
       what: [
-        "The robot touches the whisker near its tip on request, at most thirty times. Touches that come and touches that do not give the length: a cut is called, or a suspicion is refuted.",
+        "The robot touches the whisker near its tip on request. Touches that come and touches that do not give the length: a cut is called, or a suspicion is refuted. A proposed test is started.",
         "The pressure does not change. A robot whose factsheet names no touch test refuses.",
       ],
       button: "Touch test",

@@ -16,6 +16,8 @@ export {
   OBJECTIVES,
   REFUSALS,
   SETPOINT_REASONS,
+  TEST_KINDS,
+  TEST_REASONS,
 } from "./declared.js";
 
 /** The shape of a tone, for words without a shape of their own. */
@@ -34,6 +36,18 @@ export const FAULTS = marked(declared.FAULTS, { STALE: "clock", LEAK: "drop", SU
 export const CONNECTIONS = marked(declared.CONNECTIONS, { CONNECTION_BROKEN: "gap" });
 
 export const SETPOINT_STATES = marked(declared.SETPOINT_STATES, { EXPIRED: "clock" });
+
+export const TEST_STATES = marked(declared.TEST_STATES, { EXPIRED: "clock" });
+
+/** Why a robot rejects a touch test. */
+export const TEST_ERRORS = {
+  NOT_READY: "the robot cannot do it at the moment",
+  STALE: "the robot has a newer request or setpoint",
+  EXPIRED: "the request reached the robot too late",
+  UNKNOWN_WHISKER: "the robot has no such whisker",
+  WRONG_BOOT: "the robot has restarted since the request",
+  OUT_OF_RANGE: "the request is out of the robot's range",
+};
 
 export const ALARM_STATES = {
   UNACKNOWLEDGED: ["not acknowledged", "bad", "bell"],

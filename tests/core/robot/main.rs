@@ -17,6 +17,7 @@ mod odd_values;
 mod old_boots;
 mod operator;
 mod places;
+mod planned_tests;
 mod policy;
 mod purity;
 mod reality;

@@ -10,12 +10,12 @@ use crate::stage::Stage;
 
 const DIALOG: &str = "document.querySelector('dialog[open]')";
 
-fn button(name: &str) -> String {
+pub(crate) fn button(name: &str) -> String {
     format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{name}'))")
 }
 
 /// Presses a button of the page, enters a reason in the dialog, and sends it.
-async fn press(stage: &mut Stage, name: &str, reason: &str) {
+pub(crate) async fn press(stage: &mut Stage, name: &str, reason: &str) {
     stage.browser.until(name, &button(name)).await;
     stage.browser.js(&format!("{}.focus()", button(name))).await;
     stage.browser.press("Enter").await;

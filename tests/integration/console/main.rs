@@ -5,6 +5,7 @@
 mod browser;
 mod checks;
 mod stage;
+mod touch_tests;
 
 mod acting;
 mod advising;

@@ -34,21 +34,27 @@ pub(crate) struct Stage {
 impl Stage {
     /// Starts a service that requires no token.
     pub(crate) async fn start() -> Self {
-        Self::to(AccessOptions::default()).await
+        Self::to(AccessOptions::default(), |_| ()).await
     }
 
     /// Starts a service that requires a token.
     pub(crate) async fn closed() -> Self {
         let token = Some(Secret::new("nobody-in-this-test-has-this-token"));
-        Self::to(AccessOptions { token, oidc: None }).await
+        Self::to(AccessOptions { token, oidc: None }, |_| ()).await
+    }
+
+    /// Starts a service with other parameters of the core.
+    pub(crate) async fn with(change: impl FnOnce(&mut Params)) -> Self {
+        Self::to(AccessOptions::default(), change).await
     }
 
     /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
-    async fn to(access: AccessOptions) -> Self {
+    async fn to(access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let fleet = Name::new("f").unwrap();
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = LEARNED as u32;
+        change(&mut params);
         let service = Service::start(ServiceOptions {
             access,
             name: "s".to_owned(),

@@ -6,20 +6,74 @@ use vibrissa_core::policy::{Mode, PolicyParams};
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Interval,
-    PolicyChanged, PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TrimRow,
+    PolicyChanged, PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TouchTestProgressRow,
+    TouchTestRow, TrimRow,
 };
 use vibrissa_store::changes::Mark;
 use vibrissa_store::list::{Filter, Value as FilterValue};
+use vibrissa_store::lists::actions::{ACTIONS, ActionRow};
 use vibrissa_store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
 };
 use vibrissa_store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
+use vibrissa_store::lists::touch_tests::{TOUCH_TESTS, TouchTest};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_store::{Batch, Lease, Store, Writer};
 use vibrissa_tests::actions::{asks, asks_of};
 
 use crate::rows::{self, Numbered, contacts};
 use crate::{Fresh, fleet, supervisor};
+
+/// A touch test that goes on, and one that is rejected.
+fn touch_tests(robot_id: i64, whisker_id: i64) -> Vec<Record> {
+    let test = |number: usize, state| {
+        Record::TouchTest(Box::new(TouchTestRow {
+            test_id: format!("t{robot_id}-{number}"),
+            robot_id,
+            whisker_id,
+            kind: "WALL",
+            reason: "SUSPICION",
+            contacts: 10,
+            state,
+            requested_us: 20,
+        }))
+    };
+    let progress = |number: usize, state: Option<&'static str>, at_us: i64| TouchTestProgressRow {
+        test_id: format!("t{robot_id}-{number}"),
+        robot_id,
+        whisker_id: Some(whisker_id),
+        updated_us: at_us,
+        state,
+        error: None,
+        ended_us: None,
+        touches: 0,
+        missed: 0,
+        length_mm: None,
+        length_sd_mm: None,
+    };
+    let touched = |touches, missed, at_us| TouchTestProgressRow { touches, missed, ..progress(0, None, at_us) };
+    let done = TouchTestProgressRow {
+        ended_us: Some(25),
+        length_mm: Some(65.0),
+        length_sd_mm: Some(0.25),
+        ..progress(0, Some("DONE"), 25)
+    };
+    let error = Some("NOT_READY");
+    let rejected = TouchTestProgressRow { error, ended_us: Some(22), ..progress(1, Some("REJECTED"), 22) };
+    let of_another_robot =
+        TouchTestProgressRow { robot_id: robot_id + 1000, whisker_id: None, ..touched(100, 100, 99) };
+    let rows = [
+        progress(0, Some("ACCEPTED"), 21),
+        progress(0, Some("RUNNING"), 22),
+        touched(4, 1, 23),
+        touched(3, 2, 24),
+        of_another_robot,
+        done,
+        rejected,
+    ];
+    let rows = rows.into_iter().map(|row| Record::TouchTestProgress(Box::new(row)));
+    [test(0, "PENDING"), test(1, "PENDING"), test(2, "PROPOSED")].into_iter().chain(rows).collect()
+}
 
 /// A record of every kind.
 pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
@@ -113,7 +167,7 @@ pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
             gain_published: best.is_some(),
         }))
     };
-    vec![
+    let mut records = vec![
         health("CONDITION", Some("HEALTHY"), Some("SUSPECTED")),
         health("FAULT", None, Some("LEAK")),
         Record::Trim(TrimRow {
@@ -139,7 +193,9 @@ pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
         Record::AlarmCleared(AlarmClearedRow { whisker_id, cleared_us: 15, kind: "PROPOSED" }),
         Record::Approved { compensation_id },
         Record::Ended(EndedRow { compensation_id, ended_us: 15, end_reason: "REASSIGNED" }),
-    ]
+    ];
+    records.extend(touch_tests(robot_id, whisker_id));
+    records
 }
 
 /// A response of the compensator to a contact.
@@ -194,6 +250,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     let problem = Some("HELD: released first".to_owned());
     let records = vec![
         Record::Answer { action_id: 1, robot_id: 0, state: "REFUSED", problem, done_us: 17 },
+        Record::TestOfAction { action_id: 1, robot_id: 1, test_id: "t1-0".to_owned() },
         Record::Policy(Box::new(version(1))),
         Record::Policy(Box::new(version(2))),
     ];
@@ -234,6 +291,8 @@ async fn written_and_read(database: &Fresh, together: usize) -> Value {
     let store = &database.store;
     let (asked, policy) = mail(store, &mut writer, &lease).await;
     let of_it = || Filter::Is("compensation_id", FilterValue::Whole(numbered.robot_id << 32));
+    let tests_of_actions: Vec<Option<String>> =
+        store.all::<ActionRow>(&ACTIONS, Vec::new()).await.unwrap().into_iter().map(|row| row.test_id).collect();
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
     let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
     let stored = writer.robots(&lease).await.unwrap();
@@ -254,6 +313,7 @@ async fn written_and_read(database: &Fresh, together: usize) -> Value {
         "whiskers": store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap(),
         "compensations": store.all::<CompensationSummary>(&COMPENSATIONS, Vec::new()).await.unwrap(),
         "candidates": store.all::<Candidate>(&CANDIDATES, vec![of_it()]).await.unwrap(),
+        "touch_tests": store.all::<TouchTest>(&TOUCH_TESTS, Vec::new()).await.unwrap(),
         "trims": store.all::<Trim>(&TRIMS, Vec::new()).await.unwrap(),
         "alarms": store.all::<Alarm>(&ALARMS, Vec::new()).await.unwrap(),
         "bins": store.all::<RatioError>(&RATIO_ERRORS, vec![of_it()]).await.unwrap(),
@@ -268,6 +328,7 @@ async fn written_and_read(database: &Fresh, together: usize) -> Value {
         "setpoints": store.setpoint_history().await.unwrap(),
         "robots": stored.collect::<Vec<_>>(),
         "asked": asked,
+        "tests_of_actions": tests_of_actions,
         "policy": policy,
     })
 }
@@ -307,6 +368,17 @@ async fn both_databases_give_back_the_same() {
         (&json!("REFUSED"), &json!("HELD: released first"))
     );
     assert_eq!((&lite["policy"]["version"], &lite["policy"]["change_margin"]), (&json!(2), &json!(0.125)));
+    let named = lite["tests_of_actions"].as_array().unwrap().iter().filter(|one| !one.is_null());
+    assert_eq!(named.collect::<Vec<_>>(), ["t1-0"]);
+    let tests = lite["touch_tests"].as_array().unwrap();
+    let test = |state: &str| tests.iter().find(|test| test["state"] == state).unwrap_or_else(|| panic!("{tests:#?}"));
+    let done = test("DONE");
+    assert_eq!((&done["touches"], &done["missed"], &done["contacts"]), (&json!(7), &json!(3), &json!(10)));
+    assert_eq!((&done["length_mm"], &done["error"]), (&json!(65.0), &Value::Null));
+    let half = (done["length_high_mm"].as_f64().unwrap() - done["length_low_mm"].as_f64().unwrap()) / 2.0;
+    assert!((half - 1.96 * 0.25).abs() < 1e-4, "{half}");
+    assert_eq!(test("REJECTED")["error"], "NOT_READY");
+    assert_eq!((&test("PROPOSED")["ended_at"], &test("PROPOSED")["length_mm"]), (&Value::Null, &Value::Null));
     for list in ["trims", "lengths", "health", "changes"] {
         assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
     }

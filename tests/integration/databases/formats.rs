@@ -5,23 +5,59 @@
 
 use vibrissa_core::units::Micros;
 use vibrissa_store::Batch;
-use vibrissa_store::batch::ContactRow;
+use vibrissa_store::batch::{ContactRow, Record, TouchTestProgressRow, TouchTestRow};
 use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
-fn golden_a_batch_of_version_1_is_read_and_becomes_version_2() {
+fn golden_batches_of_older_versions_are_read_and_become_version_3() {
     let of_version_1 = include_bytes!("../../data/formats/batch-1.bin");
     let of_version_2 = include_bytes!("../../data/formats/batch-2.bin");
+    let of_version_3 = include_bytes!("../../data/formats/batch-3.bin");
     let mut batch = Batch::from_bytes(of_version_1).unwrap();
     assert!(!batch.records.is_empty() && !batch.whiskers.is_empty(), "{batch:?}");
     // The batch of version 1 has no contacts; one of version 1 with contacts is read in the store's own tests.
     batch.contacts = vec![contact("RATIO", Some(0.7), None), contact("UNKNOWN", None, None)];
     batch.contacts.push(contact("DISTANCE", Some(0.8), Some(52.5)));
-    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("data/formats/batch-2.bin", batch.to_bytes().unwrap()).unwrap();
-    }
-    assert!(batch.to_bytes().unwrap() == of_version_2, "the bytes have changed");
     assert_eq!(format!("{:?}", Batch::from_bytes(of_version_2).unwrap()), format!("{batch:?}"));
+    batch.records.extend(touch_test());
+    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
+        std::fs::write("data/formats/batch-3.bin", batch.to_bytes().unwrap()).unwrap();
+    }
+    assert!(batch.to_bytes().unwrap() == of_version_3, "the bytes have changed");
+    assert_eq!(format!("{:?}", Batch::from_bytes(of_version_3).unwrap()), format!("{batch:?}"));
+}
+
+/// A touch test, its progress, and the action that requested it.
+fn touch_test() -> [Record; 3] {
+    let test_id = "t1".to_owned();
+    let test = TouchTestRow {
+        test_id: test_id.clone(),
+        robot_id: 1,
+        whisker_id: 2,
+        kind: "WALL",
+        reason: "OPERATOR",
+        contacts: 10,
+        state: "PENDING",
+        requested_us: 3,
+    };
+    let progress = TouchTestProgressRow {
+        test_id: test_id.clone(),
+        robot_id: 1,
+        whisker_id: Some(2),
+        updated_us: 4,
+        state: Some("DONE"),
+        error: None,
+        ended_us: Some(4),
+        touches: 6,
+        missed: 4,
+        length_mm: Some(65.0),
+        length_sd_mm: Some(0.2),
+    };
+    [
+        Record::TouchTest(Box::new(test)),
+        Record::TouchTestProgress(Box::new(progress)),
+        Record::TestOfAction { action_id: 5, robot_id: 1, test_id },
+    ]
 }
 
 fn contact(place: &'static str, ratio: Option<f64>, distance_mm: Option<f64>) -> ContactRow {

@@ -18,7 +18,7 @@ use crate::{Fresh, contract, fleet, supervisor};
 
 /// Tables with rows of a single robot, and the condition that a new row `n` belongs to robot `{r}`, which has the
 /// whiskers `{w}`, the compensation `{c}`, and the action `{a}`.
-const OF_ROBOTS: [(&str, &str); 18] = [
+const OF_ROBOTS: [(&str, &str); 19] = [
     ("robots", "n.robot_id = {r} AND n.state IS NOT NULL"),
     ("whiskers", "n.robot_id = {r} AND n.state IS NOT NULL"),
     ("contacts", "n.whisker_id IN ({w})"),
@@ -38,6 +38,7 @@ const OF_ROBOTS: [(&str, &str); 18] = [
     ),
     ("setpoints", "n.robot_id = {r}"),
     ("setpoint_states", "n.command_id = 'c{r}'"),
+    ("touch_tests", "n.robot_id = {r}"),
     ("changes", "n.number = {c} OR n.robot_id = {r} OR n.whisker_id IN ({w}) OR n.command_id = 'c{r}'"),
     ("actions", "n.action_id = {a} AND n.state <> 'PENDING'"),
 ];
@@ -89,6 +90,8 @@ impl Subject {
         let answer =
             Record::Answer { action_id: self.action_id, robot_id: 0, state: "DONE", problem: None, done_us: 17 };
         batch.records.push(answer);
+        let (action_id, robot_id) = (self.action_id, numbered.robot_id);
+        batch.records.push(Record::TestOfAction { action_id, robot_id, test_id: format!("t{robot_id}-0") });
         batch.responses = vec![contract::response(numbered)];
         batch
     }

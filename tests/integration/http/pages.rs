@@ -72,7 +72,7 @@ type Filtered = (&'static str, &'static str, Box<dyn Fn(&Value) -> bool>);
 async fn filters_keep_what_they_name(served: &Served) {
     let is = |field: &'static str, value: Value| move |item: &Value| item[field] == value;
     let at = "2026-11-21T08:00:02.000Z";
-    let cases: [Filtered; 14] = [
+    let cases: [Filtered; 18] = [
         ("robots", "fleet=f", Box::new(is("fleet", "f".into()))),
         ("robots", "connection=OFFLINE", Box::new(is("connection", "OFFLINE".into()))),
         ("arrays", "robot=r2", Box::new(is("robot", "r2".into()))),
@@ -84,6 +84,14 @@ async fn filters_keep_what_they_name(served: &Served) {
         ("compensations", "case=SHORTER_FOR_LONGER", Box::new(is("case", "SHORTER_FOR_LONGER".into()))),
         ("compensations", "compensator_whisker=2", Box::new(is("compensator_whisker", 2.into()))),
         ("setpoints", "whisker=2", Box::new(is("whisker", 2.into()))),
+        ("touch-tests", "whisker=2", Box::new(is("whisker", 2.into()))),
+        ("touch-tests", "state=REJECTED", Box::new(is("error", "NOT_READY".into()))),
+        ("touch-tests", "robot=r2", Box::new(is("robot", "r2".into()))),
+        (
+            "touch-tests",
+            "from=2026-11-21T08:00:02Z",
+            Box::new(move |item| item["requested_at"].as_str().unwrap() >= at),
+        ),
         ("errors", "whisker=2", Box::new(is("target_whisker", 2.into()))),
         ("health-changes", "kind=FAULT", Box::new(is("kind", "FAULT".into()))),
         ("alarms", "standing=true", Box::new(is("standing", true.into()))),

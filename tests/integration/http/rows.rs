@@ -10,8 +10,8 @@ use vibrissa_protocol::Name;
 use vibrissa_store::Resolution;
 use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
-    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow, TrimRow,
-    WhiskerRow,
+    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow,
+    TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
 use vibrissa_store::{Batch, Lease, Store, Supervisor, Writer};
 
@@ -109,7 +109,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
         }],
         whiskers: (0..3).map(|index| whisker(&robot, &ids, index)).collect(),
         rollups: rollups(&ids),
-        records: happenings(robot_id, &ids),
+        records: happenings(robot_id, &ids).into_iter().chain(touch_tests(robot_id, &ids)).collect(),
         ..Batch::default()
     };
     for number in 0..DECISIONS {
@@ -215,6 +215,42 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
         cleared_us: START_US + 60_000_000,
         kind: "UNCOMPENSATED",
     }));
+    records
+}
+
+/// Touch tests of the robot's whiskers: one that is done, one that was rejected, one that runs, and a proposed one.
+fn touch_tests(robot_id: i64, ids: &[i64]) -> Vec<Record> {
+    let mut records = Vec::new();
+    for (number, (reason, state)) in
+        (0..).zip([("SUSPICION", "DONE"), ("OPERATOR", "REJECTED"), ("PAUSE", "RUNNING"), ("SCHEDULE", "PROPOSED")])
+    {
+        let test_id = format!("t-{robot_id}-{number}");
+        let whisker_id = ids[number as usize % 3];
+        let requested_us = START_US + number * 1_000_000;
+        records.push(Record::TouchTest(Box::new(TouchTestRow {
+            test_id: test_id.clone(),
+            robot_id,
+            whisker_id,
+            kind: "TIP",
+            reason,
+            contacts: 10,
+            state: if state == "PROPOSED" { "PROPOSED" } else { "PENDING" },
+            requested_us,
+        })));
+        records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {
+            test_id,
+            robot_id,
+            whisker_id: Some(whisker_id),
+            updated_us: requested_us + 500_000,
+            state: Some(state),
+            error: (state == "REJECTED").then_some("NOT_READY"),
+            ended_us: matches!(state, "DONE" | "REJECTED").then_some(requested_us + 500_000),
+            touches: if state == "DONE" { 7 } else { 0 },
+            missed: if state == "DONE" { 3 } else { 0 },
+            length_mm: (state == "DONE").then_some(65.0),
+            length_sd_mm: (state == "DONE").then_some(0.2),
+        })));
+    }
     records
 }
 

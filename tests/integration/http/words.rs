@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 use vibrissa_core::policy::{Case, PolicyParams, Refused};
-use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Fault, RefinementOutcome};
+use vibrissa_core::robot::effect::{
+    AlarmKind, CommandState, Condition, EndReason, Fault, RefinementOutcome, TestKind, TestReason, TestState,
+};
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge::actions::ActionKind;
 use vibrissa_edge::words::Words;
@@ -23,6 +25,7 @@ async fn filters_and_console_have_each_word() {
         ("/v1/robots", "connection", words::<Link>()),
         ("/v1/compensations", "case", words::<Case>()),
         ("/v1/setpoints", "state", words::<CommandState>()),
+        ("/v1/touch-tests", "state", words::<TestState>()),
         ("/v1/alarms", "kind", words::<AlarmKind>()),
     ];
     for (path, filter, words) in filters {
@@ -45,6 +48,9 @@ async fn filters_and_console_have_each_word() {
         ("REFUSALS", words::<Refused>()),
         ("END_REASONS", words::<EndReason>()),
         ("SETPOINT_STATES", words::<CommandState>()),
+        ("TEST_STATES", words::<TestState>()),
+        ("TEST_KINDS", words::<TestKind>()),
+        ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", words::<AlarmKind>()),
         ("ACTION_KINDS", words::<ActionKind>()),

@@ -26,4 +26,5 @@ mod restart;
 mod schemathesis;
 mod setpoints;
 mod start;
+mod touch_tests;
 mod traces;

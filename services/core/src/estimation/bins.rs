@@ -3,6 +3,9 @@
 //! Single contacts are too noisy for Eq. 35: 4 % noise on a difference of 17 %. Each bin holds the mean of
 //! `ln(measured sensitivity / model's sensitivity)`. Each contact is compared with the model at its own contact
 //! ratio and pressure, so that neither the slope within a bin nor a dithering regulator adds to the error.
+//!
+//! If the whisker's gain wanders, a mean over all contacts would tell its past. So each bin is the scalar Kalman filter of a
+//! random walk: contacts lose weight as others follow.
 
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -13,6 +16,9 @@ use crate::units::ContactRatio;
 
 /// Width of a bin in contact ratio; bins are centred on [`CONTACT_RATIOS`].
 pub const WIDTH: f64 = 0.05;
+
+/// Usual number of contacts between two in the same bin, for the wandering between them.
+const CONTACTS_BETWEEN: f64 = CONTACT_RATIOS.len() as f64;
 
 /// Mean log deviation from the model in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +103,12 @@ impl Kept {
         self.weight = sum as f32;
         self.mean = nearer(f64::from(self.mean), log_deviation) as f32;
     }
+
+    /// The mean becomes uncertain by this variance.
+    fn widen(&mut self, variance: f64) {
+        let weight = f64::from(self.weight);
+        self.weight = (weight / (1.0 + weight * variance)) as f32;
+    }
 }
 
 /// An empty bin takes one byte.
@@ -161,12 +173,12 @@ impl Waits {
         }
     }
 
-    fn counts(self, bins: &mut ResponseBins) {
+    fn counts(self, bins: &mut ResponseBins, walk: f64) {
         let ratio = f64::from(self.ratio) / f64::from(u8::MAX);
         let log_deviation = f64::from(self.log_deviation) / LOG_DEVIATION_STEPS;
         let weight = f64::from(f32::from_bits((u32::from(self.weight) + LEAST_OCTAVE) << EIGHTHS_AT));
         if let Some(index) = ContactRatio::new(ratio).ok().and_then(ResponseBins::index) {
-            bins.bins[index].add(index, ratio, log_deviation, weight);
+            bins.add_at(index, ratio, log_deviation, weight, walk);
         }
     }
 }
@@ -177,11 +189,11 @@ impl Waiting {
 
     /// Queues one contact, with the arguments of [`ResponseBins::add`]. If the queue is full, its oldest contact
     /// moves to the bins.
-    pub fn add(&mut self, bins: &mut ResponseBins, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
+    pub fn add(&mut self, bins: &mut ResponseBins, ratio: ContactRatio, log_deviation: f64, variance: f64, walk: f64) {
         let place = &mut self.contacts[usize::from(self.at) % Self::CONTACTS];
-        let longest = std::mem::replace(place, Waits::new(ratio, log_deviation, noise_variance));
+        let longest = std::mem::replace(place, Waits::new(ratio, log_deviation, variance));
         if usize::from(self.count) == Self::CONTACTS {
-            longest.counts(bins);
+            longest.counts(bins, walk);
         } else {
             self.count += 1;
         }
@@ -231,11 +243,18 @@ impl ResponseBins {
         (steps >= 0.0 && steps < CONTACT_RATIOS.len() as f64).then_some(steps as usize)
     }
 
-    /// Adds one contact: its log deviation from the model, and the noise variance of that deviation.
-    pub fn add(&mut self, ratio: ContactRatio, log_deviation: f64, noise_variance: f64) {
+    /// Adds one contact: its log deviation from the model, the noise variance of that deviation, and the random walk of the
+    /// whisker's gain, log sensitivity per square root of a contact.
+    pub fn add(&mut self, ratio: ContactRatio, log_deviation: f64, noise_variance: f64, walk: f64) {
         if let Some(index) = Self::index(ratio) {
-            self.bins[index].add(index, ratio.a(), log_deviation, 1.0 / noise_variance);
+            self.add_at(index, ratio.a(), log_deviation, 1.0 / noise_variance, walk);
         }
+    }
+
+    fn add_at(&mut self, index: usize, ratio: f64, log_deviation: f64, weight: f64, walk: f64) {
+        let bin = &mut self.bins[index];
+        bin.widen(CONTACTS_BETWEEN * walk * walk);
+        bin.add(index, ratio, log_deviation, weight);
     }
 
     /// Adds `log_shift` to all means: the measurements move to a new scale.
@@ -277,9 +296,24 @@ mod tests {
     fn the_last_contacts_do_not_count_yet() {
         let (mut waiting, mut bins) = (Waiting::default(), ResponseBins::default());
         for k in 0..40 {
-            waiting.add(&mut bins, ContactRatio::TIP, 0.125 * f64::from(k), 1.0);
+            waiting.add(&mut bins, ContactRatio::TIP, 0.125 * f64::from(k), 1.0, 0.0);
         }
         assert_eq!(bins.contacts(), 24);
         assert_eq!(bins.bin(11).mean(), 0.125 * 11.5);
+    }
+
+    /// The closed form of a random walk's filter in the long run: gain (sqrt(q^2 + 4 q) - q) / 2, with q the walk's variance
+    /// between two contacts over the noise's.
+    #[test]
+    fn golden_a_bin_of_a_wandering_gain_forgets_as_a_kalman_filter_does() {
+        let (noise, walk) = (0.05_f64.powi(2), 5e-4);
+        let mut bins = ResponseBins::default();
+        let mut add = |deviation: f64| bins.add(ContactRatio::TIP, deviation, noise, walk);
+        (0..1000).for_each(|_| add(0.0));
+        add(1.0);
+        let q = CONTACTS_BETWEEN * walk * walk / noise;
+        let gain = 0.5 * ((q * q + 4.0 * q).sqrt() - q);
+        assert!((bins.bin(11).mean() / gain - 1.0).abs() < 1e-3, "{} {gain}", bins.bin(11).mean());
+        assert!((bins.bin(11).variance() / (gain * noise) - 1.0).abs() < 1e-3);
     }
 }

@@ -34,6 +34,8 @@ const WIDTHS_REFILLS: [f64; WIDTHS] = [1.7, 3.0, 6.0];
 /// Longest gap between two readings whose scatter counts, in seconds. Over longer gaps a sound chamber's own loss and
 /// refills scatter the readings.
 const SCATTER_GAP_S: f64 = 5.0;
+/// Readings from which the noise is known well enough for scatter to count.
+const SCATTER_READINGS: f32 = 200.0;
 /// Longest time from refill to refill of a leak whose readings scatter, in seconds.
 const SCATTER_CYCLE_S: f64 = 10.0;
 /// Number of hypotheses: rates and widths.
@@ -114,13 +116,14 @@ impl LeakTest {
         if !is_leaking && self.log_ratios.iter().all(|&ratio| ratio < SUSPECTED_AT) {
             self.noise.learn(self.sound.off(refills));
         }
+        let is_new = self.noise.readings < SCATTER_READINGS;
         let sound = self.sound.fall(SOUND, &reading);
         let rates = self.rates.iter_mut().zip(RATES_PER_S);
         let rates = rates.map(|(track, per_s)| track.fall(Loss { per_s, sd: RATE_SD }, &reading));
         let widths = self.widths.iter_mut().zip(WIDTHS_REFILLS);
         let widths = widths.map(|(track, width)| {
             let density = track.scatter(width, &reading);
-            if gap_s > SCATTER_GAP_S { sound } else { density }
+            if gap_s > SCATTER_GAP_S || is_new { sound } else { density }
         });
         for (log_ratio, density) in self.log_ratios.iter_mut().zip(rates.chain(widths)) {
             let more = (density / sound).ln().clamp(-CONTRIBUTION_MAX, CONTRIBUTION_MAX) as f32;

@@ -14,6 +14,7 @@ mod exponential;
 mod fast_math;
 pub mod filter;
 pub mod gain_walk;
+mod innovation;
 pub mod leak;
 mod leak_test;
 pub mod length_evidence;

@@ -262,7 +262,7 @@ mod tests {
         for k in 0..1200 {
             let ratio = ContactRatio::known(0.45 + 0.55 * f64::from(k) / 1199.0);
             let log = |m: &Model| m.sensitivity_per_mm(ratio, length, &m.morphology(pressure)).unwrap().ln();
-            bins.add(ratio, log(plant) - log(model), 0.035_f64.powi(2));
+            bins.add(ratio, log(plant) - log(model), 0.035_f64.powi(2), 0.0);
         }
         bins
     }
@@ -315,7 +315,7 @@ mod tests {
         for k in 0..20 {
             let mut one = visit(&model, &model, 0.02 + 0.004 * f64::from(k));
             for _ in 0..100 {
-                one.bins.add(ContactRatio::TIP, 3.0, 1e-4);
+                one.bins.add(ContactRatio::TIP, 3.0, 1e-4, 0.0);
             }
             own.remember(one.clone());
             own.remember(one);

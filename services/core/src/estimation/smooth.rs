@@ -126,7 +126,7 @@ mod tests {
             let mut bins = ResponseBins::default();
             for k in 0..contacts {
                 let a = 0.45 + 0.55 * f64::from(k) / f64::from(contacts - 1);
-                bins.add(ContactRatio::known(a), truth(a), 0.035_f64.powi(2));
+                bins.add(ContactRatio::known(a), truth(a), 0.035_f64.powi(2), 0.0);
             }
             Smooth::through(&bins)
         };
@@ -144,7 +144,7 @@ mod tests {
     fn what_is_carried_is_kept_until_contacts_say_otherwise() {
         let mut bins = ResponseBins::default();
         for k in 0..6000 {
-            bins.add(ContactRatio::known(0.45 + 0.55 * f64::from(k) / 5999.0), 0.1, 0.035_f64.powi(2));
+            bins.add(ContactRatio::known(0.45 + 0.55 * f64::from(k) / 5999.0), 0.1, 0.035_f64.powi(2), 0.0);
         }
         let change = CONTACT_RATIOS.map(|a| 0.03 * (a - 0.725));
         let carried = Smooth::through(&bins).carried(&change, &[[0.001; CONTACT_RATIOS.len()]]);
@@ -156,7 +156,7 @@ mod tests {
         assert!(spread > 0.002 && spread < 0.003, "{spread}");
         let mut others = ResponseBins::default();
         for k in 0..6000 {
-            others.add(ContactRatio::known(0.45 + 0.55 * f64::from(k) / 5999.0), 0.15, 0.035_f64.powi(2));
+            others.add(ContactRatio::known(0.45 + 0.55 * f64::from(k) / 5999.0), 0.15, 0.035_f64.powi(2), 0.0);
         }
         let moved = Smooth::from(&carried, &others).by_ratio()[5];
         assert!(moved > 0.145 && moved < 0.15, "{moved}");

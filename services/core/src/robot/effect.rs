@@ -111,14 +111,16 @@ pub enum Effect {
         /// The alarms that stood.
         alarms: Vec<AlarmKind>,
     },
-    /// Publish this touch test.
+    /// Record this touch test, then publish it.
     Test(Box<TouchTest>),
-    /// A touch test has a new state.
+    /// Record the proposal of a touch test, which waits for an operator.
+    TestProposed(ProposedTest),
+    /// Record the new state of a touch test.
     TestState {
-        /// Key of the test.
+        /// Key of the test or of its proposal.
         test: CommandKey,
-        /// The whisker concerned.
-        whisker: WhiskerIndex,
+        /// The whisker concerned; `None` if it is not on the robot any more.
+        whisker: Option<WhiskerIndex>,
         /// New state of the test.
         state: TestState,
         /// Reason of the robot, if it rejected the test.
@@ -343,6 +345,21 @@ pub struct TouchTest {
     pub reason: TestReason,
 }
 
+/// A touch test that an operator can start, in mode ADVISE.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProposedTest {
+    /// Identifies the proposal. The version is of the series of setpoints; the test itself gets the next one.
+    pub key: CommandKey,
+    /// Whisker to be touched.
+    pub whisker: WhiskerIndex,
+    /// Kind of test.
+    pub kind: TestKind,
+    /// Number of contacts.
+    pub contacts: u16,
+    /// Reason for the test.
+    pub reason: TestReason,
+}
+
 /// Kind of touch test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum TestKind {
@@ -361,6 +378,10 @@ pub enum TestReason {
     Setpoint,
     /// An operator asked for it.
     Operator,
+    /// The whisker was not touched for long, or the robot has started anew: it may have been cut meanwhile.
+    Pause,
+    /// The interval since the last test is over.
+    Schedule,
 }
 
 /// State of a touch test.
@@ -380,8 +401,12 @@ pub enum TestState {
     Failed,
     /// No answer or no end in time.
     Expired,
-    /// The robot started anew before the end.
+    /// The robot started anew before the end, or the whisker is not on it any more.
     Abandoned,
+    /// It waits for an operator, in mode ADVISE; nothing was sent.
+    Proposed,
+    /// It was proposed, and is requested now or not needed any more.
+    Withdrawn,
 }
 
 /// Reason for a setpoint.

@@ -216,6 +216,7 @@ impl Robot {
             }
             self.abandon_commands(effects);
             self.abandon_tests(effects);
+            self.test_after_restart(params);
             // Those who were given up may serve again.
             self.head.undecided = true;
             self.head.boot_id = Some(boot_id.into());
@@ -330,6 +331,9 @@ impl Robot {
         for (position, contact) in contacts.iter().enumerate() {
             if plausible.contains(&contact.robot_time) {
                 self.contact(params, now, position, contact, effects);
+                if is_newest {
+                    self.note_touch(params, contact);
+                }
             } else {
                 // Only this contact is rejected: other whiskers' times can still be right, and the message is accounted
                 // for.

@@ -82,8 +82,15 @@ pub struct TouchTestParams {
     pub contacts_between_false_alarms: f64,
     /// Longest time that a robot may take for a contact of a test.
     pub contact_time: Micros,
-    /// Pause after a test that the robot could not do, or that decided nothing.
+    /// Pause after a test that the robot could not do, or after tests that decided nothing.
     pub pause: Micros,
+    /// Tests of a measurement that follow each other without a pause.
+    pub in_a_row: u8,
+    /// A whisker whose contacts state no ratio to the present length is tested after a pause of its contacts as long as
+    /// this, and after each restart of its robot; 0 for never.
+    pub after_pause: Micros,
+    /// Such a whisker is tested when this time has passed since its last test; 0 for never.
+    pub every: Micros,
 }
 
 impl Default for TouchTestParams {
@@ -93,6 +100,9 @@ impl Default for TouchTestParams {
             contacts_between_false_alarms: 1e5,
             contact_time: Micros::from_s(10.0),
             pause: Micros::from_s(600.0),
+            in_a_row: 3,
+            after_pause: Micros(0),
+            every: Micros(0),
         }
     }
 }

@@ -39,12 +39,7 @@ impl Robot {
             heard: whisker.heard,
             held: whisker.held,
             standing: whisker.standing,
-            touch_test: whisker
-                .rare
-                .length_test
-                .as_ref()
-                .and_then(|test| test.in_flight())
-                .map(|(_, kind, state)| (kind, state)),
+            touch_test: whisker.rare.length_test.as_ref().and_then(|test| test.in_flight()),
         })
     }
 
@@ -94,7 +89,7 @@ impl Robot {
         self.whiskers
             .iter()
             .enumerate()
-            .filter_map(|(index, one)| Some((one.rare.length_test.as_ref()?.in_flight()?.0, index)))
+            .filter_map(|(index, one)| Some((one.rare.length_test.as_ref()?.key_under_way()?, index)))
     }
 
     /// Compensations in force, and those that wait for approval.
@@ -139,6 +134,6 @@ pub struct WhiskerView<'a> {
     pub held: bool,
     /// Alarms that stand for the whisker.
     pub standing: Standing,
-    /// Kind and state of the touch test that is requested and not over.
+    /// Kind and state of the touch test that is requested or proposed, and not over.
     pub touch_test: Option<(TestKind, TestState)>,
 }

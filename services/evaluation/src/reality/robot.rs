@@ -21,6 +21,8 @@ pub(super) const WHISKERS: usize = 6;
 const ARRAYS: [&str; WHISKERS] = ["a", "b", "c", "d", "e", "f"];
 const BOOT: &str = "b";
 const START_US: u64 = 1_795_248_000_000_000;
+/// Time between two scheduled touch tests of a whisker: one hour.
+const TESTED_EVERY: Micros = Micros(3_600_000_000);
 /// Time between two statuses while the robot touches something, and while it does not, s.
 const STATUS_S: (f64, f64) = (2.0, 10.0);
 /// The same of a robot with a leak.
@@ -88,6 +90,16 @@ pub(super) struct Robot {
     every_s: (f64, f64),
 }
 
+/// A robot that can do touch tests also does them on a schedule: its habit may leave out the tips for days, and then there is
+/// no silence to notice.
+fn params(place: Place) -> Params {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    if place == Place::DistanceTests {
+        params.touch_tests.every = TESTED_EVERY;
+    }
+    params
+}
+
 impl Robot {
     /// A robot with whole whiskers, connected.
     #[must_use]
@@ -103,7 +115,7 @@ impl Robot {
             air: numbers.map(|number| Air::new(&nuisances, seed, number)).collect(),
             course: Course::new(nuisances, seed),
             core: Core::new(1, Numbers::default()),
-            params: Params::nguyen_2021(Formulation::Published),
+            params: params(place),
             told: Vec::new(),
             moving: Vec::new(),
             effects: Vec::new(),

@@ -6,6 +6,7 @@ mod parts;
 mod policy;
 mod record;
 mod rows;
+mod touch_test;
 mod version_1;
 mod words;
 
@@ -15,6 +16,7 @@ pub(crate) use parts::{Parts, Rows};
 pub use policy::{PolicyChanged, PolicyRow};
 pub use record::*;
 pub use rows::*;
+pub use touch_test::*;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -92,7 +94,10 @@ impl Batch {
             | Record::Answer { .. }
             | Record::Policy(_)
             | Record::AlarmsForgotten { .. }
-            | Record::Quarantined(_) => None,
+            | Record::Quarantined(_)
+            | Record::TouchTest(_)
+            | Record::TouchTestProgress(_)
+            | Record::TestOfAction { .. } => None,
         });
         let whiskers = self.whiskers.iter().map(|row| row.whisker_id);
         let contacts = self.contacts.iter().map(|row| row.whisker_id);

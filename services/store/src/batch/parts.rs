@@ -58,6 +58,9 @@ impl Owners {
             Record::SetpointState(row) => Self::robot(self.commands.get(&row.command_id).copied().unwrap_or_default()),
             Record::Answer { robot_id, .. } if *robot_id != 0 => Self::robot(*robot_id),
             Record::Answer { action_id, .. } => Self::robot(self.actions.get(action_id).copied().unwrap_or_default()),
+            Record::TouchTest(row) => Self::robot(row.robot_id),
+            Record::TouchTestProgress(row) => Self::robot(row.robot_id),
+            Record::TestOfAction { robot_id, .. } => Self::robot(*robot_id),
             Record::Activation(_) | Record::Policy(_) => Owner::Fleet,
             Record::Quarantined(_) => Owner::Quarantine,
         }

@@ -2,7 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, words};
+use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, TouchTestProgressRow, TouchTestRow, words};
 use crate::calibrations::ActivationRow;
 use crate::row::row;
 
@@ -74,6 +74,19 @@ pub enum Record {
     },
     /// A message whose rows the database refused.
     Quarantined(Box<QuarantineRow>),
+    /// A new touch test, requested or proposed.
+    TouchTest(Box<TouchTestRow>),
+    /// Progress of a touch test.
+    TouchTestProgress(Box<TouchTestProgressRow>),
+    /// The touch test that an operator's action requested at once.
+    TestOfAction {
+        /// Number of the action.
+        action_id: i64,
+        /// Number of the robot in the database.
+        robot_id: i64,
+        /// Identifier of the test, a UUID.
+        test_id: String,
+    },
 }
 
 /// State of a new setpoint.

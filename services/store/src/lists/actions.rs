@@ -27,8 +27,8 @@ from_row! {
         pub compensation_id: Option<i64>,
         /// Number of the alarm that was acknowledged or shelved; null for other actions.
         pub alarm_id: Option<i64>,
-        /// Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `POLICY`,
-        /// `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
+        /// Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `TOUCH_TEST`,
+        /// `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
         pub kind: String,
         /// Parameters of the action: a JSON object, as text.
         pub parameters: String,
@@ -48,6 +48,9 @@ from_row! {
         pub problem: Option<String>,
         /// Time at which the action was done, refused or expired; null while it is pending.
         pub done_at: Option<Time>,
+        /// Identifier of the touch test that the action `TOUCH_TEST` requested: the `test_id` of `/v1/touch-tests`; null
+        /// for other actions, and if the request had to wait.
+        pub test_id: Option<String>,
     }
 }
 
@@ -63,7 +66,7 @@ sorts! {
 pub static ACTIONS: List = List {
     what: "list the actions",
     select: "SELECT action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, actor, \
-             role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at FROM actions",
+             role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at, test_id FROM actions",
     sorts: ActionSort::SORTS,
     id: "action_id",
 };

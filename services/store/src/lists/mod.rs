@@ -12,6 +12,7 @@ pub mod policies;
 pub mod quarantine;
 pub mod robots;
 pub mod setpoints;
+pub mod touch_tests;
 pub mod whiskers;
 
 /// Defines the sort keys of a list as a closed enum; the first one is the default.

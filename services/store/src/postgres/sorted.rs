@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use crate::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Record,
-    RefinementRow, SetpointRow, SetpointStateRow, TrimRow,
+    RefinementRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow,
 };
 use crate::tables::{BinKey, CandidateKey};
 
@@ -27,6 +27,9 @@ pub(super) struct Sorted<'b> {
     pub(super) refinements: Vec<&'b RefinementRow>,
     pub(super) alarms: Vec<&'b AlarmRow>,
     pub(super) cleared: Vec<&'b AlarmClearedRow>,
+    pub(super) tests: Vec<&'b TouchTestRow>,
+    /// For each older touch test, its progress added up.
+    pub(super) test_progress: Vec<TouchTestProgressRow>,
 }
 
 /// A row that a record inserts or updates. The parts of one statement do not see each other's rows, so each row may
@@ -37,6 +40,7 @@ enum Touched<'b> {
     Error(i64, i64),
     Setpoint(&'b str),
     Alarm(i64, &'b str),
+    Test(i64, &'b str),
 }
 
 impl<'b> Sorted<'b> {
@@ -55,13 +59,18 @@ impl<'b> Sorted<'b> {
                 Record::Error(row) => touched.insert(Touched::Error(row.compensation_id, row.recorded_us)),
                 Record::Alarm(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
                 Record::AlarmCleared(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
+                Record::TouchTest(row) => touched.insert(Touched::Test(row.robot_id, &row.test_id)),
+                Record::TouchTestProgress(row) => {
+                    touched.insert(Touched::Test(row.robot_id, &row.test_id)) || sorted.progress(row).is_some()
+                }
                 Record::Activation(_)
                 | Record::Approved { .. }
                 | Record::Gone { .. }
                 | Record::Answer { .. }
                 | Record::Policy(_)
                 | Record::Quarantined(_)
-                | Record::AlarmsForgotten { .. } => false,
+                | Record::AlarmsForgotten { .. }
+                | Record::TestOfAction { .. } => false,
             };
             if !is_first {
                 return None;
@@ -73,6 +82,11 @@ impl<'b> Sorted<'b> {
 
     fn answered(&mut self, row: &SetpointStateRow) -> Option<&mut SetpointStateRow> {
         self.answered.iter_mut().find(|last| last.command_id == row.command_id)
+    }
+
+    fn progress(&mut self, row: &TouchTestProgressRow) -> Option<&mut TouchTestProgressRow> {
+        let test = (row.robot_id, &row.test_id);
+        self.test_progress.iter_mut().find(|before| (before.robot_id, &before.test_id) == test)
     }
 
     fn put(&mut self, record: &'b Record) {
@@ -105,13 +119,19 @@ impl<'b> Sorted<'b> {
             Record::Refinement(row) => self.refinements.push(row),
             Record::Alarm(row) => self.alarms.push(row),
             Record::AlarmCleared(row) => self.cleared.push(row),
+            Record::TouchTest(row) => self.tests.push(row),
+            Record::TouchTestProgress(row) => match self.progress(row) {
+                Some(before) => before.add(row),
+                None => self.test_progress.push(TouchTestProgressRow::clone(row)),
+            },
             Record::Activation(_)
             | Record::Approved { .. }
             | Record::Gone { .. }
             | Record::Answer { .. }
             | Record::Policy(_)
             | Record::Quarantined(_)
-            | Record::AlarmsForgotten { .. } => {}
+            | Record::AlarmsForgotten { .. }
+            | Record::TestOfAction { .. } => {}
         }
     }
 }

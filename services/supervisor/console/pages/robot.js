@@ -1,6 +1,6 @@
 // A robot: each array drawn to scale, with the same data in a table.
 
-import { get, list } from "../api.js";
+import { get, ifServed, list } from "../api.js";
 import { robotActions } from "../actions.js";
 import { h } from "../dom.js";
 import { drawing } from "../drawing.js";
@@ -9,21 +9,23 @@ import { attention, markOf, marksOf } from "../marks.js";
 import { api, link } from "../places.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { proposals } from "../parts/proposals.js";
+import { proposedTests } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
 import { ARRAY_TYPES, CONNECTIONS, say } from "../words.js";
 import { health } from "./fleets.js";
 
 export default {
   async load({ fleet, robot }) {
-    const [about, whiskers, decisions] = await Promise.all([
+    const [about, whiskers, decisions, tests] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
+      ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { fleet, robot, state: "PROPOSED" }), []),
     ]);
-    return { about, whiskers, decisions };
+    return { about, whiskers, decisions, tests };
   },
 
-  view({ about, whiskers, decisions }, { fleet, robot }, refresh) {
+  view({ about, whiskers, decisions, tests }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const running = decisions.filter((one) => one.approval !== "PROPOSED");
     const arrays = Map.groupBy(whiskers, (whisker) => whisker.array);
@@ -39,6 +41,7 @@ export default {
       ]),
       actions.length ? h("div", { class: "buttons" }, actions) : null,
       proposals(waiting, refresh),
+      proposedTests(tests),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
       section(

@@ -7,6 +7,7 @@ import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
 import { candidatesTable, decisionsTable, ratioPlot, setpointsTable } from "../parts/decisions.js";
+import { testsTable } from "../parts/tests.js";
 import { figure } from "../plot.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
@@ -23,11 +24,12 @@ const PLOTS = [
 export default {
   async load({ fleet, robot, array, whisker }) {
     const where = { fleet, robot, array };
-    const [about, targets, serves, setpoints, trims, changes] = await Promise.all([
+    const [about, targets, serves, setpoints, tests, trims, changes] = await Promise.all([
       get(api.whisker({ ...where, whisker })),
       list("/v1/compensations", { ...where, target_whisker: whisker, limit: 20 }),
       list("/v1/compensations", { ...where, compensator_whisker: whisker, limit: 20 }),
       ifServed("/v1/setpoints", () => list("/v1/setpoints", { ...where, whisker, limit: 20 }), []),
+      ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/trims", () => list("/v1/trims", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/health-changes", () => list("/v1/health-changes", { ...where, whisker, limit: 20 }), []),
     ]);
@@ -44,13 +46,14 @@ export default {
       targets,
       serves,
       setpoints: setpoints.map((one, index) => histories[index] ?? one),
+      tests,
       trims,
       changes,
       newest,
     };
   },
 
-  view({ about, targets, serves, setpoints, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
+  view({ about, targets, serves, setpoints, tests, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
     const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
     const actions = whiskerActions(about, refresh);
     return [
@@ -74,6 +77,7 @@ export default {
         ),
       ),
       section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
+      section("Touch tests", testsTable(tests)),
       section("Trims", trimsTable(trims)),
       section("Changes of health", changesTable(changes)),
     ];

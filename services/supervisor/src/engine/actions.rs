@@ -8,6 +8,7 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::{self, ActionKind, CALIBRATION, PolicyChange, Request, Subject};
+use vibrissa_edge::ids::command_id;
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
@@ -117,11 +118,24 @@ impl Execution<'_> {
 
     fn operate(&mut self, action: &Action, operator_action: &OperatorAction<'_>) -> Result<(), Problem> {
         let name = self.robot_of(action)?;
-        match self.shards.step(&name, self.now, &Event::Operator(operator_action)) {
+        let outcome = self.shards.step(&name, self.now, &Event::Operator(operator_action));
+        if let (OperatorAction::TouchTest(place), Some(Outcome::Taken)) = (operator_action, &outcome) {
+            self.name_test(action.action_id, &name, *place);
+        }
+        match outcome {
             Some(Outcome::Refused(problem)) => Err(refused(problem)),
             Some(Outcome::Taken | Outcome::Duplicate | Outcome::NotYet(_) | Outcome::OldBoot | Outcome::BadTime)
             | None => Ok(()),
         }
+    }
+
+    /// Records the test that an action has requested; none if the request has to wait.
+    fn name_test(&mut self, action_id: i64, name: &Name, place: Place<'_>) {
+        let Some(known) = self.shards.robot(name) else { return };
+        let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };
+        let Some((test, _)) = known.robot.tests_under_way().find(|(_, of)| *of == whisker) else { return };
+        let (robot_id, test_id) = (known.robot_id, command_id(self.fleet, name, test));
+        self.shards.record(Record::TestOfAction { action_id, robot_id, test_id });
     }
 
     /// Puts another calibration of a model in force from this transaction on. The baselines of its whiskers are learned

@@ -10,7 +10,7 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, LongerForShorter, Mode};
-use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition};
+use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, TestState};
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge::words::{Word, Words, named};
 
@@ -26,6 +26,8 @@ pub type ConnectionWord = OneOf<Link>;
 pub type CaseWord = OneOf<Case>;
 /// Progress of a setpoint.
 pub type SetpointStateWord = OneOf<CommandState>;
+/// Progress of a touch test.
+pub type TestStateWord = OneOf<TestState>;
 /// Kind of alarm.
 pub type AlarmKindWord = OneOf<AlarmKind>;
 /// Whether compensations need approval.

@@ -162,6 +162,9 @@ of_fleet! {
     /// Touch tests, by state. A test counts in each state that it enters.
     touch_tests: Counters = "vibrissa_touch_tests_total",
         "Touch tests, by each state that they entered.", labels::TEST_STATE;
+    /// Touch tests that were requested or proposed, by reason.
+    touch_tests_begun: Counters = "vibrissa_touch_tests_begun_total",
+        "Touch tests that were requested or, in mode advise, proposed, by reason.", labels::TEST_REASON;
     /// Touches that robots expected and that did not come.
     missed_touches: IntCounter = "vibrissa_missed_touches_total",
         "Touches that robots expected at a known distance and that did not come.";

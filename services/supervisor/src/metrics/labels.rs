@@ -2,7 +2,7 @@
 
 use vibrissa_core::policy::{Case, Mode};
 use vibrissa_core::robot::effect::{
-    AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Reason, RefinementOutcome, TestState,
+    AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Reason, RefinementOutcome, TestReason, TestState,
 };
 use vibrissa_core::robot::event::{Link, Rejection};
 use vibrissa_edge::actions::ActionKind;
@@ -98,6 +98,7 @@ pub(super) const REJECTION_CAUSE: Labels<1> =
     by_one("cause", || RejectionCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const BIRTH_CAUSE: Labels<1> = by_one("cause", || BirthCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const TEST_STATE: Labels<1> = by_one("state", all::<TestState>);
+pub(super) const TEST_REASON: Labels<1> = by_one("reason", all::<TestReason>);
 pub(super) const REJECTION: Labels<1> = by_one("error", all::<Rejection>);
 pub(super) const SETPOINT_REASON: Labels<1> = by_one("reason", all::<Reason>);
 pub(super) const ALARM: Labels<1> = by_one("kind", all::<AlarmKind>);

@@ -194,6 +194,24 @@ policy_numbers! { keys {
     DetectionColdStartContacts:
         "detection.cold_start_contacts", Kind::Whole { min: 20, max: 100_000 }, Some("150"),
         "Number of contacts for learning a whisker's offset and noise, before anything is reported";
+    TouchTestsPerHour: "touch_tests.per_hour", Kind::Whole { min: 0, max: 1000 }, Some("30"),
+        "Maximum number of touch tests that are requested from a robot per hour, also those of operators; 0 for none";
+    TouchTestsInARow: "touch_tests.in_a_row", Kind::Whole { min: 1, max: 20 }, Some("3"),
+        "Touch tests of a whisker that follow each other without a pause while its length is not decided";
+    TouchTestsRetryAfterS: "touch_tests.retry_after_s", Kind::Number { min: 1.0, max: 86_400.0 }, Some("600.0"),
+        "Seconds until the next touch test after one that failed or was rejected, or after a row that decided nothing";
+    TouchTestsContactTimeS: "touch_tests.contact_time_s", Kind::Number { min: 0.1, max: 3600.0 }, Some("10.0"),
+        "Longest time in seconds that a robot may take for each touch of a test; a test that takes longer expires";
+    TouchTestsContactsBetweenSuspicions:
+        "touch_tests.contacts_between_suspicions", Kind::Number { min: 1e3, max: 1e12 }, Some("1e5"),
+        "Mean number of contacts of a sound whisker with steady habits between suspicions of a lost reach, which request \
+         a touch test";
+    TouchTestsAfterPauseS: "touch_tests.after_pause_s", Kind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
+        "Seconds without contacts after which a whisker gets a touch test with its next contact; it gets one after each \
+         restart of its robot, too. Only whiskers whose contacts state no ratio; 0 for neither";
+    TouchTestsEveryS: "touch_tests.every_s", Kind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
+        "Seconds after the last touch test of a whisker until the next one by the schedule. Only whiskers whose contacts \
+         state no ratio; 0 for no schedule";
 } }
 
 /// Environment variable and flag of a key.

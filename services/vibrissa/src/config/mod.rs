@@ -16,6 +16,7 @@ mod http;
 mod mqtt;
 mod policy;
 mod reader;
+mod touch_tests;
 mod traces;
 
 use std::collections::BTreeSet;
@@ -27,6 +28,7 @@ use tracing_subscriber::EnvFilter;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
+use vibrissa_core::robot::params::TouchTestParams;
 use vibrissa_protocol::Name;
 
 pub use keys::Key;
@@ -87,6 +89,8 @@ pub struct Config {
     pub contacts_between_false_alarms: f64,
     /// Number of contacts of a whisker's cold start.
     pub cold_start_contacts: u32,
+    /// Touch tests and the suspicion of a lost reach.
+    pub touch_tests: TouchTestParams,
     /// Files that contain passwords, tokens or private keys, each with the key of the configuration that leads there.
     pub secret_files: Vec<(Key, PathBuf)>,
 }
@@ -138,6 +142,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let policy = policy::policy(reader);
     let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
     let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
+    let touch_tests = touch_tests::touch_tests(reader);
     Some(Config {
         name: name?,
         fleets: fleets?,
@@ -160,6 +165,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         policy: policy?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
+        touch_tests: touch_tests?,
         secret_files: std::mem::take(&mut reader.secret_files),
     })
 }
@@ -236,6 +242,7 @@ impl Config {
         params.policy = self.policy;
         params.detection.contacts_between_false_alarms = self.contacts_between_false_alarms;
         params.detection.cold_start_contacts = self.cold_start_contacts;
+        params.touch_tests = self.touch_tests;
         params
     }
 }

@@ -1,5 +1,6 @@
 use super::layers::FILE_MAX_BYTES;
 use super::*;
+use vibrissa_core::units::Micros;
 
 fn from_file(text: &str) -> Sources {
     Sources { file: Some(("v.toml".into(), text.to_owned())), ..Sources::default() }
@@ -40,6 +41,19 @@ fn the_defaults_are_a_good_configuration() {
     assert_eq!(config.policy, core.policy);
     assert_eq!(config.contacts_between_false_alarms, core.detection.contacts_between_false_alarms);
     assert_eq!(config.cold_start_contacts, core.detection.cold_start_contacts);
+    assert_eq!(config.touch_tests, core.touch_tests);
+}
+
+#[test]
+fn limits_of_touch_tests_reach_the_core() {
+    let text = "[touch_tests]\nper_hour = 6\nin_a_row = 2\nretry_after_s = 60\ncontact_time_s = 2.5\n\
+                contacts_between_suspicions = 2e5\nafter_pause_s = 3600\nevery_s = 86400\n";
+    let told = read(&from_file(text)).config.unwrap().params().touch_tests;
+    assert_eq!((told.per_hour, told.in_a_row, told.pause), (6, 2, Micros::from_s(60.0)));
+    assert_eq!((told.contact_time, told.contacts_between_false_alarms), (Micros::from_s(2.5), 2e5));
+    assert_eq!((told.after_pause, told.every), (Micros::from_s(3600.0), Micros::from_s(86_400.0)));
+    let line = one_wrong(&from_file("touch_tests.in_a_row = 0"));
+    assert!(line.contains("must be a whole number from 1 to 20, not 0"), "{line}");
 }
 
 #[test]

@@ -98,6 +98,15 @@ enum Told<'a> {
         reason: &'static str,
         contacts: u16,
     },
+    TestProposed {
+        #[serde(flatten)]
+        place: Place<'a>,
+        epoch: u64,
+        version: u64,
+        kind: &'static str,
+        reason: &'static str,
+        contacts: u16,
+    },
     TestState {
         epoch: u64,
         version: u64,
@@ -308,6 +317,14 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         },
         Effect::MissedTouch { whisker } => Told::MissedTouch { place: place(*whisker)? },
         Effect::Test(test) => Told::TouchTest {
+            place: place(test.whisker)?,
+            epoch: test.key.epoch,
+            version: test.key.version,
+            kind: test.kind.word(),
+            reason: test.reason.word(),
+            contacts: test.contacts,
+        },
+        Effect::TestProposed(test) => Told::TestProposed {
             place: place(test.whisker)?,
             epoch: test.key.epoch,
             version: test.key.version,

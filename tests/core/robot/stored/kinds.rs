@@ -77,6 +77,7 @@ closed_list! {
     Effect::Gone { .. } => "gone",
     Effect::MissedTouch { .. } => "missed touch",
     Effect::Test(_) => "test",
+    Effect::TestProposed(_) => "test proposed",
     Effect::TestState { .. } => "test state",
     Effect::AskForFactsheet => "ask for factsheet",
 }

@@ -162,7 +162,7 @@ impl Plant {
             array: ARRAY,
             whisker: if self.random.random_bool(0.002) { 99 } else { whisker },
             robot_time: self.time(),
-            place: if is_test {
+            place: if is_test || whisker == STATES_DISTANCES {
                 ContactPlace::Distance(Distance { at: Millimetre::known(ratio.a() * length.mm()), sd_mm: 0.5 })
             } else {
                 ContactPlace::Ratio { ratio, sd: None }
@@ -259,11 +259,16 @@ impl Plant {
     }
 }
 
+/// The whisker whose contacts state distances. It is due for touch tests.
+const STATES_DISTANCES: u16 = 2;
+
 pub(super) fn params(mode: Mode) -> Params {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = 60;
     params.refinement.first_look_contacts = 60;
     params.policy.mode = mode;
+    params.touch_tests.after_pause = Micros::from_s(60.0);
+    params.touch_tests.every = Micros::from_s(30.0);
     params
 }
 

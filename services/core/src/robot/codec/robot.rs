@@ -5,7 +5,7 @@ use borsh::BorshDeserialize;
 
 use crate::robot::compensation::Compensation;
 use crate::robot::effect::WhiskerIndex;
-use crate::robot::event::{ArrayKind, Link, Task};
+use crate::robot::event::{ArrayKind, Link, Task, TouchTests};
 use crate::robot::params::Params;
 use crate::robot::state::clock::Clock;
 use crate::robot::state::factsheet::share_models;
@@ -13,13 +13,57 @@ use crate::robot::state::head::Head;
 use crate::robot::state::sequence::SequencesOfVersion4;
 use crate::robot::state::tracked::{Tracked, Whiskers};
 use crate::robot::state::whisker::{Holds, Whisker};
+use crate::robot::touch_tests::TestBudget;
 use crate::robot::{Array, Numbers, Robot, Sequences};
 use crate::text::ShortText;
 use crate::units::Micros;
 
 /// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
 /// length.
-const STATE_VERSION: u16 = 6;
+const STATE_VERSION: u16 = 7;
+
+/// The head of version 6. No test was due after a pause or by a schedule.
+#[derive(BorshDeserialize)]
+struct HeadOfVersion6 {
+    epoch: u64,
+    link: Link,
+    boot_id: Option<ShortText>,
+    clock: Clock,
+    sequences: Sequences,
+    arrays: Vec<Array>,
+    compensations: Vec<Compensation>,
+    next_version: u64,
+    next_trim: u32,
+    next_compensation: u32,
+    undecided: bool,
+    held: bool,
+    listening_since: Micros,
+    is_taken_up: bool,
+    touch_tests: TouchTests,
+    tests: TestBudget,
+}
+
+impl From<HeadOfVersion6> for Head {
+    fn from(stored: HeadOfVersion6) -> Self {
+        let HeadOfVersion6 { next_trim, next_compensation, .. } = stored;
+        Self {
+            link: stored.link,
+            boot_id: stored.boot_id,
+            clock: stored.clock,
+            sequences: stored.sequences,
+            arrays: stored.arrays,
+            compensations: stored.compensations,
+            next_version: stored.next_version,
+            undecided: stored.undecided,
+            held: stored.held,
+            listening_since: stored.listening_since,
+            is_taken_up: stored.is_taken_up,
+            touch_tests: stored.touch_tests,
+            tests: stored.tests,
+            ..Self::new(stored.epoch, Numbers { next_trim, next_compensation })
+        }
+    }
+}
 
 /// An array up to version 5: all arrays compared readings at equal contact ratio.
 #[derive(BorshDeserialize)]
@@ -115,11 +159,12 @@ impl From<HeadOfVersion4> for HeadOfVersion5 {
     }
 }
 
-/// Reads the head of this version or of version 4 or 5.
+/// Reads the head of this version or of version 4, 5 or 6.
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
         STATE_VERSION => borsh::from_slice::<Head>(bytes),
+        6 => borsh::from_slice::<HeadOfVersion6>(bytes).map(Head::from),
         5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
         4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(HeadOfVersion5::from).map(Head::from),
         _ => return Err(RestoreError::Head),

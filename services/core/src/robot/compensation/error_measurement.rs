@@ -84,8 +84,9 @@ impl Robot {
             return;
         }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-        running.after.add(seen.ratio, deviation, noise_variance);
-        running.refining.since_gain.add(seen.ratio, deviation, noise_variance);
+        let walk = whisker.walks.rate();
+        running.after.add(seen.ratio, deviation, noise_variance, walk);
+        running.refining.since_gain.add(seen.ratio, deviation, noise_variance, walk);
         let contacts = running.after.contacts();
         let running = &self.head.compensations[at];
         effects.extend(self.response(params, running, (position, ratio), contact).map(Effect::Response));

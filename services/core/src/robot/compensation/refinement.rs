@@ -1,7 +1,8 @@
 //! The closed loop: responses measured at a setpoint are compared with the target, and the setpoint is refined.
 //!
 //! A setpoint is evaluated after 200 contacts at a pressure, and then whenever their number has doubled: the more there
-//! are, the less a further evaluation can add. An evaluation teaches the whisker's own calibration, finds the pressure
+//! are, the less a further evaluation can add. A whisker whose gain wanders is evaluated again when that
+//! may exceed the margin of the published gain. An evaluation teaches the whisker's own calibration, finds the pressure
 //! with the least mean of Eq. 35 and moves there, if
 //! - the gain in mean error exceeds a margin (below it the present pressure is as good as any),
 //! - the move exceeds what a regulator dithers (or it would chase the regulator, not the whisker),
@@ -134,7 +135,9 @@ impl Robot {
         if contacts < due || !calm || one.command.is_some() || self.holds(running.compensator()) {
             return;
         }
-        self.head.compensations[at].refining.due = contacts.saturating_mul(2);
+        let off = (params.refinement.gain_margin / one.walks.rate()).powi(2) as u32;
+        let wandered = contacts.saturating_add(off.max(params.refinement.first_look_contacts));
+        self.head.compensations[at].refining.due = contacts.saturating_mul(2).min(wandered);
         if !has_lost {
             // With another gauge the change would be taken for one by the pressure.
             self.remember(at);

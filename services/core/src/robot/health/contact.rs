@@ -10,9 +10,6 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::PendingTrim;
 use crate::units::Micros;
 
-/// Change of a compensator's gain, log sensitivity, from which its published gain is renewed.
-const RENEWED_FROM: f64 = 0.01;
-
 impl Robot {
     pub(in crate::robot) fn contact(
         &mut self,
@@ -46,7 +43,7 @@ impl Robot {
         }));
         self.refresh_fault(params, now, index, effects);
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
-            self.gain_wandered(index, felt.wandered);
+            self.gain_wandered(params, index, felt.wandered);
             self.conclude(params, index, felt.verdict, effects);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
             self.follow_wear(params, index, effects);
@@ -154,8 +151,8 @@ impl Robot {
     }
 
     /// A whisker's gain has wandered. If it compensates, the published gain is renewed.
-    fn gain_wandered(&mut self, index: WhiskerIndex, log_shift: f64) {
-        if log_shift.abs() < RENEWED_FROM {
+    fn gain_wandered(&mut self, params: &Params, index: WhiskerIndex, log_shift: f64) {
+        if log_shift.abs() < params.refinement.gain_margin {
             return;
         }
         self.shift_measured(index, log_shift);

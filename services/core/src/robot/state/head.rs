@@ -4,7 +4,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::robot::event::{ArrayKind, Link, Task, TouchTests};
 use crate::robot::state::clock::Clock;
-use crate::robot::touch_tests::TestBudget;
+use crate::robot::touch_tests::{TestBudget, TestTimes};
 use crate::robot::{Compensation, Numbers, Sequences};
 use crate::text::ShortText;
 use crate::units::Micros;
@@ -37,6 +37,9 @@ pub(in crate::robot) struct Head {
     pub touch_tests: TouchTests,
     /// Touch tests requested in the present hour.
     pub tests: TestBudget,
+    /// Times for tests after a pause and on a schedule, by whisker; none of whiskers that were not touched since such
+    /// tests were asked for.
+    pub test_times: Vec<TestTimes>,
 }
 
 /// An array of the factsheet.
@@ -70,6 +73,7 @@ impl Head {
             is_taken_up: false,
             touch_tests: TouchTests::default(),
             tests: TestBudget::default(),
+            test_times: Vec::new(),
         }
     }
 }

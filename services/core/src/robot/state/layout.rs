@@ -58,6 +58,7 @@ impl Robot {
         }
         for gone in old.into_iter().flatten() {
             effects.extend(gone.gone(&names));
+            effects.extend(gone.abandoned_test(None));
             effects.extend(gone.command.map(|flight| state_of(flight.command.key, CommandState::Abandoned)));
         }
         share_models(&mut new, params.model_names());
@@ -68,7 +69,19 @@ impl Robot {
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
         }
         self.head.touch_tests = factsheet.touch_tests;
+        self.move_test_times(&moves);
         self.head.undecided = true;
+    }
+
+    /// Whiskers that stay keep the times of their tests.
+    fn move_test_times(&mut self, moves: &Moves) {
+        let old = std::mem::take(&mut self.head.test_times);
+        if old.is_empty() {
+            return;
+        }
+        let stays = |from: &WhiskerIndex| matches!(moves.to[*from], Fate::Stays(_));
+        let time = |from: &Option<WhiskerIndex>| from.filter(stays).and_then(|from| old.get(from).copied());
+        self.head.test_times = moves.from.iter().map(|from| time(from).unwrap_or_default()).collect();
     }
 
     fn moves(&self, factsheet: &Factsheet) -> Moves {
@@ -148,6 +161,7 @@ impl Robot {
                 Some(known) if stays => Whisker { sheet: sheet.into(), ..known },
                 Some(replaced) => {
                     effects.extend(replaced.leaves(index));
+                    effects.extend(replaced.abandoned_test(Some(index)));
                     replaced.renewed(sheet.into(), params)
                 }
             };
@@ -171,6 +185,7 @@ impl Robot {
         }
         let old = &self.whiskers[index];
         effects.extend(old.leaves(index));
+        effects.extend(old.abandoned_test(Some(index)));
         self.whiskers[index] = old.clone().renewed(old.sheet.clone(), params);
     }
 }

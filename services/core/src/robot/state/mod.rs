@@ -1,6 +1,7 @@
 //! The state of a robot: its clock, its message numbers, its layout and its whiskers.
 
 pub(in crate::robot) mod clock;
+pub(in crate::robot) mod contact_evaluation;
 pub(in crate::robot) mod deadline;
 pub mod factsheet;
 pub(in crate::robot) mod head;

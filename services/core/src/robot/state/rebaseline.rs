@@ -50,7 +50,12 @@ impl Whisker {
         let reported = std::mem::take(&mut self.gauge).reported;
         self.gauge.reported = reported;
         self.told_since_alarm = 0.0;
+        self.end_measurement();
+        let followed = self.rare.get_mut().and_then(|rare| rare.length_test.take());
         self.rare = Rare::default();
+        if followed.is_some() {
+            self.rare.get_or_insert().length_test = followed;
+        }
         self.shift_told = false;
         self.drifting = false;
         self.drift_told = false;

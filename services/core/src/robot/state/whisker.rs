@@ -1,34 +1,25 @@
-//! One whisker: its state, and the evaluation of its contacts.
+//! One whisker: its state, and what changes it besides contacts.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::detection::{Change, Detector, Others, Situation, Verdict};
-use crate::estimation::filter::{FilterParams, LENGTH, NoInformation, Observation, Wander};
-use crate::estimation::leak::Source;
-use crate::estimation::spread::Deviation;
-use crate::estimation::{
-    Bin, ErosionWatch, GainWalks, Innovation, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting,
-};
-use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target, compensable_range};
-use crate::robot::effect::{Command, CommandState, Condition, ContactUse, Fault, Reason};
-use crate::robot::event::{Contact, RegulatorState};
+use crate::detection::{Change, Detector};
+use crate::estimation::filter::FilterParams;
+use crate::estimation::{Bin, GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting};
+use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
+use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason};
+use crate::robot::event::RegulatorState;
 use crate::robot::health::alarms::Standing;
-use crate::robot::health::array_shift::{ABSORBED, UNSTEADY_SHARE};
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
-use crate::robot::state::place::Placed;
 use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
-use crate::units::{ContactRatio, Megapascal, Micros};
+use crate::units::{Megapascal, Micros};
 
 /// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
 const EROSION_STEP_MAX_MPA: f64 = 0.01;
 /// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
 const REGAINED_WITHIN: f64 = 0.25;
-/// Bound of a temperature's difference, K: beyond it a thermometer is broken.
-const WARMER_MAX_K: f64 = 100.0;
-
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whisker {
@@ -115,7 +106,7 @@ pub(in crate::robot) struct Unsteady {
 }
 
 impl Unsteady {
-    fn after_contact(&self) -> Option<Self> {
+    pub(in crate::robot) fn after_contact(&self) -> Option<Self> {
         let contacts_left = self.contacts_left.checked_sub(1)?;
         Some(Self { contacts_left, ..*self })
     }
@@ -166,17 +157,6 @@ pub(in crate::robot) struct InFlight {
     pub command: Command,
     pub state: CommandState,
     pub resend_at: Micros,
-}
-
-/// Result of one contact.
-pub(in crate::robot) struct ContactResult {
-    /// Contact ratio; `None` if the place is not known.
-    pub ratio: Option<ContactRatio>,
-    pub used: ContactUse,
-    pub innovation: Option<Innovation>,
-    pub verdict: Verdict,
-    /// Found change of the gain, log sensitivity, that is no change of the whisker; 0 for most contacts.
-    pub wandered: f64,
 }
 
 impl Whisker {
@@ -260,230 +240,6 @@ impl Whisker {
         self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
     }
 
-    /// Takes one contact in: its use, its innovation and the detector's verdict.
-    pub(in crate::robot) fn feel(
-        &mut self,
-        params: &Params,
-        model: &Model,
-        contact: &Contact<'_>,
-        others: Others,
-    ) -> ContactResult {
-        let placed = Placed::on(&self.filter.length(), contact.place);
-        let result = self.feel_at(params, model, contact, placed, others);
-        ContactResult { ratio: placed.ok().map(|placed| placed.ratio), ..result }
-    }
-
-    fn feel_at(
-        &mut self,
-        params: &Params,
-        model: &Model,
-        contact: &Contact<'_>,
-        placed: Result<Placed, ContactUse>,
-        others: Others,
-    ) -> ContactResult {
-        self.air.measure(contact.pressure);
-        let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
-        if off_by_mpa > params.health.settled_within_mpa {
-            return ContactResult::unused(ContactUse::Unsettled);
-        }
-        if self.command.is_none() {
-            self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
-        }
-        let placed = match placed {
-            Ok(placed) => placed,
-            Err(used) => return ContactResult::unused(used),
-        };
-        let morphology = model.morphology(contact.pressure);
-        let stated_sd = placed.ratio_sd.unwrap_or(params.noise.ratio);
-        let expected = self.spread.expected(placed.ratio, stated_sd);
-        let warmer_k = self.warmer_k(contact.temperature_c);
-        let observation = Observation {
-            place: expected,
-            informs_length: placed.informs_length,
-            deflection_mm: contact.deflection.mm(),
-            strain: contact.strain.ratio(),
-            warmer_k,
-        };
-        let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
-        if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
-            return ContactResult::unused(ContactUse::GaugeFault);
-        }
-        match seen {
-            Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
-            Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
-            Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
-            Ok(seen) => {
-                self.learn_places(placed.ratio, stated_sd, &seen);
-                self.take(params, &placed, &seen, others)
-            }
-        }
-    }
-
-    /// Takes in a stated contact ratio, and what the contact tells of its error.
-    fn learn_places(&mut self, stated: ContactRatio, stated_sd: f64, seen: &Innovation) {
-        if let Some(per_ratio) = seen.tells_errors {
-            let variance = seen.variance / seen.seen.sound.max(1e-3);
-            let seen = Deviation { residual: seen.residual, variance, per_ratio };
-            self.spread.learn_errors(stated, stated_sd, &seen);
-        }
-        self.spread.learn(stated, stated_sd);
-    }
-
-    /// Temperature above that of the first contact, K; 0 if it is not known.
-    fn warmer_k(&mut self, temperature_c: Option<f64>) -> f64 {
-        let Some(temperature_c) = temperature_c.filter(|one| one.is_finite()) else { return 0.0 };
-        let reference_c = *self.reference_c.get_or_insert(temperature_c as f32);
-        (temperature_c - f64::from(reference_c)).clamp(-WARMER_MAX_K, WARMER_MAX_K)
-    }
-
-    fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
-        self.contacts += 1;
-        self.tell(seen);
-        let learning = self.condition == Condition::Learning;
-        // While learning, a scale of the noise that is not known yet is the likeliest cause of a little doubt.
-        let calm = (self.detector.is_calm() || learning && self.detector.has_little_doubt())
-            && self.rare.pending_trim.is_none();
-        if self.detector.is_suspicious() || self.rare.pending_trim.is_some() {
-            self.noise.forget_doubtful();
-        } else {
-            self.noise.correlate(seen.alone.standardised, seen.alone.noise_share, calm);
-        }
-        if calm {
-            self.learn_noise(params, seen);
-            if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
-                // Against the model at whole length: the residual is against the present estimate.
-                let shift = seen.row[LENGTH] * self.filter.log_length();
-                let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
-                // An outlier gets a larger variance.
-                let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance);
-            }
-        }
-        // Wear is known to change the sensitivity: a gain that wanders instead would keep the length from following.
-        if self.contacts > params.detection.followed_from.into() && self.condition != Condition::Eroding {
-            self.walks.see(seen);
-        }
-        let mut verdict = self.judge(params, seen, learning, others);
-        if !self.filter.learn(seen, self.wander(params)) {
-            return ContactResult::unused(ContactUse::Implausible);
-        }
-        let wandered = self.follow_gain(verdict);
-        // After another verdict the detector starts anew, and its caller moves the state first.
-        if matches!(verdict, Verdict::Quiet | Verdict::Looking)
-            && let Some(length) = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm))
-        {
-            verdict = self.judge(params, &length, learning, others);
-            // The random walk of this contact is in the state already. An implausible length changes nothing.
-            let _ = self.filter.learn(&length, Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 });
-        }
-        if let Some(rare) = self.rare.get_mut() {
-            rare.unsteady = rare.unsteady.and_then(|unsteady| unsteady.after_contact());
-        }
-        self.shift_told &= self.rare.unsteady.is_some();
-        self.follow_erosion(params);
-        let used = if learning { ContactUse::Learning } else { ContactUse::Used };
-        ContactResult { ratio: None, used, innovation: Some(*seen), verdict, wandered }
-    }
-
-    /// Adds the information of a contact about a change of log length before the last alarm in the array.
-    ///
-    /// The filter absorbs such a change. With a state of variance V and noise R per unit of log length, n contacts leave the
-    /// share u = R / (R + n V) of it, and have told I = n / (R + n V). Both follow from I and the state's present variance
-    /// V u: I V u = u (1 - u). Once half is absorbed, contacts tell too little.
-    fn tell(&mut self, seen: &Innovation) {
-        let square = seen.row[LENGTH].powi(2);
-        if square <= 0.0 || self.told_since_alarm < 0.0 {
-            return;
-        }
-        let state = (seen.variance - seen.noise_variance) / square;
-        let absorbed = 1.0 - 4.0 * f64::from(self.told_since_alarm) * state;
-        if absorbed <= 0.0 {
-            self.told_since_alarm = ABSORBED;
-            return;
-        }
-        let left = 0.5 * (1.0 + absorbed.sqrt());
-        self.told_since_alarm += (left.powi(2) * square / seen.variance) as f32;
-    }
-
-    /// Verdict on an innovation; none while learning.
-    fn judge(&mut self, params: &Params, seen: &Innovation, learning: bool, others: Others) -> Verdict {
-        let detection = &params.detection;
-        if !learning {
-            let eroding = self.condition == Condition::Eroding;
-            let situation = Situation { eroding, others, wandering: self.walks.evidence() };
-            return self.detector.update(detection, seen, &situation);
-        }
-        if self.contacts > detection.followed_from.into() {
-            self.detector.follow(seen);
-        }
-        Verdict::Quiet
-    }
-
-    /// Takes the rate at which the gain wanders from the contacts that show no change. Returns the change of the gain that was
-    /// found with it, log sensitivity.
-    fn follow_gain(&mut self, verdict: Verdict) -> f64 {
-        let moved = match verdict {
-            Verdict::Changed(_) | Verdict::Shared(_) => {
-                self.walks.changed();
-                None
-            }
-            Verdict::Wandered => Some(self.walks.wandered()),
-            // A change while learning is called later; it must not pass for a walk.
-            Verdict::Quiet if !matches!(self.condition, Condition::Learning | Condition::Eroding) => {
-                self.walks.quiet(self.detector.is_calm(), self.detector.log_ratio_max())
-            }
-            Verdict::Quiet | Verdict::Looking | Verdict::Alarm | Verdict::Dismissed => None,
-        };
-        let Some(moved) = moved else { return 0.0 };
-        let is_moved = self.filter.wandered(moved);
-        self.detector = Detector::default();
-        self.cannot_deny();
-        if is_moved { moved.by } else { 0.0 }
-    }
-
-    fn learn_noise(&mut self, params: &Params, seen: &Innovation) {
-        let alone = &seen.alone;
-        let factor = self.noise.learn(alone.standardised, alone.sound, alone.noise_share, seen.by_play);
-        if self.condition == Condition::Learning {
-            self.filter.rescale(factor, &params.filter);
-        }
-    }
-
-    fn wander(&self, params: &Params) -> Wander {
-        let eroding = self.condition == Condition::Eroding;
-        let (filter, drifting) = (&params.filter, self.drifting);
-        Wander {
-            length_mm: if eroding { filter.erosion_wander_mm } else { filter.wander_mm },
-            baseline_strain: if drifting {
-                filter.drifting_baseline_wander_strain
-            } else {
-                filter.baseline_wander_strain
-            },
-            offset: self.rare.unsteady.map_or(0.0, |unsteady| UNSTEADY_SHARE * unsteady.log_shift).hypot(if eroding {
-                0.0
-            } else {
-                self.walks.rate()
-            }),
-        }
-    }
-
-    /// While it erodes: how fast, and how long it will still do.
-    fn follow_erosion(&mut self, params: &Params) {
-        if self.condition != Condition::Eroding {
-            if let Some(rare) = self.rare.get_mut() {
-                rare.erosion = None;
-            }
-            return;
-        }
-        let Some(model) = self.model(params) else { return };
-        let (target, max) = (self.target(), self.sheet.pressure_max);
-        let watch = self.rare.get_or_insert().erosion.get_or_insert_with(|| {
-            let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
-            Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
-        });
-        watch.follow(&self.filter.length());
-    }
-
     /// Moves the estimate by a confirmed change.
     pub(in crate::robot) fn jump(&mut self, change: &Change) {
         self.filter.jump(change.size, change.variance, change.lacking);
@@ -540,11 +296,5 @@ impl Whisker {
     pub(in crate::robot) fn model<'p>(&self, params: &'p Params) -> Option<&'p Model> {
         // Shared names compare by pointer.
         params.models.iter().find(|(name, _)| *name == self.sheet.model).map(|(_, model)| model)
-    }
-}
-
-impl ContactResult {
-    fn unused(used: ContactUse) -> Self {
-        Self { ratio: None, used, innovation: None, verdict: Verdict::Quiet, wandered: 0.0 }
     }
 }

@@ -19,9 +19,8 @@ const TOUCHES_MIN: u16 = 3;
 const CONTACTS_MIN: u16 = 5;
 /// Standard deviation of a length that is certain enough to be called at once, mm, ...
 const CERTAIN_SD_MM: f64 = 0.5;
-/// ... and after so many tests, mm.
+/// ... and after the last test in a row, mm.
 const USABLE_SD_MM: f64 = 1.5;
-pub(super) const TESTS_MAX: u8 = 3;
 /// Errors of a robot's distances that all contacts share, mm: the length's standard deviation is not smaller.
 const SHARED_SD_MM: f64 = 0.2;
 /// Losses below this are not called, mm: the factory length is not better known.
@@ -58,7 +57,7 @@ impl Robot {
         let is_distance = !matches!(contact.place, ContactPlace::Ratio { .. });
         self.judge_reach(index, is_distance, effects);
         if is_evidence {
-            self.judge_length(index, effects);
+            self.judge_length(params, index, effects);
         }
     }
 
@@ -76,11 +75,14 @@ impl Robot {
         let length_mm = whisker.filter.length().length.mm();
         let rare = whisker.rare.get_or_insert();
         let test = rare.length_test.get_or_insert_with(|| Box::new(LengthTest::new(length_mm)));
+        effects.push(Effect::MissedTouch { whisker: index });
+        if test.is_only_followed() {
+            return;
+        }
         test.evidence.missed(missed.at.at.mm(), missed.at.sd_mm);
         test.sd_mm = missed.at.sd_mm;
         test.contacts = test.contacts.saturating_add(1);
-        effects.push(Effect::MissedTouch { whisker: index });
-        self.judge_length(index, effects);
+        self.judge_length(params, index, effects);
         self.request_test(params, now, index, effects);
     }
 
@@ -111,14 +113,14 @@ impl Robot {
     }
 
     /// Calls a cut, refutes one, or goes on.
-    pub(super) fn judge_length(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+    pub(super) fn judge_length(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &self.whiskers[index];
         let Some(test) = &whisker.rare.length_test else { return };
         let posterior = test.evidence.posterior();
-        let is_last = test.done >= TESTS_MAX;
+        let is_last = test.done >= params.touch_tests.in_a_row;
         let sd_most_mm = if is_last { USABLE_SD_MM } else { CERTAIN_SD_MM };
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
-        let may_refute = test.in_flight.is_none() && (test.done > 0 || !whisker.is_reach_silent());
+        let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
         let length_before_mm = test.evidence.length_mm();
         let is_shorter = posterior.unchanged < UNCHANGED_MAX
             && test.touches >= TOUCHES_MIN
@@ -192,6 +194,9 @@ impl Whisker {
     /// Adds a touch to a measurement that goes on; false if none does.
     fn add_touch(&mut self, sd_mm: f64, add: impl FnOnce(&mut crate::estimation::LengthEvidence)) -> bool {
         let Some(test) = self.rare.get_mut().and_then(|rare| rare.length_test.as_mut()) else { return false };
+        if test.is_only_followed() {
+            return false;
+        }
         add(&mut test.evidence);
         test.sd_mm = sd_mm;
         test.touches = test.touches.saturating_add(1);
@@ -212,20 +217,24 @@ impl Whisker {
     /// Whether its length is measured only because of silence, and no test of it is under way.
     fn is_measured_for_silence(&self) -> bool {
         self.rare.length_test.as_ref().is_some_and(|test| {
-            test.in_flight.is_none() && test.done == 0 && test.wanted == Some(TestReason::Suspicion)
+            test.under_way().is_none() && test.done == 0 && test.wanted == Some(TestReason::Suspicion)
         })
     }
 
-    pub(super) fn end_measurement(&mut self) {
-        if let Some(rare) = self.rare.get_mut() {
-            rare.length_test = None;
-        }
+    /// Ends the measurement of its length. A test in flight is only followed to its end.
+    pub(in crate::robot) fn end_measurement(&mut self) {
+        let length_mm = self.filter.length().length.mm();
+        let Some(rare) = self.rare.get_mut() else { return };
+        let in_flight = rare.length_test.take().and_then(|test| test.in_flight);
+        rare.length_test =
+            in_flight.map(|test| Box::new(LengthTest { in_flight: Some(test), ..LengthTest::new(length_mm) }));
     }
 
     /// Learns the reach anew, at another length or because a test has refuted a suspicion.
     pub(in crate::robot) fn forget_reach(&mut self) {
         if let Some(rare) = self.rare.get_mut() {
-            (rare.reach, rare.length_test) = (None, None);
+            rare.reach = None;
         }
+        self.end_measurement();
     }
 }

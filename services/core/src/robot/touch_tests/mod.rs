@@ -7,18 +7,25 @@
 //!
 //! ```text
 //!            silence, a missed touch,                   requested        ACCEPTED, RUNNING
-//!            a setpoint, an operator
+//!            a setpoint, an operator,
+//!            a pause, a schedule
 //! no test ────────────────────────────▶ measurement ──────────────▶ in flight ───────────┐
-//!    ▲                                     │    ▲                                        │
-//!    │ the length is decided, or the       │    └────────────────────────────────────────┘
-//!    │ reason is gone                      │       DONE, REJECTED, FAILED, expired, or a new boot
-//!    └─────────────────────────────────────┘
+//!    ▲                                     │    ▲  │                   ▲                 │
+//!    │ the length is decided, or the       │    │  │ in mode ADVISE    │ an operator     │
+//!    │ reason is gone                      │    │  └────▶ proposed ────┘                 │
+//!    └─────────────────────────────────────┘    └────────────────────────────────────────┘
+//!                                                  DONE, REJECTED, FAILED, expired, or a new boot
 //! ```
+//! A measurement can end while its test is in flight. Such a test is only followed to its end.
 //!
-//! [`evidence`] adds contacts and decides, [`request`] sends requests and takes the robot's answers.
+//! [`evidence`] adds contacts and decides, [`request`] sends requests and takes the robot's answers, [`plan`] finds the
+//! whiskers that are due after a pause or by the schedule.
 
 mod evidence;
+mod plan;
 mod request;
+
+pub(in crate::robot) use plan::TestTimes;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -82,19 +89,39 @@ impl LengthTest {
         }
     }
 
-    /// The requested test and its progress.
-    pub(in crate::robot) fn in_flight(&self) -> Option<(CommandKey, TestKind, TestState)> {
-        self.in_flight.map(|test| (test.key, test.kind, test.state))
+    /// The requested or proposed test and its progress.
+    pub(in crate::robot) fn in_flight(&self) -> Option<(TestKind, TestState)> {
+        self.in_flight.map(|test| (test.kind, test.state))
     }
 
-    /// Whether a test is wanted and not requested yet.
-    pub(in crate::robot) fn is_wanted(&self) -> bool {
-        self.wanted.is_some() && self.in_flight.is_none()
+    /// Key of the requested test; none for a proposal.
+    pub(in crate::robot) fn key_under_way(&self) -> Option<CommandKey> {
+        self.under_way().map(|test| test.key)
+    }
+
+    /// The requested test, which is not a proposal.
+    fn under_way(&self) -> Option<TestInFlight> {
+        self.in_flight.filter(|test| test.state != TestState::Proposed)
+    }
+
+    /// The proposed test.
+    fn proposal(&self) -> Option<TestInFlight> {
+        self.in_flight.filter(|test| test.state == TestState::Proposed)
+    }
+
+    /// Whether its measurement has ended before its test: the touches are no evidence any more.
+    fn is_only_followed(&self) -> bool {
+        self.in_flight.is_some_and(|test| self.wanted != Some(test.reason))
     }
 }
 
 impl TestBudget {
     const HOUR: Micros = Micros(3_600_000_000);
+
+    /// Whether one of so many tests per hour is left.
+    fn is_left(mut self, now: Micros, per_hour: u16) -> bool {
+        self.take(now, per_hour)
+    }
 
     /// Takes one of so many tests per hour; false if none is left.
     fn take(&mut self, now: Micros, per_hour: u16) -> bool {

@@ -3,10 +3,11 @@
 use crate::policy::Mode;
 use crate::robot::Robot;
 use crate::robot::action::{ActionProblem, Place};
-use crate::robot::effect::{CommandKey, Effect, TestKind, TestReason, TestState, TouchTest, WhiskerIndex};
+use crate::robot::effect::{
+    CommandKey, Effect, ProposedTest, TestKind, TestReason, TestState, TouchTest, WhiskerIndex,
+};
 use crate::robot::event::{Rejection, TestReport};
 use crate::robot::params::Params;
-use crate::robot::touch_tests::evidence::TESTS_MAX;
 use crate::robot::touch_tests::{LengthTest, TestInFlight};
 use crate::units::Micros;
 
@@ -19,6 +20,15 @@ const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Deflections of a test, mm: weak ones and those that most contacts have.
 const DEFLECTIONS_MM: [f64; 3] = [1.0, 2.0, 3.0];
 
+/// Origin of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asking {
+    /// The supervisor, which only proposes it in mode ADVISE.
+    ByItself,
+    /// An operator, whom no mode and no pause delays.
+    ForAnOperator,
+}
+
 impl Robot {
     /// Requests a touch test of a whisker, if one is wanted and the robot can do it now.
     pub(in crate::robot) fn request_test(
@@ -28,44 +38,63 @@ impl Robot {
         index: WhiskerIndex,
         effects: &mut Vec<Effect>,
     ) {
+        if self.whiskers[index].rare.length_test.is_some() {
+            self.ask_for_test(params, now, index, Asking::ByItself, effects);
+        }
+    }
+
+    /// Requests a wanted test, or proposes it in mode ADVISE. Returns whether it was requested.
+    fn ask_for_test(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        asking: Asking,
+        effects: &mut Vec<Effect>,
+    ) -> bool {
         let whisker = &self.whiskers[index];
-        let Some(test) = whisker.rare.length_test.as_ref().filter(|test| test.is_wanted()) else { return };
-        let Some(reason) = test.wanted else { return };
-        let may_ask = reason == TestReason::Operator || params.policy.mode == Mode::Automatic;
+        let Some(test) = whisker.rare.length_test.as_ref() else { return false };
+        let Some(reason) = test.wanted.filter(|_| test.under_way().is_none()) else { return false };
         let waits = now < test.not_before && test.not_before.since(now) <= params.touch_tests.pause;
-        if !may_ask || waits || self.holds(index) || whisker.command.is_some() || !self.can_be_told(params, now) {
-            return;
+        let waits = waits && asking == Asking::ByItself;
+        if waits || self.holds(index) || whisker.command.is_some() || !self.can_be_told(params, now) {
+            return false;
         }
         let kind = match (reason, self.head.touch_tests.tip, self.head.touch_tests.wall) {
-            (TestReason::Setpoint, _, true) | (TestReason::Suspicion | TestReason::Operator, false, true) => {
+            (TestReason::Setpoint, _, true) => TestKind::Wall,
+            (TestReason::Suspicion | TestReason::Operator | TestReason::Pause | TestReason::Schedule, false, true) => {
                 TestKind::Wall
             }
             (_, true, _) => TestKind::Tip,
-            (_, false, false) => return,
+            (_, false, false) => return false,
         };
-        let (Some(robot_time), Some(boot_id)) = (self.head.clock.robot_time(now), &self.head.boot_id) else { return };
+        // An operator who has started a test has started its row.
+        let may_ask = asking == Asking::ForAnOperator || reason == TestReason::Operator || test.done > 0;
+        if !may_ask && params.policy.mode == Mode::Advise {
+            self.propose_test(now, index, kind, reason, effects);
+            return false;
+        }
+        let (Some(robot_time), Some(boot_id)) = (self.head.clock.robot_time(now), &self.head.boot_id) else {
+            return false;
+        };
         let robot_boot_id = boot_id.as_str().to_owned();
         let mut budget = self.head.tests;
         if !budget.take(now, params.touch_tests.per_hour) {
-            return;
+            return false;
         }
         self.head.tests = budget;
-        let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
-        self.head.next_version += 1;
+        self.withdraw_test(now, index, effects);
+        let key = self.next_key();
         let whisker = &mut self.whiskers[index];
         let length_mm = whisker.filter.length().length.mm();
-        let Some(test) = whisker.rare.get_mut().and_then(|rare| rare.length_test.as_mut()) else { return };
+        let Some(test) = whisker.length_test_mut() else { return false };
         let (distances_mm, contacts) = test.plan(kind, reason, length_mm);
         let valid_for = params.command.time_to_live;
         let takes = Micros(params.touch_tests.contact_time.0.saturating_mul(contacts.into()));
-        test.in_flight = Some(TestInFlight {
-            key,
-            kind,
-            reason,
-            state: TestState::Pending,
-            until: now.after(valid_for).after(takes),
-        });
+        let until = now.after(valid_for).after(takes);
+        test.in_flight = Some(TestInFlight { key, kind, reason, state: TestState::Pending, until });
         let deflections_mm = if kind == TestKind::Wall { DEFLECTIONS_MM.to_vec() } else { Vec::new() };
+        self.note_test(now, index);
         effects.push(Effect::Test(Box::new(TouchTest {
             key,
             whisker: index,
@@ -78,12 +107,50 @@ impl Robot {
             expires: robot_time.after(valid_for),
             reason,
         })));
+        true
     }
 
-    /// Gives up a test without an answer or an end.
+    fn next_key(&mut self) -> CommandKey {
+        let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
+        self.head.next_version += 1;
+        key
+    }
+
+    /// Proposes a test, once.
+    fn propose_test(
+        &mut self,
+        now: Micros,
+        index: WhiskerIndex,
+        kind: TestKind,
+        reason: TestReason,
+        effects: &mut Vec<Effect>,
+    ) {
+        let whisker = &self.whiskers[index];
+        let Some(test) = whisker.rare.length_test.as_ref().filter(|test| test.in_flight.is_none()) else { return };
+        let (_, contacts) = test.plan(kind, reason, whisker.filter.length().length.mm());
+        let key = self.next_key();
+        if let Some(test) = self.whiskers[index].length_test_mut() {
+            let (state, until) = (TestState::Proposed, Micros(u64::MAX));
+            test.in_flight = Some(TestInFlight { key, kind, reason, state, until });
+        }
+        self.note_test(now, index);
+        effects.push(Effect::TestProposed(ProposedTest { key, whisker: index, kind, contacts, reason }));
+    }
+
+    /// Withdraws the proposal of a test, because it is requested or not needed any more.
+    fn withdraw_test(&mut self, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        if self.whiskers[index].rare.length_test.as_ref().is_some_and(|test| test.proposal().is_some()) {
+            self.end_test(now, index, TestState::Withdrawn, None, Micros::default(), effects);
+        }
+    }
+
+    /// Gives up a test without an answer or an end, and withdraws a proposal without a reason.
     pub(in crate::robot) fn follow_test(&mut self, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let in_flight = self.whiskers[index].rare.length_test.as_ref().and_then(|test| test.in_flight);
-        if let Some(test) = in_flight.filter(|test| now > test.until) {
+        let Some(test) = self.whiskers[index].rare.length_test.as_ref() else { return };
+        if test.proposal().is_some() && test.is_only_followed() {
+            return self.withdraw_test(now, index, effects);
+        }
+        if let Some(test) = test.under_way().filter(|test| now > test.until) {
             self.end_test(now, index, TestState::Expired, None, Micros::from_s(60.0), effects);
             debug_assert!(self.whiskers[index].in_flight(test.key).is_none(), "an expired test goes on");
         }
@@ -103,7 +170,7 @@ impl Robot {
         match report {
             TestReport::Accepted => self.test_goes_on(index, TestState::Accepted, effects),
             TestReport::Running => self.test_goes_on(index, TestState::Running, effects),
-            TestReport::Done => self.test_done(now, index, pause, effects),
+            TestReport::Done => self.test_done(params, now, index, effects),
             TestReport::Failed => self.end_test(now, index, TestState::Failed, None, pause, effects),
             TestReport::Rejected(rejection) => {
                 let wait = match rejection {
@@ -125,23 +192,25 @@ impl Robot {
         let Some(test) = self.whiskers[index].in_flight_mut() else { return };
         if test.state != state && test.state != TestState::Running {
             test.state = state;
-            effects.push(Effect::TestState { test: test.key, whisker: index, state, rejection: None });
+            effects.push(Effect::TestState { test: test.key, whisker: Some(index), state, rejection: None });
         }
     }
 
-    /// A robot has done a test. Unless it decided, another one follows at once, up to [`TESTS_MAX`]; then after a pause.
-    fn test_done(&mut self, now: Micros, index: WhiskerIndex, pause: Micros, effects: &mut Vec<Effect>) {
+    /// A robot has done a test. Unless it decided, another one follows at once, up to a number in a row; then after a
+    /// pause.
+    fn test_done(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let is_followed = self.whiskers[index].rare.length_test.as_ref().is_some_and(|test| test.is_only_followed());
         self.end_test(now, index, TestState::Done, None, Micros::default(), effects);
-        let Some(test) = self.whiskers[index].length_test_mut() else { return };
+        let Some(test) = self.whiskers[index].length_test_mut().filter(|_| !is_followed) else { return };
         test.done = test.done.saturating_add(1);
         let is_for_length = test.wanted != Some(TestReason::Setpoint);
-        self.judge_length(index, effects);
+        self.judge_length(params, index, effects);
         let Some(test) = self.whiskers[index].length_test_mut() else { return };
         if !is_for_length {
             test.wanted = None;
-        } else if test.done >= TESTS_MAX {
-            (test.done, test.not_before) = (0, now.after(pause));
-            test.wanted.take_if(|reason| *reason == TestReason::Operator);
+        } else if test.done >= params.touch_tests.in_a_row {
+            (test.done, test.not_before) = (0, now.after(params.touch_tests.pause));
+            test.wanted.take_if(|reason| *reason != TestReason::Suspicion);
         }
         if test.wanted.is_none() {
             self.whiskers[index].end_measurement();
@@ -158,22 +227,39 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let Some(test) = self.whiskers[index].length_test_mut() else { return };
+        let is_followed = test.is_only_followed();
         let Some(ended) = test.in_flight.take() else { return };
-        test.not_before = now.after(wait);
-        effects.push(Effect::TestState { test: ended.key, whisker: index, state, rejection });
+        if !is_followed {
+            test.not_before = now.after(wait);
+        }
+        let could_be_done = matches!(state, TestState::Done | TestState::Withdrawn);
+        if !could_be_done && matches!(ended.reason, TestReason::Pause | TestReason::Schedule) {
+            // The whisker is due again after the next pause or interval.
+            test.wanted.take_if(|reason| *reason == ended.reason);
+        }
+        if test.wanted.is_none() && (is_followed || test.contacts == 0) {
+            self.whiskers[index].end_measurement();
+        }
+        effects.push(Effect::TestState { test: ended.key, whisker: Some(index), state, rejection });
     }
 
     /// Tests that were under way in a boot that is no more. They are requested again.
     pub(in crate::robot) fn abandon_tests(&mut self, effects: &mut Vec<Effect>) {
         for index in 0..self.whiskers.len() {
-            if self.whiskers[index].rare.length_test.as_ref().is_some_and(|test| test.in_flight.is_some()) {
+            if self.whiskers[index].rare.length_test.as_ref().is_some_and(|test| test.under_way().is_some()) {
                 self.end_test(Micros::default(), index, TestState::Abandoned, None, Micros::default(), effects);
             }
         }
     }
 
-    /// An operator asks for a test.
-    pub(in crate::robot) fn test_by_hand(&mut self, place: Place<'_>) -> Result<(), ActionProblem> {
+    /// An operator asks for a test, or starts a proposed one.
+    pub(in crate::robot) fn test_by_hand(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        place: Place<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), ActionProblem> {
         let index = self.at(place)?;
         if !self.head.touch_tests.tip && !self.head.touch_tests.wall {
             return Err(ActionProblem::NoTouchTests);
@@ -181,22 +267,30 @@ impl Robot {
         if self.holds(index) {
             return Err(ActionProblem::TestOfHeld);
         }
-        let whisker = &self.whiskers[index];
-        if whisker.rare.length_test.as_ref().is_some_and(|test| test.in_flight.is_some()) {
+        let test = self.whiskers[index].rare.length_test.as_ref();
+        if test.is_some_and(|test| test.under_way().is_some()) {
             return Err(ActionProblem::TestUnderWay);
         }
-        self.want_test(index, TestReason::Operator);
+        let is_proposed = test.is_some_and(|test| test.proposal().is_some());
+        if !is_proposed {
+            self.want_test(index, TestReason::Operator);
+        }
+        if !self.ask_for_test(params, now, index, Asking::ForAnOperator, effects) {
+            // The request follows when the robot is back, its setpoint is applied, or the limit allows it.
+            self.want_test(index, TestReason::Operator);
+        }
         Ok(())
     }
 
     /// A setpoint of a compensation was applied: its error is to be measured.
     pub(in crate::robot) fn test_after_setpoint(&mut self, index: WhiskerIndex) {
-        if self.head.touch_tests.wall && self.whiskers[index].rare.length_test.is_none() {
+        let is_free = self.whiskers[index].rare.length_test.as_ref().is_none_or(|test| test.is_only_followed());
+        if self.head.touch_tests.wall && is_free {
             self.want_test(index, TestReason::Setpoint);
         }
     }
 
-    fn want_test(&mut self, index: WhiskerIndex, reason: TestReason) {
+    pub(super) fn want_test(&mut self, index: WhiskerIndex, reason: TestReason) {
         let whisker = &mut self.whiskers[index];
         let length_mm = whisker.filter.length().length.mm();
         let rare = whisker.rare.get_or_insert();
@@ -213,20 +307,28 @@ impl LengthTest {
             (TestKind::Wall, TestReason::Setpoint) => {
                 (RESPONSE_RATIOS.map(|ratio| ratio * length_mm).to_vec(), RESPONSE_CONTACTS)
             }
-            (TestKind::Wall, TestReason::Suspicion | TestReason::Operator) => {
-                (self.evidence.informative_mm(LENGTH_CONTACTS.into(), self.sd_mm), LENGTH_CONTACTS)
-            }
+            (
+                TestKind::Wall,
+                TestReason::Suspicion | TestReason::Operator | TestReason::Pause | TestReason::Schedule,
+            ) => (self.evidence.informative_mm(LENGTH_CONTACTS.into(), self.sd_mm), LENGTH_CONTACTS),
         }
     }
 }
 
 impl crate::robot::Whisker {
+    /// The end of its test when the whisker leaves the robot or another one takes its place.
+    pub(in crate::robot) fn abandoned_test(&self, whisker: Option<WhiskerIndex>) -> Option<Effect> {
+        let test = self.rare.length_test.as_ref().and_then(|test| test.in_flight)?;
+        let state = if test.state == TestState::Proposed { TestState::Withdrawn } else { TestState::Abandoned };
+        Some(Effect::TestState { test: test.key, whisker, state, rejection: None })
+    }
+
     fn length_test_mut(&mut self) -> Option<&mut LengthTest> {
         self.rare.get_mut().and_then(|rare| rare.length_test.as_deref_mut())
     }
 
     fn in_flight(&self, key: CommandKey) -> Option<TestInFlight> {
-        self.rare.length_test.as_ref().and_then(|test| test.in_flight).filter(|test| test.key == key)
+        self.rare.length_test.as_ref().and_then(|test| test.under_way()).filter(|test| test.key == key)
     }
 
     fn in_flight_mut(&mut self) -> Option<&mut TestInFlight> {

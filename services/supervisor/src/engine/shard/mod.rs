@@ -15,6 +15,7 @@ mod reports;
 mod rows;
 pub(crate) mod shards;
 pub(crate) mod stepper;
+mod touch_tests;
 
 use std::hash::RandomState;
 use std::time::{Duration, Instant};

@@ -8,13 +8,15 @@ use vibrissa_protocol as protocol;
 use super::publication::Sent;
 use super::rows::{decision_row, error_row, refinement_row, setpoint_row};
 use super::stepper::Stepper;
+use super::touch_tests::{is_over, progress_row, proposed_test_row, test_row};
 use crate::engine::commit::batch::Source;
 use crate::engine::robot::KnownRobot;
 use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use vibrissa_edge::ids::{command_id, wide_id};
 use vibrissa_edge::words::Word;
 use vibrissa_store::batch::{
-    AlarmClearedRow, AlarmRow, ContactRow, EndedRow, HealthRow, Record, ResponseRow, SetpointStateRow, TrimRow,
+    AlarmClearedRow, AlarmRow, ContactRow, EndedRow, HealthRow, Record, ResponseRow, SetpointStateRow,
+    TouchTestProgressRow, TrimRow,
 };
 
 impl Stepper {
@@ -212,14 +214,36 @@ impl Stepper {
             Effect::MissedTouch { .. } => self.metrics.missed_touches.inc(),
             Effect::Test(test) => {
                 self.metrics.touch_tests.count([TestState::Pending.word()]);
+                self.metrics.touch_tests_begun.count([test.reason.word()]);
                 let (kind, reason) = (test.kind.word(), test.reason.word());
                 info!(robot = %name, whisker = test.whisker, kind, reason, "touch test requested");
+                let row = test_row(robot_id, &self.fleet, &name, &test, whisker_id(test.whisker));
+                self.batch.rows_mut().records.push(Record::TouchTest(Box::new(row)));
                 self.publish_test(known, &test);
             }
-            Effect::TestState { whisker, state, rejection, .. } => {
+            Effect::TestProposed(test) => {
+                self.metrics.touch_tests.count([TestState::Proposed.word()]);
+                self.metrics.touch_tests_begun.count([test.reason.word()]);
+                let (kind, reason) = (test.kind.word(), test.reason.word());
+                info!(robot = %name, whisker = test.whisker, kind, reason, "touch test proposed");
+                let ids = (robot_id, whisker_id(test.whisker));
+                let row = proposed_test_row(ids, recorded_us, &self.fleet, &name, &test);
+                self.batch.rows_mut().records.push(Record::TouchTest(Box::new(row)));
+            }
+            Effect::TestState { test, whisker, state, rejection } => {
                 self.metrics.touch_tests.count([state.word()]);
                 let error = rejection.map(Word::word);
                 info!(robot = %name, whisker, state = state.word(), error, "touch test");
+                let length = whisker.and_then(|whisker| known.robot.whisker(whisker)).map(|view| view.length);
+                let length = length.filter(|_| state == TestState::Done);
+                self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {
+                    state: Some(state.word()),
+                    error,
+                    ended_us: is_over(state).then_some(recorded_us),
+                    length_mm: length.map(|length| length.length.mm()),
+                    length_sd_mm: length.map(|length| length.sd_mm),
+                    ..progress_row(robot_id, whisker.map(whisker_id), command_id(&self.fleet, &name, test), recorded_us)
+                })));
             }
             Effect::AskForFactsheet => {
                 self.publish_request(&known.name, &mut known.seqs, protocol::RequestKind::Factsheet);

@@ -133,6 +133,8 @@ impl Stepper {
         let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
         let source = Source { message, boot: known.boot(boot_id) };
+        // The step may end a test.
+        let progress = self.test_progress(known, message, now);
         match self.step(known, now, &event, Some(source)) {
             Outcome::NotYet(admission) => {
                 self.has_unannounced |= is_unannounced(known, boot_id);
@@ -156,6 +158,7 @@ impl Stepper {
                 }
             }
             Outcome::Taken => {
+                self.record_progress(progress);
                 known.fingerprints.remember(known.boot(boot_id), message.seq, content.unwrap_or(fingerprints::REFUSED));
                 if message.seq < end {
                     self.metrics.messages_resent.inc();

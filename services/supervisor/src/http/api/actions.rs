@@ -143,7 +143,11 @@ whisker_actions! {
     /// Relearn a whisker's baseline at its currently estimated length, for example after work on its gauge.
     rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline",
         "REBASELINE", "The baseline is being relearned";
-    /// Have the robot measure the length of a whisker by touches. The robot must name a touch test in its factsheet.
+    /// Have the robot measure the length of a whisker by touches, or start a proposed touch test.
+    ///
+    /// The robot must name a touch test in its factsheet. `test_id` of the action names the test in `/v1/touch-tests`. It is
+    /// null if the request has to wait for the robot, for a setpoint under way, or because of the limit per hour. The test
+    /// then follows with the reason `OPERATOR`.
     test_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/touch_test",
         "TOUCH_TEST", "The touch test is requested";
 }

@@ -19,6 +19,7 @@ pub mod policy;
 pub mod quarantine;
 pub mod robots;
 pub mod setpoints;
+pub mod touch_tests;
 pub mod what_if;
 pub mod whiskers;
 
@@ -47,6 +48,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(happenings::routes())
         .merge(compensations::routes())
         .merge(setpoints::routes())
+        .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(plots::routes())
 }

@@ -6,7 +6,9 @@ use std::sync::LazyLock;
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, LongerForShorter, Mode, Refused};
-use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome};
+use vibrissa_core::robot::effect::{
+    AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome, TestKind, TestReason, TestState,
+};
 use vibrissa_core::robot::event::{ArrayKind, Link};
 use vibrissa_edge::actions::ActionKind;
 use vibrissa_edge::words::Words;
@@ -25,6 +27,9 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("END_REASONS", words::<EndReason>()),
         ("SETPOINT_STATES", words::<CommandState>()),
         ("SETPOINT_REASONS", words::<Reason>()),
+        ("TEST_STATES", words::<TestState>()),
+        ("TEST_KINDS", words::<TestKind>()),
+        ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", labels::<AlarmKind>()),
         ("ACTION_KINDS", words::<ActionKind>()),

@@ -63,6 +63,7 @@ files!(
     "pages/whisker.js"
     "parts/decisions.js"
     "parts/proposals.js"
+    "parts/tests.js"
     "places.js"
     "plot.js"
     "router.js"

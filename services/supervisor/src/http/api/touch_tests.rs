@@ -1,0 +1,72 @@
+//! Touch tests and their progress.
+
+use axum::extract::{Extension, State};
+use axum::response::Json;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::extract::Query;
+use crate::http::moment::{Moment, between};
+use crate::http::page::{Page, list_query};
+use crate::http::problem::Problem;
+use crate::http::words::TestStateWord;
+use vibrissa_store::lists::touch_tests::{TOUCH_TESTS, TouchTest, TouchTestSort};
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(list_touch_tests))
+}
+
+list_query! {
+    /// Filters for the list of touch tests.
+    pub struct TouchTestsQuery by TouchTestSort {
+        /// Name of the fleet.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub fleet: Option<Name>,
+        /// Name of the robot.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub robot: Option<Name>,
+        /// Name of the array.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub array: Option<Name>,
+        /// Number of the whisker in its array.
+        #[param(maximum = 65535)]
+        pub whisker: Option<u16>,
+        /// State of the test.
+        #[param(inline)]
+        pub state: Option<TestStateWord>,
+        /// Identifier of the test, as in the contract's `request` and in the action that requested it.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub test_id: Option<Name>,
+        /// Earliest time of the request or proposal, inclusive.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Latest time of the request or proposal, exclusive.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+    }
+}
+
+/// All touch tests that were requested or proposed.
+#[utoipa::path(
+    get, path = "/v1/touch-tests", tag = "touch tests", params(TouchTestsQuery),
+    responses((status = 200, description = "A page of touch tests", body = Page<TouchTest>))
+)]
+async fn list_touch_tests(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Query(query): Query<TouchTestsQuery>,
+) -> Result<Json<Page<TouchTest>>, Problem> {
+    let mut selection = query.page()?;
+    selection.filters.extend(caller.scope.filter("fleet"));
+    selection.is("fleet", query.fleet);
+    selection.is("robot", query.robot);
+    selection.is("\"array\"", query.array);
+    selection.is_number("whisker", query.whisker);
+    selection.is("state", query.state);
+    selection.is("test_id", query.test_id);
+    selection.filters.extend(between("requested_at", query.from, query.to));
+    Ok(Json(Page::of(app.store.list(&TOUCH_TESTS, &selection).await?, &selection)))
+}
