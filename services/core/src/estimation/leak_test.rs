@@ -116,7 +116,7 @@ impl LeakTest {
         if !is_leaking && self.log_ratios.iter().all(|&ratio| ratio < SUSPECTED_AT) {
             self.noise.learn(self.sound.off(refills));
         }
-        let is_new = self.noise.readings < SCATTER_READINGS;
+        let is_new = !is_leaking && self.noise.readings < SCATTER_READINGS;
         let sound = self.sound.fall(SOUND, &reading);
         let rates = self.rates.iter_mut().zip(RATES_PER_S);
         let rates = rates.map(|(track, per_s)| track.fall(Loss { per_s, sd: RATE_SD }, &reading));
