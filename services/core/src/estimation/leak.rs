@@ -280,7 +280,7 @@ impl LeakWatch {
 
     /// Relative rate per second at which the gauge pressure falls while the valves are shut, with its 95 %
     /// interval. `None` until there are enough readings. While no line shows a leak that was called, the
-    /// bounds of its likeliest rate by the test.
+    /// bounds of its likeliest rate by the test; `None` if refills are faster than the statuses.
     #[must_use]
     pub fn rate_per_s(&self) -> Option<Interval> {
         let [mean, half] = [self.rate.mean, self.rate.half].map(f64::from);
@@ -290,7 +290,7 @@ impl LeakWatch {
         }
         // A line through refills that are smaller than the sensor's noise falls too slowly.
         let likeliest = self.test.likeliest();
-        fitted.filter(|rate| rate.high >= likeliest.low).or(Some(likeliest))
+        fitted.filter(|rate| rate.high >= likeliest.least_per_s).or(likeliest.rate)
     }
 
     fn fitted_rate_per_s(&self, params: &LeakParams) -> Option<Interval> {

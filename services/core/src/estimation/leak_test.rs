@@ -1,58 +1,65 @@
 //! Does a chamber behind on/off valves leak? A sequential test, while a regulator refills it within a dead band.
 //!
-//! Each hypothesis assumes a rate of loss. It predicts the next pressure from the last ones: a fall at that rate, or one
-//! of the rare jumps of valves, up by a refill or down by venting. A faster leak makes more refills, as many as replace the
-//! loss. So falling lines and refills are judged together: a line that falls without refills, a step down without a line,
-//! or refills without falls suit no leak. The likelihood ratios of the rates against a sound chamber add up over the
-//! readings. A leak is called at [`CALLED_AT`], and is over at [`ENDED_AT`] in favour of a sound chamber against each
-//! rate.
+//! Each hypothesis predicts the next reading from the last ones ([`super::pressure_track`]).
+//! - A rate of loss predicts a fall at that rate, or one of the rare jumps of valves, up by a refill or down by venting.
+//!   A faster leak makes more refills, as many as replace the loss. So falling lines and refills are judged together: a
+//!   line that falls without refills, a step down without a line, or refills without falls suit no leak.
+//! - A leak that is refilled every few readings or faster shows no line. Its readings scatter over the dead band, so the
+//!   hypothesis is the width of that band.
+//!
+//! The likelihood ratios of the hypotheses against a sound chamber add up over the readings. A leak is called at
+//! [`CALLED_AT`], and is over at [`ENDED_AT`] in favour of a sound chamber against each hypothesis. The sensor's noise is
+//! learned while the chamber is sound: a noisy sensor scatters, too.
 //!
 //! Only statuses are evaluated: they come at a steady pace, also when the whisker is not touched.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::pressure_track::{Loss, ROUNDING, Reading, Track};
 use super::trend::Interval;
 use crate::encoding;
 use crate::units::Micros;
 
-/// Rate of a sound chamber, per second: the highest that is sound, so that the ratio changes its sign at half of the least
-/// leak.
-const SOUND_PER_S: f64 = 1e-4;
-/// Rates of leaks, per second.
-const LEAKS: usize = 6;
-const LEAKS_PER_S: [f64; LEAKS] = [1e-3, 2e-3, 4e-3, 8e-3, 1.6e-2, 3.2e-2];
-/// Relative error of a fall: rates between the hypotheses.
+/// Loss of a sound chamber: the highest that is sound, so that the ratio changes its sign at half of the least leak.
+/// Most sound chambers lose less.
+const SOUND: Loss = Loss { per_s: 1e-4, sd: 0.7 };
+/// Rates of leaks, per second, and their relative error: rates between the hypotheses.
+const RATES: usize = 5;
+const RATES_PER_S: [f64; RATES] = [1e-3, 2e-3, 4e-3, 8e-3, 1.6e-2];
 const RATE_SD: f64 = 0.35;
-/// Standard deviation of a reading's error, in smallest refills: rounding and noise.
-const NOISE: f64 = 0.42;
-/// Random walk of a pressure behind shut valves, in refills per square root of a second: temperature, creep.
-const WALK: f64 = 0.01;
-/// Mean and standard deviation of a refill, in smallest refills; venting is the same downwards.
-const REFILL: (f64, f64) = (2.0, 2.0);
-/// Probability of a jump at any reading: valves tremble, robots are moved.
-const RARE: f64 = 0.003;
-/// Largest probability of a refill between two readings, and largest fall, in refills: a regulator holds the band.
-const REFILLED_MAX: f64 = 0.7;
-const FALL_MAX: f64 = 3.0;
-/// Log likelihood ratio that calls a leak. The test is repeated all life long: sound chambers reached 7 in hours.
+/// Widths of bands, in smallest refills.
+const WIDTHS: usize = 3;
+const WIDTHS_REFILLS: [f64; WIDTHS] = [1.7, 3.0, 6.0];
+/// Longest gap between two readings whose scatter counts, in seconds. Over longer gaps a sound chamber's own loss and
+/// refills scatter the readings.
+const SCATTER_GAP_S: f64 = 5.0;
+/// Readings from which the noise is known well enough for scatter to count.
+const SCATTER_READINGS: f32 = 200.0;
+/// Longest time from refill to refill of a leak whose readings scatter, in seconds.
+const SCATTER_CYCLE_S: f64 = 10.0;
+/// Number of hypotheses: rates and widths.
+const LEAKS: usize = RATES + WIDTHS;
+/// Noise that a sensor has until it is known, and least noise, in smallest refills.
+const NOISE: f64 = 0.36;
+const NOISE_MIN: f64 = 0.25;
+/// Number of readings that the noise in advance is worth, and number of readings that the learned noise remembers.
+const NOISE_READINGS: f64 = 50.0;
+const NOISE_READINGS_MAX: f64 = 2000.0;
+/// Distances from the prediction count up to this in the noise, in refills: refills are no noise.
+const NOISE_OFF_MAX: f64 = 1.2;
+/// Log likelihood ratio from which on no noise is learned: a leak that is slow to show would become noise.
+const SUSPECTED_AT: f32 = 5.0;
+/// Log likelihood ratio that calls a leak. The test is repeated all life long: sound chambers reached 12 in hours.
 const CALLED_AT: f32 = 14.0;
-/// The same in favour of a sound chamber that ends a leak. Leaks that are refilled faster than statuses come look sound
-/// for some time.
+/// The same in favour of a sound chamber that ends a leak. Leaks with bands of a sensor's step look sound for some time.
 const ENDED_AT: f32 = 60.0;
-/// Bound of the ratios while a leak is called, so that another rate can become the likeliest.
+/// Bound of the ratios while a leak is called, so that another hypothesis can become the likeliest.
 const RATIO_MAX: f32 = 2.0 * ENDED_AT;
 /// Bounds of one reading's contribution.
 const CONTRIBUTION_MAX: f64 = 4.0;
 /// Least and largest gap between two readings, in seconds; after a longer one the predictions begin anew.
 const GAP_S: (f64, f64) = (0.5, 20.0);
-
-/// Pressure that a hypothesis predicts: mean and variance, in smallest refills.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-struct Track {
-    refills: f32,
-    variance: f32,
-}
 
 /// The test's state for one chamber.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -60,9 +67,28 @@ pub(super) struct LeakTest {
     /// Time of the last reading; 0 before the first, and after a valve was moved on purpose.
     at: Micros,
     sound: Track,
-    leaks: [Track; LEAKS],
-    /// Of each rate against a sound chamber: at least 0 while no leak is called, at most 0 while one is.
+    rates: [Track; RATES],
+    widths: [Track; WIDTHS],
+    /// Of each hypothesis against a sound chamber, rates first: at least 0 while no leak is called, at most 0 while one is.
     log_ratios: [f32; LEAKS],
+    noise: Noise,
+}
+
+/// Noise of the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+struct Noise {
+    readings: f32,
+    /// Mean square, in smallest refills squared, apart from rounding.
+    square: f32,
+}
+
+/// Rate by the likeliest hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Likeliest {
+    /// Least rate, per second.
+    pub least_per_s: f64,
+    /// Bounds of the rate: a factor of two in either direction. None if refills are faster than readings.
+    pub rate: Option<Interval>,
 }
 
 impl LeakTest {
@@ -75,19 +101,33 @@ impl LeakTest {
     pub(super) fn read(&mut self, is_leaking: bool, at: Micros, refills: f64) -> Option<bool> {
         let gap_s = at.since(self.at).as_s();
         if self.at == Micros::default() || gap_s > GAP_S.1 {
-            let begun = Track { refills: refills as f32, variance: NOISE.powi(2) as f32 };
-            (self.at, self.sound, self.leaks) = (at, begun, [begun; LEAKS]);
+            self.at = at;
+            let error = self.noise.variance() + ROUNDING;
+            self.sound = Track::new(refills, error);
+            self.rates = [self.sound; RATES];
+            self.widths = WIDTHS_REFILLS.map(|width| Track::new(refills, width.powi(2) / 12.0 + error));
             return None;
         }
         if gap_s < GAP_S.0 {
             return None;
         }
         self.at = at;
-        let sound = self.sound.follow(SOUND_PER_S * gap_s, gap_s, refills).ln();
-        for ((track, log_ratio), per_s) in self.leaks.iter_mut().zip(&mut self.log_ratios).zip(LEAKS_PER_S) {
-            let more = track.follow(per_s * gap_s, gap_s, refills).ln() - sound;
-            let sum = *log_ratio + more.clamp(-CONTRIBUTION_MAX, CONTRIBUTION_MAX) as f32;
-            *log_ratio = if is_leaking { sum.max(-RATIO_MAX) } else { sum.max(0.0) };
+        let reading = Reading { refills, gap_s, noise: self.noise.variance() };
+        if !is_leaking && self.log_ratios.iter().all(|&ratio| ratio < SUSPECTED_AT) {
+            self.noise.learn(self.sound.off(refills));
+        }
+        let is_new = !is_leaking && self.noise.readings < SCATTER_READINGS;
+        let sound = self.sound.fall(SOUND, &reading);
+        let rates = self.rates.iter_mut().zip(RATES_PER_S);
+        let rates = rates.map(|(track, per_s)| track.fall(Loss { per_s, sd: RATE_SD }, &reading));
+        let widths = self.widths.iter_mut().zip(WIDTHS_REFILLS);
+        let widths = widths.map(|(track, width)| {
+            let density = track.scatter(width, &reading);
+            if gap_s > SCATTER_GAP_S || is_new { sound } else { density }
+        });
+        for (log_ratio, density) in self.log_ratios.iter_mut().zip(rates.chain(widths)) {
+            let more = (density / sound).ln().clamp(-CONTRIBUTION_MAX, CONTRIBUTION_MAX) as f32;
+            *log_ratio = (*log_ratio + more).max(if is_leaking { -RATIO_MAX } else { 0.0 });
         }
         if is_leaking {
             self.bound();
@@ -103,11 +143,17 @@ impl LeakTest {
         })
     }
 
-    /// Bounds of the rate with the largest likelihood: a factor of two in either direction.
-    pub(super) fn likeliest(&self) -> Interval {
-        let rates = LEAKS_PER_S.into_iter().zip(self.log_ratios);
-        let mean = rates.max_by(|one, other| one.1.total_cmp(&other.1)).map_or(0.0, |(per_s, _)| per_s);
-        Interval { mean, low: 0.5 * mean, high: 2.0 * mean }
+    /// Rate by the likeliest hypothesis.
+    pub(super) fn likeliest(&self) -> Likeliest {
+        let (rates, widths) = self.log_ratios.split_at(RATES);
+        let best = |of: &[f32]| (0..of.len()).max_by(|&one, &other| of[one].total_cmp(&of[other])).unwrap_or_default();
+        let (rate, width) = (best(rates), best(widths));
+        if rates[rate] >= widths[width] {
+            let mean = RATES_PER_S[rate];
+            let bounds = Interval { mean, low: 0.5 * mean, high: 2.0 * mean };
+            return Likeliest { least_per_s: bounds.low, rate: Some(bounds) };
+        }
+        Likeliest { least_per_s: WIDTHS_REFILLS[width] / SCATTER_CYCLE_S / self.sound.refills().max(1.0), rate: None }
     }
 
     /// The verdict has changed.
@@ -119,59 +165,38 @@ impl LeakTest {
         }
     }
 
-    /// While a leak is called, the ratio of its likeliest rate is at most 0.
+    /// While a leak is called, the ratio of its likeliest hypothesis is at most 0.
     fn bound(&mut self) {
         let most = self.log_ratios.iter().fold(0.0_f32, |most, &one| most.max(one));
         self.log_ratios.iter_mut().for_each(|one| *one -= most);
     }
 }
 
-impl Track {
-    /// Predicts a reading, learns from it, and returns its density under the hypothesis. `fall` is the relative fall since
-    /// the last reading.
-    fn follow(&mut self, fall: f64, gap_s: f64, refills: f64) -> f64 {
-        let fallen = fall * f64::from(self.refills);
-        let fall = fallen.min(FALL_MAX);
-        let mean = f64::from(self.refills) - fall;
-        let variance = f64::from(self.variance) + WALK.powi(2) * gap_s + (RATE_SD * fall).powi(2);
-        let refilled = RARE + (fallen / REFILL.0).min(REFILLED_MAX);
-        let shut = (1.0 - refilled - RARE, 0.0, 0.0);
-        let cases = [shut, (refilled, REFILL.0, REFILL.1), (RARE, -REFILL.0, REFILL.1)];
-        let (mut density, mut first, mut second) = (0.0, 0.0, 0.0);
-        for (share, jump, sd) in cases {
-            let (before, prior) = (mean + jump, variance + sd.powi(2));
-            let (off, all) = (refills - before, prior + NOISE.powi(2));
-            let weight = share * (-0.5 * off.powi(2) / all).exp() / all.sqrt();
-            let after = before + off * prior / all;
-            density += weight;
-            first += weight * after;
-            second += weight * (prior * NOISE.powi(2) / all + after.powi(2));
-        }
-        if density < LEAST_DENSITY {
-            *self = Self { refills: refills as f32, variance: NOISE.powi(2) as f32 };
-            return LEAST_DENSITY;
-        }
-        let mean = first / density;
-        self.refills = mean as f32;
-        self.variance = (second / density - mean.powi(2)).max(0.0) as f32;
-        density
+impl Noise {
+    fn variance(&self) -> f64 {
+        let [readings, square] = [self.readings, self.square].map(f64::from);
+        let blended = (NOISE_READINGS * NOISE.powi(2) + readings * square) / (NOISE_READINGS + readings);
+        blended.max(NOISE_MIN.powi(2))
+    }
+
+    fn learn(&mut self, off: f64) {
+        self.readings = (f64::from(self.readings) + 1.0).min(NOISE_READINGS_MAX) as f32;
+        let square = off.abs().min(NOISE_OFF_MAX).powi(2) - ROUNDING;
+        self.square += (square as f32 - self.square) / self.readings;
     }
 }
-
-/// Densities below this are those of a pressure that has nothing to do with the last one.
-const LEAST_DENSITY: f64 = 1e-12;
 
 impl LeakTest {
     /// Writes the state; the time is written relative to `from`.
     pub(super) fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
         encoding::write_time(self.at, from, writer)?;
-        (self.sound, self.leaks, self.log_ratios).serialize(writer)
+        (self.sound, self.rates, self.widths, self.log_ratios, self.noise).serialize(writer)
     }
 
     /// Reads the output of [`Self::write`].
     pub(super) fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
         let at = encoding::read_time(from, reader)?;
-        let (sound, leaks, log_ratios) = BorshDeserialize::deserialize_reader(reader)?;
-        Ok(Self { at, sound, leaks, log_ratios })
+        let (sound, rates, widths, log_ratios, noise) = BorshDeserialize::deserialize_reader(reader)?;
+        Ok(Self { at, sound, rates, widths, log_ratios, noise })
     }
 }

@@ -22,6 +22,7 @@ pub mod noise;
 pub mod outlier;
 pub mod own_calibration;
 mod pool;
+mod pressure_track;
 pub mod reach;
 pub mod refill;
 mod sealed_interval;

@@ -133,12 +133,12 @@ pub(super) fn run(row: Row, place: Place, plan_seed: u64, number: u64, rounds: u
             healthy.leaks.chambers = 1;
         }
         robot.round();
-        for effect in std::mem::take(&mut robot.told) {
+        for (at_s, effect) in std::mem::take(&mut robot.told) {
             if is_leak(&effect) {
                 healthy.leaks.raised += 1;
                 healthy.leaks.found = 1;
                 let is_first = healthy.leaks.raised == 1;
-                let in_time = is_first && robot.course.now_s - leaks_since_s <= LEAK_IN_TIME_S;
+                let in_time = is_first && at_s - leaks_since_s <= LEAK_IN_TIME_S;
                 healthy.leaks.in_time += u64::from(in_time);
             } else if let Some(whisker) = healthy.count(&effect) {
                 robot.replaced(whisker);

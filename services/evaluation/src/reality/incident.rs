@@ -177,7 +177,7 @@ impl Trial {
             self.round += 1;
             self.robot.round();
             self.others.contacts += (WHISKERS - self.cases.len()) as u64;
-            for effect in std::mem::take(&mut self.robot.told) {
+            for (_, effect) in std::mem::take(&mut self.robot.told) {
                 self.hear(&effect);
             }
         }

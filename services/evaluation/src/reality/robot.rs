@@ -74,8 +74,8 @@ pub(super) struct Robot {
     pub(super) core: Core,
     /// Parameters of the core.
     pub(super) params: Params,
-    /// Effects since they were last taken, except contacts and responses.
-    pub(super) told: Vec<Effect>,
+    /// Effects since they were last taken, except contacts and responses, each with its time since the installation, s.
+    pub(super) told: Vec<(f64, Effect)>,
     /// Setpoints that are on their way.
     moving: Vec<(usize, CommandKey)>,
     /// Buffers for effects and for the next message, reused to save allocations.
@@ -249,11 +249,12 @@ impl Robot {
         let mut effects = std::mem::take(&mut self.effects);
         self.core.step(&self.params, now, event, &mut effects);
         let first = self.told.len();
-        self.told
-            .extend(effects.drain(..).filter(|effect| !matches!(effect, Effect::Contact(_) | Effect::Response(_))));
+        let is_kept = |effect: &Effect| !matches!(effect, Effect::Contact(_) | Effect::Response(_));
+        self.told.extend(effects.drain(..).filter(is_kept).map(|effect| (self.at_s, effect)));
         self.effects = effects;
-        let commands: Vec<Command> = self.told[first..].iter().filter_map(command_of).collect();
-        let tests: Vec<TouchTest> = self.told[first..].iter().filter_map(test_of).collect();
+        let told = || self.told[first..].iter().map(|(_, effect)| effect);
+        let commands: Vec<Command> = told().filter_map(command_of).collect();
+        let tests: Vec<TouchTest> = told().filter_map(test_of).collect();
         for command in commands {
             self.obey(&command);
         }

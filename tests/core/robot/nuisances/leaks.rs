@@ -19,6 +19,7 @@ struct Chamber {
     mpa: f64,
     band_mpa: f64,
     per_s: f64,
+    noise_mpa: f64,
     random: ChaCha8Rng,
 }
 
@@ -26,7 +27,7 @@ impl Chamber {
     fn new(seed: u64, band_mpa: f64, per_s: f64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mpa = FULL_MPA + band_mpa * random.random_range(-1.0..=0.5);
-        Self { mpa, band_mpa, per_s, random }
+        Self { mpa, band_mpa, per_s, noise_mpa: SENSOR_NOISE_MPA, random }
     }
 
     /// Reading after another second.
@@ -38,7 +39,7 @@ impl Chamber {
             }
         }
         let noise: f64 = StandardNormal.sample(&mut self.random);
-        Megapascal::known(((self.mpa + SENSOR_NOISE_MPA * noise) / SENSOR_STEP_MPA).round() * SENSOR_STEP_MPA)
+        Megapascal::known(((self.mpa + self.noise_mpa * noise) / SENSOR_STEP_MPA).round() * SENSOR_STEP_MPA)
     }
 }
 
@@ -53,14 +54,15 @@ fn cleared(rig: &Rig) -> Vec<(u64, ())> {
     rig.picked(|effect| matches!(effect, Effect::AlarmCleared { kind, .. } if *kind == LEAK).then_some(()))
 }
 
-/// A dead band of little more than a sensor's step takes longer, and hides leaks whose refills are faster.
+/// A dead band of little more than a sensor's step takes longer: whether the readings change hangs on where in the step
+/// the band lies. There some leaks are late.
 #[test]
 fn property_a_leak_is_called_once_within_a_minute_and_cleared_once_it_is_repaired() {
-    const ALL: &[f64] = &[1e-3, 2e-3, 5e-3, 1e-2];
-    for (band_mpa, rates_per_s, within_s) in
-        [(0.0015, &ALL[..1], 300), (0.002, &ALL[..2], 80), (0.003, ALL, 60), (0.005, ALL, 60), (0.008, ALL, 60)]
-    {
-        for (&per_s, seed) in rates_per_s.iter().flat_map(|per_s| (0..4).map(move |seed| (per_s, seed))) {
+    const RATES_PER_S: [f64; 5] = [1e-3, 2e-3, 5e-3, 1e-2, 3e-2];
+    const NARROW_MPA: f64 = 0.0015;
+    let mut late = Vec::new();
+    for (band_mpa, within_s) in [(NARROW_MPA, 300), (0.002, 100), (0.003, 60), (0.005, 60), (0.008, 60)] {
+        for (per_s, seed) in RATES_PER_S.into_iter().flat_map(|per_s| (0..4).map(move |seed| (per_s, seed))) {
             let case = format!("{band_mpa} MPa, {per_s} per s, seed {seed}");
             let mut rig = Rig::new(seed, 1);
             let mut chamber = Chamber::new(3000 + seed, band_mpa, 5e-5);
@@ -71,25 +73,44 @@ fn property_a_leak_is_called_once_within_a_minute_and_cleared_once_it_is_repaire
             wait_s(&mut rig, &mut chamber, 1200);
             let alarms = rig.alarms(LEAK);
             let delay = alarms.first().map(|(round, _)| (round - since) / 50);
-            assert!(delay.is_some_and(|delay| delay <= within_s), "{case}: {delay:?}");
+            let is_in_time = delay.is_some_and(|delay| delay <= within_s);
+            if band_mpa == NARROW_MPA && !is_in_time {
+                assert_eq!(cleared(&rig), [], "{case}");
+                late.push((case, delay));
+                continue;
+            }
+            assert!(is_in_time, "{case}: {delay:?}");
             assert_eq!((alarms.len(), cleared(&rig).len()), (1, 0), "{case}");
-            let told = rig.view(0).leak_per_s.expect("a rate or its bounds");
-            assert!(told.low <= 1.6 * per_s && 0.6 * per_s <= told.high, "{case}: {told:?}");
+            let told = rig.view(0).leak_per_s;
+            let is_right = told.is_none_or(|told| told.low <= 1.6 * per_s && 0.6 * per_s <= told.high);
+            // Refills that are faster than the statuses tell no rate.
+            let must_be_told = band_mpa / FULL_MPA / per_s > 10.0;
+            assert!(is_right && (told.is_some() || !must_be_told), "{case}: {told:?}");
             chamber.per_s = 5e-5;
             wait_s(&mut rig, &mut chamber, 900);
             assert_eq!((rig.alarms(LEAK).len(), cleared(&rig).len()), (1, 1), "{case}: repaired");
         }
     }
+    println!("late: {late:?}");
+    assert!(late.len() <= 3, "of 20: {late:?}");
 }
 
 #[test]
 fn property_a_sound_chamber_behind_valves_is_no_leak_in_hours() {
-    for band_mpa in [0.0015, 0.003, 0.008] {
+    for (band_mpa, noise_mpa) in [
+        (0.00075, 0.0003),
+        (0.0015, 0.0),
+        (0.0015, 0.0003),
+        (0.0015, 0.0005),
+        (0.003, 0.0003),
+        (0.003, 0.0005),
+        (0.008, 0.0003),
+    ] {
         for per_s in [3e-5, 1e-4] {
             let mut rig = Rig::new(1, 1);
-            let mut chamber = Chamber::new(3100, band_mpa, per_s);
+            let mut chamber = Chamber { noise_mpa, ..Chamber::new(3100, band_mpa, per_s) };
             wait_s(&mut rig, &mut chamber, 5 * 3600);
-            assert_eq!(rig.alarms(LEAK), [], "{band_mpa} MPa, {per_s} per s");
+            assert_eq!(rig.alarms(LEAK), [], "{band_mpa} MPa, noise {noise_mpa} MPa, {per_s} per s");
         }
     }
 }
