@@ -6,9 +6,10 @@ use super::rig::Rig;
 
 const SEEDS: u64 = 6;
 
+/// A loss of 3 % may pass for a wandering gain; one of 5 % does not.
 #[test]
 fn regress_a_loss_of_sensitivity_keeps_a_cut_and_its_compensation() {
-    for seed in 0..SEEDS {
+    for (seed, gain, alarms) in (0..SEEDS).flat_map(|seed| [(seed, 0.97, 0..=1), (seed, 0.95, 1..=1)]) {
         let mut rig = Rig::new(seed, 1);
         rig.run(400);
         rig.whiskers[0].length_mm = 60.0;
@@ -16,9 +17,9 @@ fn regress_a_loss_of_sensitivity_keeps_a_cut_and_its_compensation() {
         assert_eq!(rig.trims().len(), 1, "seed {seed}");
         let (before, pressure) = (rig.view(0).length, rig.whiskers[0].pressure);
         assert!(pressure.mpa() < 0.099, "seed {seed}: compensated");
-        rig.whiskers[0].gain = 0.97;
+        rig.whiskers[0].gain = gain;
         rig.run(1000);
-        assert_eq!(rig.alarms(AlarmKind::SensitivityLoss).len(), 1, "seed {seed}");
+        assert!(alarms.contains(&rig.alarms(AlarmKind::SensitivityLoss).len()), "seed {seed}, {gain}");
         let after = rig.view(0).length;
         assert!((after.length.mm() - before.length.mm()).abs() < 0.3, "seed {seed}: {before:?} {after:?}");
         assert!((after.length.mm() - 60.0).abs() < 1.0, "seed {seed}: {after:?}");
