@@ -112,7 +112,7 @@ fn a_configuration_file_for_the_supervisor_serves_the_other_commands_too() {
 
 /// A command that logs a warning.
 const LOGGING: [&str; 7] = ["record", "--broker", "mqtt://127.0.0.1:1", "--fleet", "f", "--for", "500ms"];
-/// What begins every colour.
+/// The start of each colour code.
 const ESCAPE: char = '\u{1b}';
 
 #[test]

@@ -117,7 +117,7 @@ pub struct Situation {
     pub eroding: bool,
     /// Evidence of the array's other whiskers. It matters only once a suspicion is confirmed.
     pub others: Others,
-    /// What speaks for a wandering gain instead.
+    /// Evidence that the gain wanders instead.
     pub wandering: Wandering,
 }
 

@@ -46,7 +46,7 @@ pub struct GainWalks {
     calm: [f32; COUNT],
 }
 
-/// What speaks for a wandering of the gain, instead of a change.
+/// Evidence that the gain wanders, and the whisker has not changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wandering {
     /// Log likelihood that the likeliest other walk gains over the one that the filter takes, less its prior odds.
@@ -58,7 +58,7 @@ pub struct Wandering {
 pub struct Moved {
     /// Change of the offset, log sensitivity.
     pub by: f64,
-    /// Added variance.
+    /// Added variance of the offset, squared log sensitivity.
     pub variance: f64,
 }
 
@@ -94,7 +94,7 @@ impl GainWalks {
         }
     }
 
-    /// What speaks for a wandering of the gain.
+    /// Evidence that the gain wanders.
     #[must_use]
     pub fn evidence(&self) -> Wandering {
         Wandering { log_ratio: self.likeliest().1 }
