@@ -132,7 +132,7 @@ pub enum Verdict {
     Looking,
     /// The test has dismissed the alarm.
     Dismissed,
-    /// Its gain has wandered, as it has done before: no change.
+    /// The gain has wandered, which is no change of the whisker.
     Wandered,
     /// The test has confirmed a change of this whisker.
     Changed(Change),

@@ -9,5 +9,6 @@ mod rig;
 mod scrapes;
 mod second_cuts;
 mod temperature;
+mod wandering;
 mod wear;
 mod zones;
