@@ -24,7 +24,7 @@ export function whiskerActions(whisker, done) {
   const name = `whisker ${whiskerName(whisker)} of ${whisker.robot}`;
   const at = api.whisker(whisker);
   const all = {
-    setpoint: () => ({ title: `Set the pressure of ${name}`, ...setpoint(whisker) }),
+    setpoint: () => ({ title: `Set the pressure of ${name}`, moves: whisker, ...setpoint(whisker) }),
     hold: () => ({
       title: `Hold ${name}`,
       what: [
@@ -35,6 +35,7 @@ export function whiskerActions(whisker, done) {
     }),
     release: () => ({
       title: `Release ${name}`,
+      moves: whisker,
       what: [
         "The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure of " +
           mpa(whisker.nominal_pressure_mpa) +
@@ -135,6 +136,7 @@ export function proposalActions(proposal, done) {
   const whom =
     proposal.compensator_whisker === proposal.target_whisker ? "itself" : `whisker ${proposal.target_whisker}`;
   const approve = {
+    moves: { ...proposal, whisker: proposal.compensator_whisker },
     title: `Approve ${who} as compensator of ${whom}`,
     what: [
       `The robot moves the chamber of ${who} from ${mpa(proposal.pressure_before_mpa)} to ${mpa(proposal.pressure_mpa)} at once. The supervisor then refines the pressure from measured contacts.`,

@@ -24,6 +24,7 @@ pub mod page;
 mod parse_error;
 pub mod passage;
 pub mod problem;
+pub mod search;
 pub mod server;
 pub mod streams;
 pub mod words;

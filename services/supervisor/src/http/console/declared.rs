@@ -10,7 +10,7 @@ use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome, TestKind, TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, Link};
-use vibrissa_edge::actions::ActionKind;
+use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::words::Words;
 
 /// Path of the module below `/console/`.
@@ -32,7 +32,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", labels::<AlarmKind>()),
-        ("ACTION_KINDS", words::<ActionKind>()),
+        ("AUDIT_KINDS", words::<AuditKind>()),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("MODES", words::<Mode>()),
         ("OBJECTIVES", words::<Objective>()),

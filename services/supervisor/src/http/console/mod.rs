@@ -41,10 +41,13 @@ macro_rules! files {
 
 files!(
     "actions.js"
+    "address.js"
     "api.js"
+    "browse.js"
     "dialog.js"
     "dom.js"
     "drawing.js"
+    "follow.js"
     "format.js"
     "icon.svg"
     "index.html"
@@ -55,13 +58,16 @@ files!(
     "pages/alarms.js"
     "pages/audit.js"
     "pages/compensation.js"
+    "pages/compensations.js"
     "pages/fleet.js"
     "pages/fleets.js"
     "pages/nowhere.js"
     "pages/policy.js"
     "pages/robot.js"
     "pages/whisker.js"
+    "pages/whiskers.js"
     "parts/decisions.js"
+    "parts/fleets.js"
     "parts/proposals.js"
     "parts/tests.js"
     "places.js"
@@ -75,6 +81,7 @@ files!(
     "styles/lists.css"
     "styles/pictures.css"
     "table.js"
+    "views.js"
     "words.js"
 );
 
