@@ -86,5 +86,6 @@ function morph(old, next) {
     if (old.getAttribute(name) !== value && !own.includes(name)) old.setAttribute(name, value);
   }
   for (const [type, handler] of Object.entries(next[HANDLERS] ?? {})) listen(old, type, handler);
-  morphChildren(old, next);
+  // A custom element fills itself.
+  if (!old.localName.includes("-")) morphChildren(old, next);
 }

@@ -7,6 +7,8 @@ import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
 import { find, navigation } from "./router.js";
 import { signInForm, signOut, token } from "./session.js";
+import { showZoneChoice } from "./zone-choice.js";
+import { onZone } from "./zone.js";
 
 const main = document.getElementById("main");
 const STATES = {
@@ -15,6 +17,9 @@ const STATES = {
   reconnecting: ["reconnecting", "warn", "dots"],
   offline: ["offline: the page may be outdated", "bad", "gap"],
 };
+
+/** An address without its query, which selects what a page shows and is not another page. */
+const pageOf = (address) => address?.split("?")[0];
 
 /** The present view; its number reveals answers that came too late. */
 let shown = { number: 0, page: null, parts: null };
@@ -32,7 +37,7 @@ async function show(isNavigation) {
   if (isNavigation) {
     shown = { number, page, parts };
     document.getElementById("nav").replaceChildren(navigation(location.hash));
-    if (main.dataset.address !== location.hash) main.setAttribute("aria-busy", "true");
+    if (pageOf(main.dataset.address) !== pageOf(location.hash)) main.setAttribute("aria-busy", "true");
   }
   let content;
   try {
@@ -61,7 +66,7 @@ function failed(problem, isNavigation) {
 
 function put(content, isNavigation) {
   const next = h("main", {}, content);
-  const isSameAddress = main.dataset.address === location.hash;
+  const isSameAddress = pageOf(main.dataset.address) === pageOf(location.hash);
   const hadFocus = main.contains(document.activeElement);
   if (isSameAddress) morphChildren(main, next);
   else main.replaceChildren(...next.childNodes);
@@ -114,6 +119,14 @@ addEventListener("hashchange", () => {
   // A dialog belongs to the page on which it was opened.
   document.querySelector("dialog")?.close();
   show(true);
+});
+showZoneChoice(document.getElementById("zone"));
+onZone(() => refresh());
+// Drawings fit the width of the window.
+let resizing = 0;
+addEventListener("resize", () => {
+  clearTimeout(resizing);
+  resizing = setTimeout(refresh, 200);
 });
 addEventListener("online", () => live.hurry());
 document.addEventListener("visibilitychange", () => document.hidden || live.hurry());

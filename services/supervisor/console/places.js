@@ -13,6 +13,8 @@ export const link = {
     `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
   compensation: (id) => `#/compensations/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
+  alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
+  audit: () => "#/audit",
 };
 
 /** Paths of the API. */

@@ -30,9 +30,16 @@ const MAIN = [
   ["Audit", "#/audit", "audit"],
 ];
 
+/** The parts of an address without its query. */
+const partsOf = (hash) =>
+  hash
+    .split("?")[0]
+    .replace(/^#?\/?/, "")
+    .split("/");
+
 /** The view of an address, and its parameters by name. */
 export function find(hash) {
-  const told = hash.replace(/^#?\/?/, "").split("/");
+  const told = partsOf(hash);
   if (told[0] === "") return { page: fleets, parts: {} };
   for (const [pattern, page] of PAGES) {
     const parts = match(pattern.split("/"), told);
@@ -61,8 +68,8 @@ function decoded(part) {
 
 /** Links to the main pages; the present one is marked. */
 export function navigation(hash) {
-  const first = hash.replace(/^#?\/?/, "").split("/")[0] || "fleets";
-  const current = (target, address) => (target !== first ? null : address === hash ? "page" : "true");
+  const first = partsOf(hash)[0] || "fleets";
+  const current = (target, address) => (target !== first ? null : address === hash.split("?")[0] ? "page" : "true");
   const item = ([words, address, target]) =>
     h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
   return h("ul", {}, MAIN.map(item));

@@ -3,9 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod browser;
+mod charts;
 mod checks;
 mod stage;
 mod touch_tests;
+mod widths;
+mod zones;
 
 mod acting;
 mod advising;

@@ -2,24 +2,19 @@
 
 import { get, has, ifServed, list } from "../api.js";
 import { proposalActions, whiskerActions } from "../actions.js";
+import { errorChart, modelChart } from "../charts/ratio.js";
+import { whiskerCharts } from "../charts/whisker.js";
 import { h } from "../dom.js";
 import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
-import { candidatesTable, decisionsTable, ratioPlot, setpointsTable } from "../parts/decisions.js";
+import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
 import { testsTable } from "../parts/tests.js";
-import { figure } from "../plot.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
 
 /** Number of setpoints shown with their history. */
 const HISTORIES = 5;
-const PLOTS = [
-  ["lengths", "Length over time", "Estimated length with its 95 % interval."],
-  ["contacts", "Sensitivity against the model", "Measured / predicted sensitivity; 1 agrees with the model."],
-  ["pressures", "Pressure, set and measured", "Setpoint and measured pressure of the chamber."],
-  ["errors", "Compensation error over time", "Mean of Eq. 35 with its 95 % interval."],
-];
 
 export default {
   async load({ fleet, robot, array, whisker }) {
@@ -53,7 +48,11 @@ export default {
     };
   },
 
-  view({ about, targets, serves, setpoints, tests, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
+  view(
+    { about, targets, serves, setpoints, tests, trims, changes, newest },
+    { fleet, robot, array, whisker },
+    refresh,
+  ) {
     const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
     const actions = whiskerActions(about, refresh);
     return [
@@ -66,7 +65,8 @@ export default {
       h("p", {}, marksOf(about)),
       facts(of(about)),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
-      section("Plots", plots(about)),
+      section("Charts", whiskerCharts(about)),
+      has("GET", `${ROUTES.whisker}/model`) ? section("Model", modelChart(about), modelHint()) : null,
       newest ? section("Newest decision", decision(newest, refresh)) : null,
       section(
         "All decisions",
@@ -125,14 +125,12 @@ function remaining({ contacts_left: left, contacts_left_low: low, contacts_left_
   return `${whole(left)} (${low === null ? "?" : whole(low)} to ${high === null ? "never" : whole(high)})`;
 }
 
-/** The plots drawn by the service; redrawn when the whisker's data have changed. */
-function plots(whisker) {
-  const version = [whisker.contacts, whisker.setpoint_mpa, whisker.pressure_mpa, whisker.compensated_by].join(" ");
-  const shown = PLOTS.filter(([name]) => has("GET", `${ROUTES.whisker}/${name}/plot.svg`));
-  if (!shown.length) return h("p", { class: "empty" }, "This service draws no plots.");
-  const plot = ([name, title, about]) =>
-    figure(name, `${api.whisker(whisker)}/${name}/plot.svg`, version, title, about);
-  return h("div", { class: "plots" }, shown.map(plot));
+function modelHint() {
+  return h(
+    "p",
+    { class: "hint" },
+    "Strain per mm of deflection at the contact (Eq. 31, averaged over the gauge's grid). The points are the newest contacts at the present length and pressure; the whisker's own curve is the model's with its learned offset.",
+  );
 }
 
 function decision(newest, refresh) {
@@ -151,7 +149,7 @@ function decision(newest, refresh) {
       newest,
       `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)} and reasons`,
     ),
-    ratioPlot(newest),
+    errorChart(newest),
   ];
 }
 
