@@ -122,9 +122,11 @@ addEventListener("hashchange", () => {
 });
 showZoneChoice(document.getElementById("zone"));
 onZone(() => refresh());
-// Drawings fit the width of the window.
-let resizing = 0;
+// Drawings fit the width of the window. The height changes whenever a phone hides its address bar.
+let [width, resizing] = [innerWidth, 0];
 addEventListener("resize", () => {
+  if (innerWidth === width) return;
+  width = innerWidth;
   clearTimeout(resizing);
   resizing = setTimeout(refresh, 200);
 });

@@ -124,14 +124,14 @@ async fn the_resolution_follows_the_range() {
 #[tokio::test]
 async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     let mut stage = with_a_compensation().await;
-    // The contacts lie within a second: they are told apart only in a short range.
+    // The contacts lie within a second: only a short range separates them.
     let newest = ask(stage.service.http, "GET", &format!("{PATH}/lengths?points=1"), &[]).await.unwrap().json();
     let newest = format!("Date.parse('{}')", newest["items"][0]["at"].as_str().unwrap());
     stage.open("#/fleets").await;
     let end = |by: i32| format!("encodeURIComponent(new Date({newest} + {by}).toISOString())");
     let range = stage.browser.js(&format!("`from=${{{}}}&to=${{{}}}`", end(-1_000), end(200))).await;
     stage.open(&format!("{WHISKER}?{}", range.as_str().unwrap())).await;
-    // Without a cursor the newest values are told.
+    // Without a cursor the chart names the newest values.
     let lengths = ask(stage.service.http, "GET", &format!("{PATH}/lengths"), &[]).await.unwrap().json();
     let lengths = lengths["items"].as_array().unwrap().clone();
     let told = |row: &Value| format!("{:.2}\u{a0}mm", row["length_mm"].as_f64().unwrap());
@@ -161,8 +161,10 @@ async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     // Several contacts may share a pixel; all of them were before the cut.
     let first = format!("Math.abs(parseFloat({value}) - {}) < 0.5", lengths[0]["length_mm"]);
     stage.browser.until("the first contacts' length", &first).await;
+    let before = query(&mut stage).await;
     stage.browser.press("+").await;
-    stage.browser.until("a zoom by key", &format!("{STATUS}.includes('chosen range')")).await;
+    let nearer = query(&mut stage).await;
+    assert!(nearer.starts_with("from=") && nearer != before, "{nearer}");
     stage.browser.press("0").await;
     stage.browser.until("no zoom", &format!("{STATUS}.includes('follows new data')")).await;
     // The same values in a table.

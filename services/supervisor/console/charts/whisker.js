@@ -15,8 +15,8 @@ import { dataOf, specs } from "./series.js";
 import { Toolbar } from "./toolbar.js";
 import { ValueTables } from "./values.js";
 
-/** Shortest time between two loads that new data cause. */
-const PAUSE_MS = 1_000;
+/** Shortest time between two loads that new data cause, by resolution: coarse data change slowly. */
+const PAUSE_MS = { contacts: 1_000, means: 1_000, minute: 5_000, hour: 15_000 };
 
 class WhiskerCharts extends HTMLElement {
   static observedAttributes = ["version"];
@@ -144,8 +144,9 @@ class WhiskerCharts extends HTMLElement {
   }
 
   #loadSoon() {
+    const pause = PAUSE_MS[this.#found?.resolution] ?? PAUSE_MS.contacts;
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => this.#load(), Math.max(0, this.#loadedAt + PAUSE_MS - Date.now()));
+    this.#timer = setTimeout(() => this.#load(), Math.max(0, this.#loadedAt + pause - Date.now()));
   }
 
   async #load() {
