@@ -25,7 +25,7 @@ export function table({ caption, columns, rows, empty, key }) {
     );
   return h(
     "div",
-    { class: "table", "data-columns": Math.min(columns.length, 8) },
+    { class: `table ${columns.length < 4 ? "few" : columns.length < 7 ? "some" : "many"}` },
     h(
       "table",
       { role: "table" },

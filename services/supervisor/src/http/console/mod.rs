@@ -80,6 +80,7 @@ files!(
     "session.js"
     "sse.js"
     "styles/base.css"
+    "styles/cards.css"
     "styles/charts.css"
     "styles/forms.css"
     "styles/layout.css"
